@@ -1,0 +1,1 @@
+"""Model to text: loads Ecore models and emits the middleware."""

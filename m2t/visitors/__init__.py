@@ -1,0 +1,1 @@
+"""One visitor per generated file."""

@@ -1,0 +1,1 @@
+"""Runtime of mrsfi: hosts generated missions, injects faults, evolves fault specifications."""

@@ -1,0 +1,1 @@
+"""Reads campaign folders: fronts, patterns, effects, figures and the report."""

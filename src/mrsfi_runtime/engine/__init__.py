@@ -1,0 +1,1 @@
+"""Evaluates fault specifications."""

@@ -1,0 +1,92 @@
+"""Every error that a user can meet, and the exit code it ends a command with.
+
+::
+
+    MrsfiError                  1  a defect of ours
+    ├── UsageError              2  a setting or an argument that makes no sense
+    ├── ModelError              3  a metamodel or model that cannot be used
+    ├── GenerationError         4  generation impossible, or generated code stale
+    │   └── ProtectedRegionError   hand-written code in danger
+    ├── SpecificationError      5  a fault specification that cannot be flown
+    ├── EvaluationError         6  the mission's own code failed
+    ├── ReplayMismatch          7  a replay differs from its record
+    ├── TransportError          8  messages were lost
+    │   ├── TransportTimeout
+    │   ├── TransportClosed
+    │   └── ProtocolError
+    └── RecordError             9  a campaign folder that cannot be read or written
+
+Programming mistakes stay ``TypeError`` and ``ValueError``.
+"""
+
+from typing import ClassVar
+
+
+class MrsfiError(Exception):
+    """Base of all errors of mrsfi."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class UsageError(MrsfiError):
+    """A setting or an argument makes no sense."""
+
+    exit_code = 2
+
+
+class ModelError(MrsfiError):
+    """A metamodel or model cannot be used; the message lists every defect found."""
+
+    exit_code = 3
+
+
+class GenerationError(MrsfiError):
+    """Generation is impossible, or generated code is stale."""
+
+    exit_code = 4
+
+
+class ProtectedRegionError(GenerationError):
+    """Generation would lose hand-written code."""
+
+
+class SpecificationError(MrsfiError):
+    """A fault specification cannot be flown on its mission."""
+
+    exit_code = 5
+
+
+class EvaluationError(MrsfiError):
+    """The decision logic of a mission failed while it was evaluated."""
+
+    exit_code = 6
+
+
+class ReplayMismatch(MrsfiError):
+    """A replay differs from the evaluation it repeats."""
+
+    exit_code = 7
+
+
+class TransportError(MrsfiError):
+    """Messages between the two sides of a mission were lost."""
+
+    exit_code = 8
+
+
+class TransportTimeout(TransportError):
+    """The other side did not answer in time."""
+
+
+class TransportClosed(TransportError):
+    """The connection is gone."""
+
+
+class ProtocolError(TransportError):
+    """The other side sent what the protocol does not allow."""
+
+
+class RecordError(MrsfiError):
+    """A campaign folder cannot be read or written."""
+
+    exit_code = 9

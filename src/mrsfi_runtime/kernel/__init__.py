@@ -1,0 +1,1 @@
+"""The world itself, written once, in a subset of Python that also compiles."""

@@ -1,0 +1,1 @@
+"""Immutable vocabulary: missions, goals and tasks, fault types, faults and timed faults."""

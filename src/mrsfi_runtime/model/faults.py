@@ -1,0 +1,108 @@
+"""Faults of a pool, and timed faults: what search arranges into fault specifications.
+
+References
+----------
+Source paper, sections III-B b) and III-E a).
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
+
+from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.fault_types import FAULT_TYPES, FaultType
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A fault of the pool.
+
+    ``target`` is the ID of a message, robot, sensor or obstacle, as ``kind.targets`` says.
+    ``values`` follow ``kind.parameters``. ``bounds`` holds what the model says about the
+    range of an evolving parameter: name to (lowest, highest), ``None`` where it is silent.
+    ``start`` and ``finish`` are set in a written fault specification, not in a pool.
+    """
+
+    id: str
+    type: str
+    target: str
+    values: tuple[float, ...] = ()
+    bounds: Mapping[str, tuple[float | None, float | None]] = field(default_factory=dict)
+    name: str = ""
+    start: int | None = None
+    finish: int | None = None
+
+    @property
+    def kind(self) -> FaultType:
+        """The fault's type."""
+        return FAULT_TYPES[self.type]
+
+
+class TimedFault(NamedTuple):
+    """A pool fault at work: active for ``start <= tick <= finish``.
+
+    ``fault`` is the ID of the pool fault; ``values`` replace those of the pool.
+    """
+
+    fault: str
+    start: int
+    finish: int
+    values: tuple[float, ...] = ()
+
+
+Specification: TypeAlias = tuple[TimedFault, ...]
+"""A fault specification: the timed faults of one run, no two conflicting ones overlapping."""
+
+
+@dataclass(frozen=True)
+class FaultPool:
+    """The faults that could strike a mission, in model order."""
+
+    id: str
+    faults: tuple[Fault, ...]
+
+    @cached_property
+    def by_id(self) -> dict[str, Fault]:
+        """Faults by ID."""
+        return {fault.id: fault for fault in self.faults}
+
+    def __getitem__(self, fault_id: str) -> Fault:
+        """Return one fault.
+
+        Raises
+        ------
+        SpecificationError
+            If the pool has no such fault.
+        """
+        try:
+            return self.by_id[fault_id]
+        except KeyError:
+            known = ", ".join(self.by_id) or "none"
+            message = f"fault pool '{self.id}' has no fault '{fault_id}'; it has: {known}"
+            raise SpecificationError(message) from None
+
+    def __iter__(self) -> Iterator[Fault]:
+        return iter(self.faults)
+
+    def __len__(self) -> int:
+        return len(self.faults)
+
+    def written_specification(self) -> Specification:
+        """Return the faults of a written specification with their windows.
+
+        Raises
+        ------
+        SpecificationError
+            If a fault has no window.
+        """
+        timed = []
+        for fault in self.faults:
+            if fault.start is None or fault.finish is None:
+                message = (
+                    f"fault '{fault.id}' of '{self.id}' has no start and finish; "
+                    "a specification that is to be flown needs both"
+                )
+                raise SpecificationError(message)
+            timed.append(TimedFault(fault.id, fault.start, fault.finish, fault.values))
+        return tuple(timed)

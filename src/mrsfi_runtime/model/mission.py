@@ -1,0 +1,267 @@
+"""A mission as its model describes it: robots, obstacles, messages and goals.
+
+Nothing here changes while a mission runs. Lengths are in distance units, times in
+ticks (one tick is one time interval of the mission), energies in energy units.
+
+References
+----------
+Source paper, section III-B a).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinates:
+    """A point; ``z`` is carried but plays no part in distances."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Area:
+    """A disc in the plane."""
+
+    id: str
+    center: Coordinates
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A sensor that takes ``samples_per_second`` samples each tick while it is active."""
+
+    id: str
+    name: str
+    type: str
+    energy_per_sample: float
+    samples_per_second: int
+
+
+@dataclass(frozen=True, slots=True)
+class Battery:
+    """An energy store; the batteries of a robot add up."""
+
+    id: str
+    name: str
+    total_energy: float
+
+
+@dataclass(frozen=True, slots=True)
+class MotionSource:
+    """A drive; the costs of a robot's drives add up."""
+
+    id: str
+    name: str
+    energy_per_distance_unit: float
+
+
+@dataclass(frozen=True, slots=True)
+class Property:
+    """A user-defined property of a robot or server."""
+
+    name: str
+    value: str | int | float
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """A robot with its nominal speed in distance units per tick."""
+
+    id: str
+    name: str
+    position: Coordinates
+    speed: float
+    sensors: tuple[Sensor, ...] = ()
+    batteries: tuple[Battery, ...] = ()
+    motion_sources: tuple[MotionSource, ...] = ()
+    properties: tuple[Property, ...] = ()
+
+    @property
+    def total_energy(self) -> float:
+        """Energy of all batteries at the start."""
+        return sum((battery.total_energy for battery in self.batteries), 0.0)
+
+    @property
+    def energy_per_distance_unit(self) -> float:
+        """Energy that all motion sources together spend per distance unit."""
+        return sum((source.energy_per_distance_unit for source in self.motion_sources), 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Server:
+    """A server; the collective intelligence runs on one."""
+
+    id: str
+    name: str
+    properties: tuple[Property, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """A disc that robots must not touch."""
+
+    id: str
+    area: Area
+
+
+@dataclass(frozen=True, slots=True)
+class MessageField:
+    """One entry of a message body: POSITION, SPEED, ENERGY or a sensor type."""
+
+    name: str
+    type: str
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """A message that a goal needs, from one robot or server (by ID) to another."""
+
+    id: str
+    sender: str
+    receiver: str
+    body: tuple[MessageField, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class AvoidCollision:
+    """Keep robots (by ID) clear of each other and of obstacles (by ID)."""
+
+    robots: tuple[str, ...]
+    obstacles: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class StayWithinMissionArea:
+    """Keep every member inside the mission area."""
+
+
+@dataclass(frozen=True, slots=True)
+class SufficientEnergy:
+    """Keep enough energy in every member to complete the mission."""
+
+
+@dataclass(frozen=True, slots=True)
+class GatherSamples:
+    """Gather samples with one sensor (by ID) inside the goal's area."""
+
+    target_sample_number: int
+    sensor: str
+
+
+@dataclass(frozen=True, slots=True)
+class Patrol:
+    """Have every member inside the area at least once in each period of ticks."""
+
+    area: Area
+    period: int
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """Have every member within tolerance of a point no later than the deadline tick."""
+
+    coordinates: Coordinates
+    tolerance: float
+    deadline: int
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """Have every member follow a trajectory within tolerance."""
+
+    trajectory: tuple[Coordinates, ...]
+    tolerance: float
+
+
+@dataclass(frozen=True, slots=True)
+class Stay:
+    """Keep every member inside the area from its first entry on."""
+
+    area: Area
+
+
+@dataclass(frozen=True, slots=True)
+class FixedDistanceBetweenRobots:
+    """Keep every pair of members at a fixed distance within tolerance."""
+
+    fixed_distance: float
+    tolerance: float
+
+
+Task: TypeAlias = (
+    AvoidCollision
+    | StayWithinMissionArea
+    | SufficientEnergy
+    | GatherSamples
+    | Patrol
+    | Visit
+    | Track
+    | Stay
+    | FixedDistanceBetweenRobots
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """A goal: what its members (robot IDs) are to achieve."""
+
+    id: str
+    name: str
+    members: tuple[str, ...]
+    task: Task
+    area: Area | None = None
+    messages: tuple[Message, ...] = ()
+    dependent_goals: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Mission:
+    """A mission of ``duration`` ticks, ``0 … duration - 1``."""
+
+    name: str
+    duration: int
+    area: Area
+    robots: tuple[Robot, ...]
+    servers: tuple[Server, ...]
+    obstacles: tuple[Obstacle, ...]
+    goals: tuple[Goal, ...]
+
+    @cached_property
+    def robot_index(self) -> dict[str, int]:
+        """Position of every robot by ID."""
+        return {robot.id: index for index, robot in enumerate(self.robots)}
+
+    @cached_property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """All sensors, robot by robot."""
+        return tuple(sensor for robot in self.robots for sensor in robot.sensors)
+
+    @cached_property
+    def sensor_index(self) -> dict[str, int]:
+        """Position of every sensor by ID in ``sensors``."""
+        return {sensor.id: index for index, sensor in enumerate(self.sensors)}
+
+    @cached_property
+    def sensor_robot(self) -> tuple[int, ...]:
+        """Index of the robot that carries each sensor, in the order of ``sensors``."""
+        return tuple(i for i, robot in enumerate(self.robots) for _ in robot.sensors)
+
+    @cached_property
+    def obstacle_index(self) -> dict[str, int]:
+        """Position of every obstacle by ID."""
+        return {obstacle.id: index for index, obstacle in enumerate(self.obstacles)}
+
+    @cached_property
+    def goal_ids(self) -> tuple[str, ...]:
+        """IDs of the goals in model order."""
+        return tuple(goal.id for goal in self.goals)
+
+    @cached_property
+    def message_goal(self) -> dict[str, tuple[Message, Goal]]:
+        """Every message by ID, with the goal that contains it."""
+        return {message.id: (message, goal) for goal in self.goals for message in goal.messages}

@@ -1,0 +1,125 @@
+"""Which properties a fault touches, and which faults therefore conflict.
+
+Two faults conflict when they touch the same property of the same target: one would
+disable the other. Conflicting faults never overlap in one specification.
+
+References
+----------
+Source paper, sections III-C b), III-E b) and c). The paper says *same message* in one
+place and *same class* in another; this key serves the purpose it states.
+"""
+
+from collections.abc import Mapping
+from itertools import combinations
+from typing import TypeAlias
+
+from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.fault_types import Property
+from mrsfi_runtime.model.faults import Fault, FaultPool, Specification
+from mrsfi_runtime.model.mission import GatherSamples, Mission
+
+Target: TypeAlias = tuple[Property, int]
+"""A property and the index of the robot, sensor or obstacle that has it."""
+
+_ROBOT_FIELDS = {
+    "POSITION": Property.POSITION,
+    "SPEED": Property.SPEED,
+    "ENERGY": Property.ENERGY,
+}
+
+
+def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
+    """Return what a fault touches, in model order; empty if its message does not carry it.
+
+    Raises
+    ------
+    SpecificationError
+        If the fault refers to an element that the mission does not have.
+    """
+    kind = fault.kind
+    try:
+        if kind.property is Property.OBSTACLE:
+            return ((Property.OBSTACLE, mission.obstacle_index[fault.target]),)
+        if kind.property is Property.MOTION:
+            return ((Property.MOTION, mission.robot_index[fault.target]),)
+        if kind.property is Property.ACTIVATION:
+            return ((Property.ACTIVATION, mission.sensor_index[fault.target]),)
+        return _touched_by_message(mission, fault)
+    except KeyError as error:
+        message = (
+            f"fault '{fault.id}' ({fault.type}) refers to {error.args[0]!r}; "
+            f"mission '{mission.name}' has no such {kind.targets}"
+        )
+        raise SpecificationError(message) from None
+
+
+def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
+    message, goal = mission.message_goal[fault.target]
+    if message.sender not in mission.robot_index:  # a server reports nothing of its own
+        return ()
+    robot = mission.robot_index[message.sender]
+    sensors = {
+        sensor.id: mission.sensor_index[sensor.id] for sensor in mission.robots[robot].sensors
+    }
+    affected = fault.kind.property
+    if affected in (Property.RATE, Property.COST):
+        task = goal.task
+        if isinstance(task, GatherSamples) and task.sensor in sensors:
+            return ((affected, sensors[task.sensor]),)
+        return tuple((affected, index) for index in sensors.values())
+    carried: list[Target] = []
+    for entry in message.body:
+        if entry.name in _ROBOT_FIELDS:
+            carried.append((_ROBOT_FIELDS[entry.name], robot))
+        else:
+            carried.extend(
+                (Property.COUNT, sensors[sensor.id])
+                for sensor in mission.robots[robot].sensors
+                if sensor.type == entry.name
+            )
+    return tuple(target for target in carried if affected is None or target[0] is affected)
+
+
+def conflicts(mission: Mission, pool: FaultPool) -> Mapping[str, frozenset[str]]:
+    """Return for every fault ID the IDs of the faults that it may not overlap, itself included.
+
+    A fault that touches nothing conflicts with itself only: twice at once would be pointless.
+    """
+    keys = {fault.id: frozenset(touched(mission, fault)) for fault in pool}
+    return {
+        fault_id: frozenset(
+            other for other, others in keys.items() if other == fault_id or key & others
+        )
+        for fault_id, key in keys.items()
+    }
+
+
+def require_no_overlap(mission: Mission, pool: FaultPool, specification: Specification) -> None:
+    """Refuse a specification in which conflicting faults overlap or a window makes no sense.
+
+    Raises
+    ------
+    SpecificationError
+        Naming both faults, their windows and what they both touch.
+    """
+    for timed in specification:
+        n_values = len(pool[timed.fault].kind.parameters)
+        if timed.start < 0 or timed.finish < timed.start or len(timed.values) != n_values:
+            message = (
+                f"fault '{timed.fault}' has window {timed.start} … {timed.finish} and "
+                f"{len(timed.values)} values; expected 0 <= start <= finish and {n_values} values"
+            )
+            raise SpecificationError(message)
+    keys = {timed.fault: frozenset(touched(mission, pool[timed.fault])) for timed in specification}
+    for first, second in combinations(specification, 2):
+        shared = keys[first.fault] & keys[second.fault]
+        if (shared or first.fault == second.fault) and (
+            first.start <= second.finish and second.start <= first.finish
+        ):
+            what = ", ".join(sorted(target[0].name.lower() for target in shared)) or "nothing"
+            message = (
+                f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
+                f"({second.start} … {second.finish}) overlap and both touch {what}; "
+                "conflicting faults must not be active at the same tick"
+            )
+            raise SpecificationError(message)

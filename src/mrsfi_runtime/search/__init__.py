@@ -1,0 +1,1 @@
+"""Evolves fault specifications; the only room that knows DEAP."""

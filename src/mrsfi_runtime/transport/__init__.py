@@ -1,0 +1,1 @@
+"""Moves messages between the two sides of a mission."""
