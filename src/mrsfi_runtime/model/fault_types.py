@@ -15,7 +15,7 @@ from types import MappingProxyType
 
 
 class Property(IntEnum):
-    """What a fault can touch. ``(property, index of its robot, sensor or obstacle)`` is one target."""
+    """What a fault can touch; with the index of its robot, sensor or obstacle: a target."""
 
     POSITION = 0  # believed position of a robot
     SPEED = 1  # believed speed of a robot
@@ -63,23 +63,23 @@ class Parameter:
 class FaultType:
     """A kind of disturbance.
 
-    ``property`` is ``None`` for the two message faults, which touch whatever their message
+    ``affected`` is ``None`` for the two message faults, which touch whatever their message
     carries. ``parameters`` fixes the order of a fault's ``values``.
     """
 
     name: str
     mode: Mode
-    property: Property | None
+    affected: Property | None
     parameters: tuple[Parameter, ...] = ()
 
     @property
     def targets(self) -> str:
         """Kind of model element that the fault refers to: message, robot, sensor or obstacle."""
-        if self.property is Property.MOTION:
+        if self.affected is Property.MOTION:
             return "robot"
-        if self.property is Property.ACTIVATION:
+        if self.affected is Property.ACTIVATION:
             return "sensor"
-        if self.property is Property.OBSTACLE:
+        if self.affected is Property.OBSTACLE:
             return "obstacle"
         return "message"
 

@@ -38,11 +38,11 @@ def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     """
     kind = fault.kind
     try:
-        if kind.property is Property.OBSTACLE:
+        if kind.affected is Property.OBSTACLE:
             return ((Property.OBSTACLE, mission.obstacle_index[fault.target]),)
-        if kind.property is Property.MOTION:
+        if kind.affected is Property.MOTION:
             return ((Property.MOTION, mission.robot_index[fault.target]),)
-        if kind.property is Property.ACTIVATION:
+        if kind.affected is Property.ACTIVATION:
             return ((Property.ACTIVATION, mission.sensor_index[fault.target]),)
         return _touched_by_message(mission, fault)
     except KeyError as error:
@@ -61,7 +61,7 @@ def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     sensors = {
         sensor.id: mission.sensor_index[sensor.id] for sensor in mission.robots[robot].sensors
     }
-    affected = fault.kind.property
+    affected = fault.kind.affected
     if affected in (Property.RATE, Property.COST):
         task = goal.task
         if isinstance(task, GatherSamples) and task.sensor in sensors:
