@@ -1,0 +1,128 @@
+"""Evaluates many fault specifications on the processes of one machine.
+
+Evaluation has no state of its own, so any number of workers and any order give the same
+results.
+"""
+
+import signal
+import traceback
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from multiprocessing import get_context
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """An evaluation whose mission code failed, with the traceback as text."""
+
+    traceback: str
+
+
+class WorkerPool:
+    """Worker processes that each load the generated code once.
+
+    Parameters
+    ----------
+    directory
+        Folder of the generated code.
+    seed
+        Mission seed.
+    n_workers
+        Number of processes; 1 evaluates in this process.
+
+    Raises
+    ------
+    MrsfiError
+        If the code cannot be loaded; told before any worker starts.
+    """
+
+    def __init__(self, directory: Path, seed: int, n_workers: int = 1) -> None:
+        self._engine = ReferenceEngine(load_code(directory), seed)
+        self._evaluate_chunk = partial(_evaluate_chunk, directory, seed)
+        self._n_workers = n_workers
+        self._executor = (
+            ProcessPoolExecutor(
+                n_workers,
+                mp_context=get_context("spawn"),
+                initializer=_start_worker,
+            )
+            if n_workers > 1
+            else None
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        where: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stop the workers; what they have not begun is dropped."""
+        if self._executor is not None:
+            self._executor.shutdown(wait=True, cancel_futures=True)
+
+    def evaluate_many(self, specifications: Sequence[Specification]) -> list[Outcome | Failure]:
+        """Evaluate specifications, and return the results in the same order.
+
+        Raises
+        ------
+        EvaluationError
+            If a worker process died.
+        """
+        if self._executor is None:
+            return [_attempt(self._engine, specification) for specification in specifications]
+        chunks = _chunks(specifications, 4 * self._n_workers)
+        try:
+            results = list(self._executor.map(self._evaluate_chunk, chunks))
+        except BrokenProcessPool as error:
+            message = "a worker process died; resume the campaign, or use --workers 1 to see why"
+            raise EvaluationError(message) from error
+        return [outcome for chunk in results for outcome in chunk]
+
+
+def _chunks(
+    specifications: Sequence[Specification], n_chunks: int
+) -> Iterator[Sequence[Specification]]:
+    size = max(1, -(-len(specifications) // n_chunks))
+    for start in range(0, len(specifications), size):
+        yield specifications[start : start + size]
+
+
+def _attempt(engine: ReferenceEngine, specification: Specification) -> Outcome | Failure:
+    try:
+        return engine.evaluate(specification)
+    except EvaluationError:
+        return Failure(traceback.format_exc())
+
+
+def _start_worker() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides how a run ends
+
+
+@lru_cache(maxsize=1)
+def _worker_engine(directory: Path, seed: int) -> ReferenceEngine:
+    return ReferenceEngine(load_code(directory), seed)
+
+
+def _evaluate_chunk(
+    directory: Path, seed: int, specifications: Sequence[Specification]
+) -> list[Outcome | Failure]:
+    engine = _worker_engine(directory, seed)
+    return [_attempt(engine, specification) for specification in specifications]

@@ -1,0 +1,221 @@
+"""Lays a mission out as the records that the kernel works on."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from mrsfi_runtime.kernel.directions import COSINES, N_DIRECTIONS, SINES
+from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
+from mrsfi_runtime.kernel.state import (
+    CommandState,
+    GoalState,
+    HazardState,
+    MemberState,
+    MissionState,
+    ObstacleState,
+    PointState,
+    RobotState,
+    SensorState,
+    State,
+    SwitchState,
+)
+from mrsfi_runtime.model.mission import (
+    Area,
+    AvoidCollision,
+    Coordinates,
+    FixedDistanceBetweenRobots,
+    GatherSamples,
+    Goal,
+    Mission,
+    Patrol,
+    Stay,
+    StayWithinMissionArea,
+    SufficientEnergy,
+    Task,
+    Track,
+    Visit,
+)
+
+TASK_NUMBERS: Mapping[type[Task], int] = MappingProxyType(
+    {
+        AvoidCollision: 0,
+        StayWithinMissionArea: 1,
+        SufficientEnergy: 2,
+        GatherSamples: 3,
+        Patrol: 4,
+        Visit: 5,
+        Track: 6,
+        Stay: 7,
+        FixedDistanceBetweenRobots: 8,
+    }
+)
+
+CHANCE_PRECISION = 2**32
+
+
+def sample_chances(n: int) -> tuple[int, ...]:
+    """Return the cumulative chances of 0, 1, 2 … valid samples, in units of 2**-32.
+
+    Each of ``n`` samples of a tick is valid with chance ``1 / n``, so their number is
+    binomial; one draw against these bounds replaces ``n`` draws. The list ends where the
+    rest is below the precision of a draw.
+    """
+    if n == 1:
+        return (0,)
+    bounds: list[int] = []
+    chance = (1.0 - 1.0 / n) ** n
+    total = 0.0
+    for k in range(n):
+        total += chance
+        bound = round(total * CHANCE_PRECISION)
+        if bound >= CHANCE_PRECISION:
+            break
+        bounds.append(bound)
+        chance *= (n - k) / ((k + 1) * (n - 1))
+    return tuple(bounds)
+
+
+def initial_state(mission: Mission, seed: int) -> State:
+    """Return the state of a mission before its first tick.
+
+    Parameters
+    ----------
+    mission
+        The mission.
+    seed
+        Mission seed, a non-negative integer: decides the first headings, the samples drawn,
+        the reference behaviour's choices and the values of random faults.
+
+    Notes
+    -----
+    A sensor is active from the start. Headings are drawn per robot from the table of
+    directions. A robot's speed before the first motion is 0.
+    """
+    key = seed_key(seed)
+    state = State(
+        mission=MissionState(
+            seed=key,
+            tick=0,
+            duration=mission.duration,
+            x=float(mission.area.center.x),
+            y=float(mission.area.center.y),
+            radius=float(mission.area.radius),
+        ),
+        robots=[],
+        sensors=[],
+        obstacles=[_obstacle(obstacle.area) for obstacle in mission.obstacles],
+        goals=[],
+        members=[],
+        hazards=[],
+        waypoints=[],
+        chances=[],
+        commands=[],
+        switches=[],
+    )
+    for index, robot in enumerate(mission.robots):
+        gps = [k for k, sensor in enumerate(robot.sensors) if sensor.type == "GPS_POSITION"]
+        state.robots.append(
+            RobotState(
+                x=float(robot.position.x),
+                y=float(robot.position.y),
+                z=float(robot.position.z),
+                speed=0.0,
+                energy=float(robot.total_energy),
+                nominal_speed=float(robot.speed),
+                energy_per_distance=float(robot.energy_per_distance_unit),
+                first_sensor=len(state.sensors),
+                n_sensors=len(robot.sensors),
+                gps=len(state.sensors) + gps[0] if gps else -1,
+            )
+        )
+        direction = choice(N_DIRECTIONS, key, 0, index, PURPOSE_HEADING)
+        state.commands.append(
+            CommandState(
+                heading_x=COSINES[direction],
+                heading_y=SINES[direction],
+                speed=float(robot.speed),
+                heading_claimed=0,
+                speed_claimed=0,
+            )
+        )
+        for sensor in robot.sensors:
+            chances = sample_chances(sensor.samples_per_second)
+            state.sensors.append(
+                SensorState(
+                    robot=index,
+                    count=0,
+                    active=1,
+                    rate=float(sensor.samples_per_second),
+                    cost=float(sensor.energy_per_sample),
+                    nominal_rate=float(sensor.samples_per_second),
+                    nominal_cost=float(sensor.energy_per_sample),
+                    first_chance=len(state.chances),
+                    n_chances=len(chances),
+                )
+            )
+            state.chances.extend(chances)
+            state.switches.append(SwitchState(active=1, claimed=0))
+    for goal in mission.goals:
+        _add_goal(state, mission, goal)
+    return state
+
+
+def _obstacle(area: Area) -> ObstacleState:
+    x, y = float(area.center.x), float(area.center.y)
+    return ObstacleState(x=x, y=y, radius=float(area.radius), model_x=x, model_y=y)
+
+
+def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
+    task = goal.task
+    members, hazards, waypoints = _lists(goal)
+    area = _task_area(goal)
+    sensor = mission.sensor_index[task.sensor] if isinstance(task, GatherSamples) else -1
+    state.goals.append(
+        GoalState(
+            task=TASK_NUMBERS[type(task)],
+            x=float(area.center.x),
+            y=float(area.center.y),
+            radius=float(area.radius),
+            first_member=len(state.members),
+            n_members=len(members),
+            first_hazard=len(state.hazards),
+            n_hazards=len(hazards),
+            first_waypoint=len(state.waypoints),
+            n_waypoints=len(waypoints),
+            sensor=sensor,
+            target=getattr(task, "target_sample_number", 0),
+            tolerance=float(getattr(task, "tolerance", 0.0)),
+            distance=float(getattr(task, "fixed_distance", 0.0)),
+            period=getattr(task, "period", 0),
+            deadline=getattr(task, "deadline", 0),
+            count=0,
+            seen=0,
+            sampled_x=0.0,
+            sampled_y=0.0,
+        )
+    )
+    state.members.extend(
+        MemberState(robot=mission.robot_index[robot], since=-1, reached=0, waypoint=0)
+        for robot in members
+    )
+    state.hazards.extend(HazardState(mission.obstacle_index[hazard]) for hazard in hazards)
+    state.waypoints.extend(PointState(float(point.x), float(point.y)) for point in waypoints)
+
+
+def _lists(goal: Goal) -> tuple[tuple[str, ...], tuple[str, ...], tuple[Coordinates, ...]]:
+    """Return the members, obstacles and waypoints that a goal's task is about."""
+    task = goal.task
+    if isinstance(task, AvoidCollision):
+        return task.robots, task.obstacles, ()
+    if isinstance(task, Track):
+        return goal.members, (), task.trajectory
+    return goal.members, (), ()
+
+
+def _task_area(goal: Goal) -> Area:
+    """Return the disc that a goal's task is about; a point has radius 0."""
+    task = goal.task
+    if isinstance(task, Patrol | Stay):
+        return task.area
+    if isinstance(task, Visit):
+        return Area(goal.id, task.coordinates, 0.0)
+    return goal.area or Area(goal.id, Coordinates(), 0.0)

@@ -1,0 +1,60 @@
+"""What the simulated world does in one tick: motion, energy and sampling.
+
+References
+----------
+Source paper, sections III-F and III-H.
+"""
+
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
+from mrsfi_runtime.kernel.state import State
+
+
+@kernel
+def advance(world: State) -> None:
+    """Move every robot by its commanded speed along its heading, spend energy, draw samples.
+
+    Notes
+    -----
+    A robot spends distance × energy per distance unit and, for each active sensor, samples
+    per tick × energy per sample. One without energy stops, its sensors with it; in the tick
+    in which the energy runs out it still moves.
+    """
+    for index in range(len(world.robots)):
+        robot = world.robots[index]
+        if robot.energy <= 0.0:
+            robot.speed = 0.0
+            for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):
+                world.sensors[k].active = 0
+            continue
+        command = world.commands[index]
+        speed = command.speed
+        robot.x += command.heading_x * speed
+        robot.y += command.heading_y * speed
+        robot.speed = speed
+        spent = speed * robot.energy_per_distance
+        for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):
+            sensor = world.sensors[k]
+            sensor.active = world.switches[k].active
+            if sensor.active:
+                spent += sensor.nominal_rate * sensor.nominal_cost
+                sensor.count += valid_samples(world, k)
+        robot.energy = max(robot.energy - spent, 0.0)
+
+
+@kernel
+def valid_samples(world: State, k: int) -> int:
+    """Return how many of a sensor's samples of this tick are valid: one on average."""
+    sensor = world.sensors[k]
+    value = draw(world.mission.seed, world.mission.tick, k, PURPOSE_SAMPLES)
+    n = 0
+    while n < sensor.n_chances and value >= world.chances[sensor.first_chance + n]:
+        n += 1
+    return n
+
+
+@kernel
+def reports_position(world: State, index: int) -> bool:
+    """Return whether a robot publishes its position: not while its GPS sensor is off."""
+    gps = world.robots[index].gps
+    return gps < 0 or world.sensors[gps].active == 1

@@ -1,0 +1,258 @@
+"""What the reference collective intelligence does about its goals, one reaction per task.
+
+A team replaces these region by region in the generated ``collective_intelligence.py``.
+
+References
+----------
+Source paper, section III-G. The paper leaves the logic to the user; what stands here is
+described in ``docs/semantics.md``.
+"""
+
+import math
+
+from mrsfi_runtime.kernel.commands import set_speed, steer, switch_sensor
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.directions import COSINES, N_DIRECTIONS, SINES
+from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
+from mrsfi_runtime.kernel.state import GoalState, State
+from mrsfi_runtime.kernel.tasks import ROBOT_RADIUS, distance, inside, sensor_power, ticks_left
+
+LOOK_AHEAD = 10
+"""Ticks for which a collision is foreseen."""
+
+MARGIN = 1.0
+"""Clearance below which a meeting counts as a coming collision, in distance units."""
+
+CANDIDATE_STEP = 15
+"""Degrees between the headings among which a robot chooses when it evades."""
+
+ROAM_ATTEMPTS = 8
+
+
+@kernel
+def pace(ci: State, index: int) -> float:
+    """Return the distance that a robot may move in a tick, as far as is known."""
+    return max(ci.commands[index].speed, ci.robots[index].nominal_speed)
+
+
+@kernel
+def avoid_collision(ci: State, g: int) -> None:
+    """Turn every member that will soon collide to the heading with the most clearance."""
+    goal = ci.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = ci.members[m].robot
+        command = ci.commands[index]
+        if clearance(ci, goal, index, command.heading_x, command.heading_y, MARGIN) < MARGIN:
+            evade(ci, goal, index)
+
+
+@kernel
+def evade(ci: State, goal: GoalState, index: int) -> None:
+    """Steer a robot to the heading with the most clearance that keeps it in the mission area."""
+    robot = ci.robots[index]
+    reach = LOOK_AHEAD * pace(ci, index)
+    limit = 2.0 * reach
+    best = -1
+    most = 0.0
+    for degrees in range(0, N_DIRECTIONS, CANDIDATE_STEP):
+        x = COSINES[degrees]
+        y = SINES[degrees]
+        mission = ci.mission
+        out = distance(robot.x + reach * x, robot.y + reach * y, mission.x, mission.y)
+        if out <= mission.radius:
+            clear = clearance(ci, goal, index, x, y, limit)
+            if best < 0 or clear > most:
+                best = degrees
+                most = clear
+    if best >= 0:
+        steer(ci, index, COSINES[best], SINES[best])
+
+
+@kernel
+def clearance(ci: State, goal: GoalState, index: int, x: float, y: float, limit: float) -> float:
+    """Return the least gap to a goal's other robots and obstacles within the look-ahead.
+
+    Parameters
+    ----------
+    ci, goal, index
+        Local state, an AvoidCollision goal, and the index of the robot.
+    x, y
+        Unit vector of the heading to judge.
+    limit
+        Gap beyond which nothing counts; returned when nothing is nearer.
+
+    Notes
+    -----
+    Obstacles stand still, other robots keep their commanded heading and pace.
+    """
+    robot = ci.robots[index]
+    step = pace(ci, index)
+    reach = LOOK_AHEAD * step
+    least = limit
+    for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
+        obstacle = ci.obstacles[ci.hazards[h].obstacle]
+        dx = obstacle.x - robot.x
+        dy = obstacle.y - robot.y
+        near = least + reach + obstacle.radius + ROBOT_RADIUS
+        if dx * dx + dy * dy < near * near:
+            gap = closest(dx, dy, -step * x, -step * y) - obstacle.radius - ROBOT_RADIUS
+            least = min(least, gap)
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        other = ci.members[m].robot
+        if other != index:
+            dx = ci.robots[other].x - robot.x
+            dy = ci.robots[other].y - robot.y
+            other_step = pace(ci, other)
+            near = least + reach + LOOK_AHEAD * other_step + 2.0 * ROBOT_RADIUS
+            if dx * dx + dy * dy < near * near:
+                command = ci.commands[other]
+                vx = other_step * command.heading_x - step * x
+                vy = other_step * command.heading_y - step * y
+                least = min(least, closest(dx, dy, vx, vy) - 2.0 * ROBOT_RADIUS)
+    return least
+
+
+@kernel
+def closest(dx: float, dy: float, vx: float, vy: float) -> float:
+    """Return the least distance of a moving point from the origin in ticks 1 … LOOK_AHEAD."""
+    square = vx * vx + vy * vy
+    when = 1.0
+    if square > 0.0:
+        when = min(max(-(dx * vx + dy * vy) / square, 1.0), float(LOOK_AHEAD))
+    x = dx + when * vx
+    y = dy + when * vy
+    return math.sqrt(x * x + y * y)
+
+
+@kernel
+def stay_within_mission_area(ci: State, g: int) -> None:
+    """Turn every member that is outside the mission area, or about to leave it, to its centre."""
+    goal = ci.goals[g]
+    mission = ci.mission
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = ci.members[m].robot
+        robot = ci.robots[index]
+        command = ci.commands[index]
+        step = 2.0 * pace(ci, index)
+        x = robot.x + step * command.heading_x
+        y = robot.y + step * command.heading_y
+        if distance(x, y, mission.x, mission.y) > mission.radius:
+            steer(ci, index, mission.x - robot.x, mission.y - robot.y)
+
+
+@kernel
+def sufficient_energy(ci: State, g: int) -> None:
+    """Regulate every member's speed to its nominal one, or to what its energy affords.
+
+    The loop is closed over the reported speed (command + wanted − believed), so that a false
+    report moves a real robot.
+    """
+    goal = ci.goals[g]
+    left = ticks_left(ci)
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = ci.members[m].robot
+        robot = ci.robots[index]
+        wanted = robot.nominal_speed
+        if left > 0 and robot.energy_per_distance > 0.0:
+            spare = robot.energy / left - sensor_power(ci, index)
+            wanted = min(wanted, max(spare / robot.energy_per_distance, 0.0))
+        set_speed(ci, index, ci.commands[index].speed + wanted - robot.speed)
+
+
+@kernel
+def gather_samples(ci: State, g: int) -> None:
+    """Keep the goal's robot roaming inside its area, its sensor on until the target is reached."""
+    goal = ci.goals[g]
+    sensor = ci.sensors[goal.sensor]
+    switch_sensor(ci, goal.sensor, 1 if goal.count < goal.target else 0)
+    roam(ci, goal, sensor.robot)
+
+
+@kernel
+def roam(ci: State, goal: GoalState, index: int) -> None:
+    """Head for a goal's area from outside; inside, turn by chance before leaving it."""
+    robot = ci.robots[index]
+    if not inside(robot.x, robot.y, goal):
+        steer(ci, index, goal.x - robot.x, goal.y - robot.y)
+        return
+    step = pace(ci, index)
+    command = ci.commands[index]
+    if inside(robot.x + step * command.heading_x, robot.y + step * command.heading_y, goal):
+        return
+    mission = ci.mission
+    for attempt in range(ROAM_ATTEMPTS):
+        entity = index * ROAM_ATTEMPTS + attempt
+        degrees = choice(N_DIRECTIONS, mission.seed, mission.tick, entity, PURPOSE_ROAM)
+        x = COSINES[degrees]
+        y = SINES[degrees]
+        if inside(robot.x + 2.0 * step * x, robot.y + 2.0 * step * y, goal):
+            steer(ci, index, x, y)
+            return
+    steer(ci, index, goal.x - robot.x, goal.y - robot.y)
+
+
+@kernel
+def patrol(ci: State, g: int) -> None:
+    """Head for the area from outside, roam inside it."""
+    goal = ci.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        roam(ci, goal, ci.members[m].robot)
+
+
+@kernel
+def stay(ci: State, g: int) -> None:
+    """Head for the area from outside, roam inside it."""
+    patrol(ci, g)
+
+
+@kernel
+def visit(ci: State, g: int) -> None:
+    """Head for the point until it has been reached, the last step no longer than needed."""
+    goal = ci.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        member = ci.members[m]
+        if member.reached == 0:
+            approach(ci, member.robot, goal.x, goal.y)
+        else:
+            set_speed(ci, member.robot, ci.robots[member.robot].nominal_speed)
+
+
+@kernel
+def track(ci: State, g: int) -> None:
+    """Head for every member's next waypoint, the last step no longer than needed."""
+    goal = ci.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        member = ci.members[m]
+        if member.waypoint < goal.n_waypoints:
+            point = ci.waypoints[goal.first_waypoint + member.waypoint]
+            approach(ci, member.robot, point.x, point.y)
+        else:
+            set_speed(ci, member.robot, ci.robots[member.robot].nominal_speed)
+
+
+@kernel
+def approach(ci: State, index: int, x: float, y: float) -> None:
+    """Head for a point at nominal speed, slower only for the last step."""
+    robot = ci.robots[index]
+    steer(ci, index, x - robot.x, y - robot.y)
+    set_speed(ci, index, min(robot.nominal_speed, distance(robot.x, robot.y, x, y)))
+
+
+@kernel
+def fixed_distance_between_robots(ci: State, g: int) -> None:
+    """Let every later member close or open the gap to the one before it, else fly beside it."""
+    goal = ci.goals[g]
+    for m in range(goal.first_member + 1, goal.first_member + goal.n_members):
+        first = ci.members[m - 1].robot
+        index = ci.members[m].robot
+        leader = ci.robots[first]
+        robot = ci.robots[index]
+        dx = leader.x - robot.x
+        dy = leader.y - robot.y
+        gap = math.sqrt(dx * dx + dy * dy)
+        if gap - goal.distance > 0.5 * goal.tolerance:
+            steer(ci, index, dx, dy)
+        elif goal.distance - gap > 0.5 * goal.tolerance:
+            steer(ci, index, -dx, -dy)
+        else:
+            steer(ci, index, ci.commands[first].heading_x, ci.commands[first].heading_y)

@@ -1,0 +1,168 @@
+"""What somebody knows about a mission at one tick, as plain records.
+
+The simulation keeps one ``State``, the truth; the collective intelligence keeps another,
+its local state or belief. Goal predicates read either. All records hold integers and
+floats only, and refer to each other by index, so that compiled code can lay the very same
+fields out in arrays.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(slots=True)
+class MissionState:
+    """The mission: ticks are ``0 … duration - 1``; the area is a disc."""
+
+    seed: int
+    tick: int
+    duration: int
+    x: float
+    y: float
+    radius: float
+
+
+@dataclass(slots=True)
+class RobotState:
+    """A robot: position, speed in units per tick, energy left; then what never changes.
+
+    Its sensors are ``first_sensor … first_sensor + n_sensors - 1``; ``gps`` is its position
+    sensor, or -1.
+    """
+
+    x: float
+    y: float
+    z: float
+    speed: float
+    energy: float
+    nominal_speed: float
+    energy_per_distance: float
+    first_sensor: int
+    n_sensors: int
+    gps: int
+
+
+@dataclass(slots=True)
+class SensorState:
+    """A sensor: valid samples so far, activation (0 or 1), samples per tick, energy per sample.
+
+    ``first_chance`` and ``n_chances`` locate its cumulative chances in ``State.chances``.
+    """
+
+    robot: int
+    count: int
+    active: int
+    rate: float
+    cost: float
+    nominal_rate: float
+    nominal_cost: float
+    first_chance: int
+    n_chances: int
+
+
+@dataclass(slots=True)
+class ObstacleState:
+    """An obstacle, where it is known to be, and where the model puts it."""
+
+    x: float
+    y: float
+    radius: float
+    model_x: float
+    model_y: float
+
+
+@dataclass(slots=True)
+class GoalState:
+    """A goal: parameters of its task and the progress made.
+
+    ``x``, ``y``, ``radius`` are the area or point of the task. Members, obstacles and
+    waypoints are ranges of the lists of the same name in ``State``.
+    """
+
+    task: int
+    x: float
+    y: float
+    radius: float
+    first_member: int
+    n_members: int
+    first_hazard: int
+    n_hazards: int
+    first_waypoint: int
+    n_waypoints: int
+    sensor: int
+    target: int
+    tolerance: float
+    distance: float
+    period: int
+    deadline: int
+    count: int
+    seen: int
+    sampled_x: float
+    sampled_y: float
+
+
+@dataclass(slots=True)
+class MemberState:
+    """A robot as member of a goal, and its own progress.
+
+    ``since`` is the tick at which it was last inside the goal's area (-1: not yet),
+    ``reached`` whether it has been there (0 or 1), ``waypoint`` the next point to head for.
+    """
+
+    robot: int
+    since: int
+    reached: int
+    waypoint: int
+
+
+@dataclass(slots=True)
+class HazardState:
+    """An obstacle (by index) that a goal's members must avoid."""
+
+    obstacle: int
+
+
+@dataclass(slots=True)
+class PointState:
+    """A point of a trajectory."""
+
+    x: float
+    y: float
+
+
+@dataclass(slots=True)
+class CommandState:
+    """What a robot was last told: a unit heading and a speed.
+
+    ``heading_claimed`` and ``speed_claimed`` say whether a goal has spoken this tick.
+    """
+
+    heading_x: float
+    heading_y: float
+    speed: float
+    heading_claimed: int
+    speed_claimed: int
+
+
+@dataclass(slots=True)
+class SwitchState:
+    """What a sensor was last told (0 or 1), and whether a goal has spoken this tick."""
+
+    active: int
+    claimed: int
+
+
+@dataclass(slots=True)
+class State:
+    """All that is known: by the simulation the truth, by the collective intelligence a belief."""
+
+    mission: MissionState
+    robots: list[RobotState]
+    sensors: list[SensorState]
+    obstacles: list[ObstacleState]
+    goals: list[GoalState]
+    members: list[MemberState]
+    hazards: list[HazardState]
+    waypoints: list[PointState]
+    chances: list[int]
+    commands: list[CommandState]
+    switches: list[SwitchState]

@@ -1,0 +1,98 @@
+"""The one door to generated code."""
+
+import importlib.util
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+from zlib import crc32
+
+from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
+from mrsfi_runtime.hosting.sides import Check, Reaction, SimInterface, Simulation
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Mission
+
+
+@dataclass(frozen=True)
+class MissionCode:
+    """The generated code of one mission, loaded.
+
+    Attributes
+    ----------
+    mission, pool
+        What the loaders return.
+    simulation, interface
+        The generated classes.
+    checks, reactions
+        The goal functions in model order.
+    directory
+        Where the code was loaded from.
+    """
+
+    mission: Mission
+    pool: FaultPool
+    simulation: type[Simulation]
+    interface: type[SimInterface]
+    checks: tuple[Check, ...]
+    reactions: tuple[Reaction, ...]
+    directory: Path
+
+
+def load_code(directory: Path) -> MissionCode:
+    """Load the generated code of a mission from its folder.
+
+    Parameters
+    ----------
+    directory
+        ``generated/<mission>`` or the copy of it in a campaign folder.
+
+    Raises
+    ------
+    GenerationError
+        If a file is missing.
+    EvaluationError
+        If a file cannot be imported, because of an edited region, say.
+    """
+    collective = _module(directory, "collective_intelligence")
+    return MissionCode(
+        mission=_module(directory, "mission_loader").load_mission(),
+        pool=_module(directory, "fault_loader").load_faults(),
+        simulation=_module(directory, "simulation").Simulation,
+        interface=_module(directory, "sim_interface").SimInterface,
+        checks=tuple(collective.CHECKS),
+        reactions=tuple(collective.REACTIONS),
+        directory=directory,
+    )
+
+
+def pool_from_text(source: str) -> FaultPool:
+    """Return the faults that the text of a generated fault loader describes."""
+    namespace: dict[str, Any] = {}
+    exec(compile(source, "fault_loader.py", "exec"), namespace)
+    pool = namespace["load_faults"]()
+    if not isinstance(pool, FaultPool):
+        message = f"load_faults() returned {type(pool).__name__}; expected a FaultPool"
+        raise SpecificationError(message)
+    return pool
+
+
+def _module(directory: Path, stem: str) -> ModuleType:
+    """Import one generated file under a name of its own; no other folder's code is touched."""
+    path = directory / f"{stem}.py"
+    if not path.is_file():
+        message = f"{path}: no such file; run `mrsfi generate` to make it"
+        raise GenerationError(message)
+    name = f"mrsfi_generated_{crc32(str(path.resolve()).encode()):08x}_{stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        message = f"{path}: not a Python module"
+        raise GenerationError(message)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        message = f"{path}: cannot be imported: {type(error).__name__}: {error}"
+        raise EvaluationError(message) from error
+    return module
