@@ -9,8 +9,6 @@ Source paper, section III-G and Figure 4.
 """
 
 import hashlib
-import struct
-from dataclasses import fields
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError
 from mrsfi_runtime.hosting.ci_host import CiHost
@@ -21,6 +19,7 @@ from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
+from mrsfi_runtime.record.trace import state_bytes
 from mrsfi_runtime.transport.local_bus import LocalBus
 
 
@@ -101,21 +100,3 @@ def _outcome(violations: Violations, world: State, belief: State, laid_out: Plan
     sha.update(state_bytes(world))
     sha.update(state_bytes(belief))
     return Outcome(*counts, digest=sha.hexdigest())
-
-
-def state_bytes(state: State) -> bytes:
-    """Return all that changes in a state as bytes: integers and IEEE-754 doubles, −0 as 0."""
-    packed = []
-    for records in (
-        state.robots,
-        state.sensors,
-        state.obstacles,
-        state.goals,
-        state.members,
-        state.commands,
-        state.switches,
-    ):
-        for record in records:
-            values = [float(getattr(record, field.name)) + 0.0 for field in fields(record)]
-            packed.append(struct.pack(f"<{len(values)}d", *values))
-    return b"".join(packed)

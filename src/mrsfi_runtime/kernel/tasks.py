@@ -154,20 +154,35 @@ def sensor_power(view: State, index: int) -> float:
 
 
 @kernel
-def sufficient_energy_violated(view: State, g: int) -> bool:
-    """Return whether a member is exhausted, or its energy below the forecast need.
+def energy_reserve(view: State, index: int) -> float:
+    """Return the energy that a robot has beyond its forecast need; negative if it lacks some.
 
     The forecast takes its speed, sensor rates and costs as known now for all ticks left.
     """
+    robot = view.robots[index]
+    power = robot.speed * robot.energy_per_distance + sensor_power(view, index)
+    return robot.energy - ticks_left(view) * power
+
+
+@kernel
+def sufficient_energy_violated(view: State, g: int) -> bool:
+    """Return whether a member is exhausted, or its energy below the forecast need."""
     goal = view.goals[g]
-    left = ticks_left(view)
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
-        robot = view.robots[index]
-        need = left * (robot.speed * robot.energy_per_distance + sensor_power(view, index))
-        if robot.energy <= 0.0 or robot.energy < need:
+        if view.robots[index].energy <= 0.0 or energy_reserve(view, index) < 0.0:
             return True
     return False
+
+
+@kernel
+def sample_reserve(view: State, goal: GoalState) -> float:
+    """Return the samples that a goal's forecast has beyond its target; negative if it lacks some.
+
+    The forecast is one valid sample a tick, scaled by believed over nominal rate.
+    """
+    sensor = view.sensors[goal.sensor]
+    return goal.count + ticks_left(view) * (sensor.rate / sensor.nominal_rate) - goal.target
 
 
 @kernel
@@ -175,7 +190,7 @@ def gather_samples_violated(view: State, g: int) -> bool:
     """Return whether a goal below its target is in danger of missing it.
 
     It is while its sensor is inactive, or its robot outside the goal's area, or when the
-    forecast (one valid sample a tick, scaled by believed over nominal rate) falls short.
+    forecast falls short.
     """
     goal = view.goals[g]
     if goal.count >= goal.target:
@@ -184,7 +199,7 @@ def gather_samples_violated(view: State, g: int) -> bool:
     robot = view.robots[sensor.robot]
     if sensor.active == 0 or not inside(robot.x, robot.y, goal):
         return True
-    return goal.count + ticks_left(view) * (sensor.rate / sensor.nominal_rate) < goal.target
+    return sample_reserve(view, goal) < 0.0
 
 
 @kernel

@@ -1,0 +1,93 @@
+"""The human-readable log of a simulation: state of every robot each tick, and events.
+
+References
+----------
+Source paper, section III-H.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from typing import TextIO
+
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.tasks import ROBOT_RADIUS, distance
+from mrsfi_runtime.model.mission import Mission
+
+
+class SimulationLog:
+    """Observer that writes the true state and what happened in it.
+
+    Events are changes of speed, heading and activation, and the beginning and end of
+    collisions and goal violations (true ones, and whether they are believed).
+
+    Parameters
+    ----------
+    mission
+        Gives the names.
+    stream
+        Open text file; the caller closes it.
+    """
+
+    def __init__(self, mission: Mission, stream: TextIO) -> None:
+        self._mission = mission
+        self._stream = stream
+        self._known: dict[str, str] = {}
+
+    def __call__(
+        self, world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]
+    ) -> None:
+        """Write one tick."""
+        del belief
+        tick = world.mission.tick
+        lines = [f"tick {tick}"]
+        for index, robot in enumerate(self._mission.robots):
+            lines.append(f"  {robot.id} {self._robot(world, index)}")
+        facts = dict(self._facts(world, true, believed))
+        for subject, fact in facts.items():
+            before = self._known.get(subject)
+            if before is not None and before != fact:
+                lines.append(f"  event {subject}: {before} -> {fact}")
+        self._known = facts
+        self._stream.write("\n".join(lines) + "\n")
+
+    def _robot(self, world: State, index: int) -> str:
+        robot = world.robots[index]
+        sensors = self._mission.sensors
+        samples = " ".join(
+            f"{sensors[k].id}={world.sensors[k].count}"
+            for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors)
+        )
+        return (
+            f"x={robot.x:.2f} y={robot.y:.2f} speed={robot.speed:g} "
+            f"energy={robot.energy:.1f} samples {samples}"
+        ).rstrip()
+
+    def _facts(
+        self, world: State, true: Sequence[bool], believed: Sequence[bool]
+    ) -> Iterator[tuple[str, str]]:
+        """Yield what is worth an event when it changes, as subject and value."""
+        mission = self._mission
+        for index, robot in enumerate(mission.robots):
+            command = world.commands[index]
+            degrees = math.degrees(math.atan2(command.heading_y, command.heading_x)) % 360.0
+            yield f"{robot.id} speed", f"{world.robots[index].speed:g}"
+            yield f"{robot.id} heading", f"{degrees:.1f} degrees"
+        for k, sensor in enumerate(mission.sensors):
+            yield f"{sensor.id} activation", "on" if world.sensors[k].active else "off"
+        for name, gap in self._gaps(world):
+            yield f"collision of {name}", "yes" if gap < 0.0 else "no"
+        for goal, is_true, is_believed in zip(mission.goal_ids, true, believed, strict=True):
+            yield f"{goal} violated", "yes" if is_true else "no"
+            yield f"{goal} believed violated", "yes" if is_believed else "no"
+
+    def _gaps(self, world: State) -> Iterator[tuple[str, float]]:
+        """Yield the gap between the discs of every two robots, and of robots and obstacles."""
+        robots = list(zip(self._mission.robots, world.robots, strict=True))
+        for (first, a), (second, b) in combinations(robots, 2):
+            gap = distance(a.x, a.y, b.x, b.y) - 2.0 * ROBOT_RADIUS
+            yield f"{first.id} and {second.id}", gap
+        for obstacle, area in zip(self._mission.obstacles, world.obstacles, strict=True):
+            for robot, a in robots:
+                gap = distance(a.x, a.y, area.model_x, area.model_y) - area.radius - ROBOT_RADIUS
+                yield f"{robot.id} and {obstacle.id}", gap

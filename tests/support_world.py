@@ -1,0 +1,84 @@
+"""Missions for tests of the kernel, written in the runtime's own vocabulary."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.model.mission import (
+    Area,
+    Battery,
+    Coordinates,
+    Goal,
+    Mission,
+    MotionSource,
+    Obstacle,
+    Robot,
+    Sensor,
+    Task,
+)
+
+ROOT = Path(__file__).resolve().parent.parent
+MEMBERS = ("a", "b")
+
+
+def paper_code(duration: int | None = None) -> MissionCode:
+    """Return the committed code of the paper's mission, shortened if a duration is given."""
+    code = load_code(ROOT / "generated" / "uuv_sampling")
+    if duration is None:
+        return code
+    return replace(code, mission=replace(code.mission, duration=duration))
+
+
+def robot(name: str, x: float, y: float, *, speed: float = 4.0, energy: float = 10_000.0) -> Robot:
+    """Return a robot with a GPS sensor and a depth sensor, 2 samples a tick at 3 energy units."""
+    sensors = tuple(
+        Sensor(f"{name}_{kind.lower()}", kind, kind, 3.0, 2) for kind in ("GPS_POSITION", "DEPTH")
+    )
+    return Robot(
+        id=name,
+        name=name,
+        position=Coordinates(x, y, 1.0),
+        speed=speed,
+        sensors=sensors,
+        batteries=(Battery(f"{name}_battery", "", energy),),
+        motion_sources=(MotionSource(f"{name}_drive", "", 5.0),),
+    )
+
+
+def mission(
+    *tasks: Task,
+    robots: tuple[Robot, ...] | None = None,
+    obstacles: tuple[Obstacle, ...] = (),
+    duration: int = 100,
+    area: Area | None = None,
+) -> Mission:
+    """Return a mission of radius 1000 with one goal for each task, all robots its members."""
+    robots = robots or (robot("a", 0.0, 0.0), robot("b", 100.0, 0.0))
+    members = tuple(each.id for each in robots)
+    goals = tuple(
+        Goal(f"g{number}", type(task).__name__, members, task, area)
+        for number, task in enumerate(tasks, 1)
+    )
+    return Mission(
+        name="small",
+        duration=duration,
+        area=Area("whole", Coordinates(), 1000.0),
+        robots=robots,
+        servers=(),
+        obstacles=obstacles,
+        goals=goals,
+    )
+
+
+def state(
+    *tasks: Task,
+    robots: tuple[Robot, ...] | None = None,
+    obstacles: tuple[Obstacle, ...] = (),
+    duration: int = 100,
+    area: Area | None = None,
+) -> State:
+    """Return the state of such a mission before its first tick."""
+    flown = mission(*tasks, robots=robots, obstacles=obstacles, duration=duration, area=area)
+    return initial_state(flown, seed=1)

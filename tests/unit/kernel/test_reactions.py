@@ -1,0 +1,170 @@
+"""What the reference collective intelligence commands, on states laid out by hand."""
+
+import math
+
+import pytest
+from support_world import MEMBERS, robot, state
+
+from mrsfi_runtime.kernel import reactions
+from mrsfi_runtime.kernel.commands import set_speed, steer, switch_sensor
+from mrsfi_runtime.model.mission import (
+    Area,
+    AvoidCollision,
+    Coordinates,
+    FixedDistanceBetweenRobots,
+    GatherSamples,
+    Obstacle,
+    StayWithinMissionArea,
+    SufficientEnergy,
+    Track,
+    Visit,
+)
+
+HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
+
+
+def heading(ci, index):
+    command = ci.commands[index]
+    return round(math.degrees(math.atan2(command.heading_y, command.heading_x))) % 360
+
+
+def test_the_first_goal_to_speak_keeps_the_channel():
+    ci = state()
+
+    steer(ci, 0, 0.0, 2.0)
+    steer(ci, 0, 1.0, 0.0)
+    set_speed(ci, 0, 3.0)
+    set_speed(ci, 0, 1.0)
+    switch_sensor(ci, 1, 0)
+    switch_sensor(ci, 1, 1)
+
+    assert heading(ci, 0) == 90
+    assert ci.commands[0].speed == 3.0
+    assert ci.switches[1].active == 0
+
+
+@pytest.mark.parametrize(("speed", "expected"), [(-1.0, 0.0), (7.0, 7.0), (99.0, 20.0)])
+def test_commanded_speeds_stay_within_five_times_nominal(speed, expected):
+    ci = state()
+
+    set_speed(ci, 0, speed)
+
+    assert ci.commands[0].speed == expected
+
+
+def test_a_robot_turns_away_from_an_obstacle_ahead():
+    rock = Obstacle("rock", Area("rock_area", Coordinates(40.0, 0.0), 10.0))
+    ci = state(AvoidCollision(("a",), ("rock",)), obstacles=(rock,))
+    ci.commands[0].heading_x, ci.commands[0].heading_y = 1.0, 0.0
+
+    reactions.avoid_collision(ci, 0)
+
+    assert 90 < heading(ci, 0) < 270
+
+
+def test_a_robot_with_a_clear_way_keeps_its_heading():
+    ci = state(AvoidCollision(MEMBERS))
+    ci.commands[0].heading_x, ci.commands[0].heading_y = 0.0, 1.0
+    ci.commands[1].heading_x, ci.commands[1].heading_y = 0.0, 1.0
+
+    reactions.avoid_collision(ci, 0)
+
+    assert (heading(ci, 0), heading(ci, 1)) == (90, 90)
+
+
+def test_robots_on_collision_course_part():
+    ci = state(AvoidCollision(MEMBERS))
+    ci.robots[1].x = 40.0
+    ci.commands[0].heading_x, ci.commands[0].heading_y = 1.0, 0.0
+    ci.commands[1].heading_x, ci.commands[1].heading_y = -1.0, 0.0
+
+    reactions.avoid_collision(ci, 0)
+
+    assert heading(ci, 0) != 0
+
+
+def test_a_robot_about_to_leave_the_mission_area_turns_to_its_centre():
+    ci = state(StayWithinMissionArea())
+    ci.robots[0].x = 995.0
+    ci.commands[0].heading_x, ci.commands[0].heading_y = 1.0, 0.0
+
+    reactions.stay_within_mission_area(ci, 0)
+
+    assert heading(ci, 0) == 180
+
+
+@pytest.mark.parametrize(
+    ("believed", "expected"), [(4.0, 4.0), (0.0, 8.0), (50.0, 0.0), (3.0, 5.0)]
+)
+def test_speed_is_regulated_over_the_reported_speed(believed, expected):
+    ci = state(SufficientEnergy())
+    ci.robots[0].speed = believed
+
+    reactions.sufficient_energy(ci, 0)
+
+    assert ci.commands[0].speed == expected
+
+
+def test_with_too_little_energy_a_robot_wants_only_what_it_affords():
+    ci = state(SufficientEnergy(), duration=11)
+    ci.robots[0].speed = 4.0
+    ci.robots[0].energy = 10 * (2 * 3.0 * 2 + 1.5 * 5.0)
+
+    reactions.sufficient_energy(ci, 0)
+
+    assert ci.commands[0].speed == pytest.approx(1.5)
+
+
+def test_gathering_heads_for_the_area_and_switches_the_sensor_by_need():
+    ci = state(GatherSamples(5, "a_depth"), area=HERE)
+    ci.robots[0].y = -200.0
+    ci.switches[1].active = 0
+
+    reactions.gather_samples(ci, 0)
+
+    assert heading(ci, 0) == 90
+    assert ci.switches[1].active == 1
+
+    ci.goals[0].count = 5
+    ci.switches[1].claimed = 0
+    reactions.gather_samples(ci, 0)
+    assert ci.switches[1].active == 0
+
+
+def test_a_roaming_robot_stays_inside_its_area():
+    ci = state(GatherSamples(5, "a_depth"), area=HERE)
+    me, command = ci.robots[0], ci.commands[0]
+    for tick in range(500):
+        ci.mission.tick = tick
+        command.heading_claimed = 0
+        reactions.gather_samples(ci, 0)
+        me.x += command.heading_x * command.speed
+        me.y += command.heading_y * command.speed
+        assert math.hypot(me.x, me.y) <= 50.0, tick
+
+
+def test_a_visit_ends_exactly_at_the_point():
+    ci = state(Visit(Coordinates(3.0, 0.0), 0.5, 10), robots=(robot("a", 0.0, 0.0),))
+
+    reactions.visit(ci, 0)
+
+    assert (heading(ci, 0), ci.commands[0].speed) == (0, 3.0)
+
+
+def test_tracking_heads_for_the_next_waypoint():
+    path = (Coordinates(0.0, 0.0), Coordinates(0.0, 100.0))
+    ci = state(Track(path, 5.0), robots=(robot("a", 0.0, 0.0),))
+    ci.members[0].waypoint = 1
+
+    reactions.track(ci, 0)
+
+    assert heading(ci, 0) == 90
+
+
+@pytest.mark.parametrize(("distance", "expected"), [(50.0, 180), (150.0, 0)])
+def test_a_follower_closes_or_opens_the_gap(distance, expected):
+    ci = state(FixedDistanceBetweenRobots(distance, 2.0))
+
+    reactions.fixed_distance_between_robots(ci, 0)
+
+    assert heading(ci, 1) == expected
