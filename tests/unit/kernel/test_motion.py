@@ -1,9 +1,9 @@
 """One tick of the simulated world."""
 
 import pytest
-from support_world import robot, state
 
 from mrsfi_runtime.kernel.motion import advance, reports_position
+from support_world import robot, state
 
 
 def test_a_robot_moves_by_its_speed_along_its_heading():

@@ -3,7 +3,6 @@
 import math
 
 import pytest
-from support_world import MEMBERS, robot, state
 
 from mrsfi_runtime.kernel import reactions
 from mrsfi_runtime.kernel.commands import set_speed, steer, switch_sensor
@@ -19,6 +18,7 @@ from mrsfi_runtime.model.mission import (
     Track,
     Visit,
 )
+from support_world import MEMBERS, robot, state
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
 

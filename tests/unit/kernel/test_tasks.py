@@ -1,7 +1,6 @@
 """When each of the nine tasks is violated, on states laid out by hand."""
 
 import pytest
-from support_world import MEMBERS, robot, state
 
 from mrsfi_runtime.kernel import tasks
 from mrsfi_runtime.model.mission import (
@@ -18,6 +17,7 @@ from mrsfi_runtime.model.mission import (
     Track,
     Visit,
 )
+from support_world import MEMBERS, robot, state
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
 

@@ -1,0 +1,280 @@
+"""Every fault type of the paper's pool, alone: what is believed while it is active, and after.
+
+The expected value of each type is computed here from the true state of the tick, apart from
+the kernel's own code.
+"""
+
+import pytest
+
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.model.fault_types import FAULT_TYPES, Mode, Property
+from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
+from mrsfi_runtime.model.targets import touched
+from support_world import paper_code
+
+DURATION = 160
+START, FINISH = 40, 119
+DELAY, BLOCKED = 15, 20
+
+CODE = paper_code(DURATION)
+NOMINAL = {"rate": 5.0, "cost": 2.0}
+
+
+class Flight:
+    """Observer that keeps truth and belief of every tick, by property and index."""
+
+    def __init__(self):
+        self.true, self.believed, self.commanded, self.forced = [], [], [], []
+
+    def __call__(self, world, belief, true, believed):
+        self.true.append(self._values(world))
+        self.believed.append(self._values(belief))
+        self.commanded.append([command.speed for command in belief.commands])
+        self.forced.append([switch.active for switch in belief.switches])
+
+    @staticmethod
+    def _values(state):
+        values = {}
+        for i, robot in enumerate(state.robots):
+            values[Property.POSITION, i] = (robot.x, robot.y)
+            values[Property.SPEED, i] = robot.speed
+            values[Property.ENERGY, i] = robot.energy
+        for k, sensor in enumerate(state.sensors):
+            values[Property.COUNT, k] = sensor.count
+            values[Property.RATE, k] = sensor.rate
+            values[Property.COST, k] = sensor.cost
+            values[Property.ACTIVATION, k] = sensor.active
+        for o, obstacle in enumerate(state.obstacles):
+            values[Property.OBSTACLE, o] = (obstacle.x, obstacle.y)
+        return values
+
+
+def fly(fault, values=None):
+    pool = FaultPool("one", (fault,))
+    flight = Flight()
+    timed = TimedFault(fault.id, START, FINISH, fault.values if values is None else values)
+    outcome = ReferenceEngine(CODE, 3).evaluate((timed,), pool=pool, observer=flight)
+    return outcome, flight
+
+
+def of_type(name):
+    return next(fault for fault in CODE.pool if fault.type == name)
+
+
+def test_the_pool_holds_every_fault_type_once():
+    assert [fault.type for fault in CODE.pool] == sorted(FAULT_TYPES)
+
+
+REPORTS = [
+    kind.name
+    for kind in FAULT_TYPES.values()
+    if kind.affected not in (None, Property.MOTION, Property.ACTIVATION)
+]
+
+
+def expected_range(fault, true):
+    """Return the least and greatest value that may be believed in place of a true one."""
+    a, b = (*fault.values, 0.0, 0.0)[:2]
+    match fault.kind.mode:
+        case Mode.ZERO:
+            low = high = 0.0
+        case Mode.FIXED:
+            low = high = a
+        case Mode.INCREMENT:
+            low = high = true + a
+        case Mode.DECREMENT:
+            low = high = true - a
+        case Mode.INCREMENT_PERCENT:
+            low = high = true * (1 + a / 100)
+        case Mode.DECREMENT_PERCENT:
+            low = high = true * (1 - a / 100)
+        case _:
+            low, high = a, b
+    return max(low, 0.0), max(high, 0.0)
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_a_report_is_falsified_within_its_window_from_the_true_value_and_restored_after(name):
+    fault = of_type(name)
+    targets = touched(CODE.mission, fault)
+
+    outcome, flight = fly(fault)
+
+    assert targets
+    assert outcome.applied == (FINISH - START + 1,)
+    assert outcome.changed[0] > 0
+    for tick in range(DURATION):
+        true, believed = flight.true[tick], flight.believed[tick]
+        active = START <= tick <= FINISH
+        for key, value in believed.items():
+            if not (active and key in targets):
+                assert value == true[key], (tick, key)
+            elif isinstance(value, tuple):
+                check_place(fault, value)
+            else:
+                low, high = expected_range(fault, true[key])
+                assert low <= value <= high, (tick, key)
+
+
+def check_place(fault, place):
+    if fault.kind.mode is Mode.FIXED:
+        assert place == fault.values[:2]
+    else:
+        assert place[0] ** 2 + place[1] ** 2 <= 2000.0**2
+
+
+@pytest.mark.parametrize("name", [name for name in REPORTS if name.startswith("Random")])
+def test_random_faults_draw_anew_every_tick(name):
+    fault = of_type(name)
+    target = touched(CODE.mission, fault)[0]
+
+    _, flight = fly(fault)
+
+    drawn = {flight.believed[tick][target] for tick in range(START, FINISH + 1)}
+    assert len(drawn) > 5
+
+
+@pytest.mark.parametrize("name", ["RandomSpeed", "RandomSampleRate"])
+def test_random_speeds_and_rates_are_whole(name):
+    fault = of_type(name)
+    target = touched(CODE.mission, fault)[0]
+
+    _, flight = fly(fault)
+
+    for tick in range(START, FINISH + 1):
+        assert flight.believed[tick][target] % 1 == 0
+
+
+@pytest.mark.parametrize("message", list(CODE.mission.message_goal))
+def test_a_delay_lets_every_field_of_its_message_arrive_late_and_in_order(message):
+    fault = Fault("late", "DelayMessage", message, (float(DELAY),))
+    targets = touched(CODE.mission, fault)
+
+    outcome, flight = fly(fault)
+
+    assert targets
+    assert outcome.applied == (FINISH - START + 1,)
+    for tick in range(DURATION):
+        for key, value in flight.believed[tick].items():
+            if key in targets and START <= tick < START + DELAY:
+                assert value == flight.true[START - 1][key], (tick, key)
+            elif key in targets and START + DELAY <= tick <= FINISH:
+                assert value == flight.true[tick - DELAY][key], (tick, key)
+            else:
+                assert value == flight.true[tick][key], (tick, key)
+
+
+def test_a_delay_longer_than_its_window_lets_nothing_through():
+    fault = Fault("late", "DelayMessage", "m1", (500.0,))
+
+    _, flight = fly(fault)
+
+    key = (Property.POSITION, CODE.mission.robot_index["r2"])
+    for tick in range(START, FINISH + 1):
+        assert flight.believed[tick][key] == flight.true[START - 1][key]
+    assert flight.believed[FINISH + 1][key] == flight.true[FINISH + 1][key]
+
+
+@pytest.mark.parametrize("message", list(CODE.mission.message_goal))
+def test_a_block_loses_every_field_of_its_message_for_its_duration(message):
+    fault = Fault("lost", "BlockMessage", message, (float(BLOCKED),))
+    targets = touched(CODE.mission, fault)
+
+    outcome, flight = fly(fault)
+
+    assert outcome.applied == (BLOCKED,)
+    for tick in range(DURATION):
+        for key, value in flight.believed[tick].items():
+            lost = key in targets and START <= tick < START + BLOCKED
+            expected = flight.true[START - 1 if lost else tick][key]
+            assert value == expected, (tick, key)
+
+
+def test_a_block_ends_with_its_window():
+    fault = Fault("lost", "BlockMessage", "m1", (10_000.0,))
+
+    outcome, _ = fly(fault)
+
+    assert outcome.applied == (FINISH - START + 1,)
+
+
+@pytest.mark.parametrize(("name", "forced"), [("StopRobot", 0.0), ("StartRobot", 5.0)])
+def test_a_forged_speed_holds_from_the_motion_of_start_to_that_of_finish(name, forced):
+    robot = CODE.mission.robot_index["r1"]
+
+    outcome, flight = fly(Fault("forged", name, "r1"))
+
+    assert outcome.applied == (FINISH - START + 1,)
+    for tick in range(1, DURATION):
+        speed = flight.true[tick][Property.SPEED, robot]
+        own = flight.commanded[tick - 1][robot]
+        assert speed == (forced if START <= tick <= FINISH else own), tick
+
+
+@pytest.mark.parametrize(("name", "forced"), [("DeactivateSensor", 0), ("ActivateSensor", 1)])
+def test_a_forged_activation_holds_from_the_motion_of_start_to_that_of_finish(name, forced):
+    sensor = CODE.mission.sensor_index["s4"]
+
+    outcome, flight = fly(Fault("forged", name, "s4"))
+
+    assert outcome.applied == (FINISH - START + 1,)
+    for tick in range(1, DURATION):
+        active = flight.true[tick][Property.ACTIVATION, sensor]
+        own = flight.forced[tick - 1][sensor]
+        assert active == (forced if START <= tick <= FINISH else own), tick
+
+
+def test_a_sensor_forced_off_takes_no_samples_and_costs_nothing():
+    sensor, robot = CODE.mission.sensor_index["s4"], CODE.mission.robot_index["r2"]
+
+    _, flight = fly(Fault("off", "DeactivateSensor", "s4"))
+    _, free = fly(Fault("none", "StartRobot", "r2"))
+
+    counts = {flight.true[tick][Property.COUNT, sensor] for tick in range(START, FINISH + 1)}
+    assert len(counts) == 1
+    saved = flight.true[FINISH][Property.ENERGY, robot] - free.true[FINISH][Property.ENERGY, robot]
+    assert saved == (FINISH - START + 1) * 5 * 2.0
+
+
+def test_a_robot_whose_gps_is_forced_off_is_believed_where_it_was():
+    robot = CODE.mission.robot_index["r3"]
+
+    _, flight = fly(Fault("blind", "DeactivateSensor", "s5"))
+
+    key = (Property.POSITION, robot)
+    for tick in range(START, FINISH + 1):
+        assert flight.believed[tick][key] == flight.true[START - 1][key]
+    assert flight.believed[FINISH + 1][key] == flight.true[FINISH + 1][key]
+
+
+def test_a_forged_command_acts_from_the_very_first_motion():
+    fault = Fault("stop", "StopRobot", "r1")
+    flight = Flight()
+
+    ReferenceEngine(CODE, 3).evaluate(
+        (TimedFault("stop", 0, 2, ()),), pool=FaultPool("one", (fault,)), observer=flight
+    )
+
+    robot = CODE.mission.robot_index["r1"]
+    speeds = [flight.true[tick][Property.SPEED, robot] for tick in range(4)]
+    assert speeds[:3] == [0.0, 0.0, 0.0]
+    assert speeds[3] > 0.0
+
+
+def test_a_fault_whose_message_does_not_carry_its_field_does_nothing():
+    outcome, flight = fly(Fault("odd", "FixedSpeed", "m1", (50.0,)))
+
+    assert outcome.applied == (0,)
+    assert flight.believed == flight.true
+
+
+@pytest.mark.parametrize(
+    ("message", "sensors"), [("m11", ["s6"]), ("m8", ["s5", "s6"]), ("m9", ["s1", "s2"])]
+)
+def test_a_rate_fault_touches_the_sensor_of_its_goal_or_else_all_of_its_sender(message, sensors):
+    fault = Fault("rate", "FixedSampleRate", message, (1.0,))
+
+    targets = touched(CODE.mission, fault)
+
+    index = CODE.mission.sensor_index
+    assert targets == tuple((Property.RATE, index[sensor]) for sensor in sensors)

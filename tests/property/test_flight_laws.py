@@ -1,0 +1,120 @@
+"""Laws of every flight, over random fault specifications."""
+
+from functools import cache
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.fault_types import Property
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.targets import require_no_overlap, touched
+from mrsfi_runtime.record.trace import TraceDigest
+from support_world import paper_code
+
+DURATION = 60
+CODE = paper_code(DURATION)
+POOL = tuple(CODE.pool)
+
+
+@st.composite
+def specifications(draw, first=0):
+    """Draw up to eight timed faults of the paper's pool, no two conflicting ones overlapping."""
+    chosen = []
+    for fault in draw(st.lists(st.sampled_from(POOL), max_size=8)):
+        start = draw(st.integers(first, first + DURATION))
+        timed = TimedFault(fault.id, start, start + draw(st.integers(0, DURATION)), fault.values)
+        try:
+            require_no_overlap(CODE.mission, CODE.pool, (*chosen, timed))
+        except SpecificationError:
+            continue
+        chosen.append(timed)
+    return tuple(chosen)
+
+
+def trace(specification, seed):
+    digest = TraceDigest()
+    ReferenceEngine(CODE, seed).evaluate(specification, observer=digest)
+    return digest.hexdigest()
+
+
+@cache
+def free_trace(seed):
+    return trace((), seed)
+
+
+@settings(max_examples=40, deadline=None)
+@given(specifications(first=DURATION), st.integers(0, 3))
+def test_faults_after_the_end_are_no_faults_tick_by_tick(specification, seed):
+    assert trace(specification, seed) == free_trace(seed)
+
+
+@settings(max_examples=40, deadline=None)
+@given(specifications(), st.integers(0, 2**40))
+def test_the_same_seed_flies_the_same_and_one_engine_forgets_its_last_flight(specification, seed):
+    engine = ReferenceEngine(CODE, seed)
+    first = engine.evaluate(specification)
+
+    engine.evaluate(())
+
+    assert engine.evaluate(specification) == first
+    assert ReferenceEngine(CODE, seed).evaluate(specification) == first
+
+
+@settings(max_examples=60, deadline=None)
+@given(specifications(), st.integers(0, 2**40))
+def test_what_no_active_fault_touches_is_believed_as_it_is(specification, seed):
+    windows = [
+        (timed.start, timed.finish, touched(CODE.mission, CODE.pool[timed.fault]))
+        for timed in specification
+    ]
+
+    def watch(world, belief, true, believed):
+        tick = world.mission.tick
+        active = {
+            target
+            for start, finish, targets in windows
+            if start <= tick <= finish
+            for target in targets
+        }
+        for index, (real, known) in enumerate(zip(world.robots, belief.robots, strict=True)):
+            is_reported = world.sensors[real.gps].active == 1
+            if (Property.POSITION, index) not in active and is_reported:
+                assert (known.x, known.y, known.z) == (real.x, real.y, real.z)
+            if (Property.SPEED, index) not in active:
+                assert known.speed == real.speed
+            if (Property.ENERGY, index) not in active:
+                assert known.energy == real.energy
+        for index, (real, known) in enumerate(zip(world.sensors, belief.sensors, strict=True)):
+            assert known.active == real.active
+            if (Property.COUNT, index) not in active:
+                assert known.count == real.count
+            if (Property.RATE, index) not in active:
+                assert known.rate == real.nominal_rate
+            if (Property.COST, index) not in active:
+                assert known.cost == real.nominal_cost
+        for index, obstacle in enumerate(belief.obstacles):
+            if (Property.OBSTACLE, index) not in active:
+                assert (obstacle.x, obstacle.y) == (obstacle.model_x, obstacle.model_y)
+
+    ReferenceEngine(CODE, seed).evaluate(specification, observer=watch)
+
+
+@settings(max_examples=40, deadline=None)
+@given(specifications(), st.integers(0, 2**40))
+def test_violations_are_counted_once_per_goal_and_tick(specification, seed):
+    ticks = []
+
+    def watch(world, belief, true, believed):
+        ticks.append((tuple(true), tuple(believed)))
+
+    outcome = ReferenceEngine(CODE, seed).evaluate(specification, observer=watch)
+
+    assert len(ticks) == DURATION
+    for goal in range(len(CODE.checks)):
+        pairs = [(true[goal], believed[goal]) for true, believed in ticks]
+        assert outcome.true[goal] == sum(true for true, _ in pairs)
+        assert outcome.believed[goal] == sum(believed for _, believed in pairs)
+        assert outcome.phantom[goal] == sum(believed and not true for true, believed in pairs)
+        assert outcome.masked[goal] == sum(true and not believed for true, believed in pairs)

@@ -1,0 +1,123 @@
+"""The reference engine and the pool of workers around it."""
+
+from dataclasses import replace
+from pathlib import Path
+from shutil import copytree
+
+import pytest
+
+from mrsfi_runtime.engine.pools import Failure, WorkerPool
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import TimedFault
+from support_world import ROOT, paper_code
+
+GENERATED = ROOT / "generated" / "uuv_sampling"
+SPECIFICATIONS = [
+    (TimedFault(fault.id, 10 * number, 10 * number + 300, fault.values),)
+    for number, fault in enumerate(paper_code().pool)
+][:6]
+
+
+def edited(tmp_path: Path, region: str, body: str) -> Path:
+    """Return a copy of the generated code with one region replaced."""
+    folder = Path(copytree(GENERATED, tmp_path / "edited"))
+    path = folder / "collective_intelligence.py"
+    text = path.read_text(encoding="utf-8")
+    begin = f"    # protected region {region} on begin\n"
+    end = f"    # protected region {region} end\n"
+    head, rest = text.split(begin)
+    path.write_text(head + begin + body + end + rest.split(end)[1], encoding="utf-8")
+    return folder
+
+
+def test_a_region_decides_what_is_believed_violated(tmp_path):
+    code = load_code(edited(tmp_path, "g2.check", "    return ci.mission.tick >= 990\n"))
+
+    outcome = ReferenceEngine(code, 1).evaluate(())
+
+    assert outcome.believed == (0, 10, 0, 0, 0, 0)
+
+
+def test_any_python_is_allowed_in_a_region(tmp_path):
+    body = "    import statistics\n    return statistics.mean(r.x for r in ci.robots) > 1e9\n"
+    code = load_code(edited(tmp_path, "g2.check", body))
+
+    assert ReferenceEngine(code, 1).evaluate(()).believed == (0,) * 6
+
+
+def test_an_error_in_a_region_names_mission_tick_and_cause(tmp_path):
+    body = "    return 1 // (500 - ci.mission.tick) > 9\n"
+    code = load_code(edited(tmp_path, "g2.check", body))
+
+    with pytest.raises(EvaluationError, match="'1000' failed at tick 499: ZeroDivisionError"):
+        ReferenceEngine(code, 1).evaluate(())
+
+
+def test_a_region_that_does_not_compile_is_named_with_its_file(tmp_path):
+    folder = edited(tmp_path, "g2.check", "    return (\n")
+
+    with pytest.raises(EvaluationError, match=r"collective_intelligence\.py: cannot be imported"):
+        load_code(folder)
+
+
+def test_a_folder_without_generated_code_says_what_to_run(tmp_path):
+    with pytest.raises(GenerationError, match="run `mrsfi generate`"):
+        load_code(tmp_path)
+
+
+def test_two_folders_of_one_mission_do_not_share_code(tmp_path):
+    folder = edited(tmp_path, "g2.check", "    return True\n")
+
+    first, second = load_code(GENERATED), load_code(folder)
+
+    assert ReferenceEngine(first, 1).evaluate(()).believed[1] == 0
+    assert ReferenceEngine(second, 1).evaluate(()).believed[1] == 1000
+
+
+def test_conflicting_faults_are_refused():
+    engine = ReferenceEngine(paper_code(), 1)
+
+    with pytest.raises(SpecificationError, match="overlap"):
+        engine.evaluate((TimedFault("f27", 0, 9), TimedFault("f4", 5, 9, (1.0,))))
+
+
+def test_the_digest_tells_outcomes_apart():
+    engine = ReferenceEngine(paper_code(200), 1)
+    base = engine.evaluate((TimedFault("f14", 10, 20, (50.0,)),))
+
+    assert engine.evaluate((TimedFault("f14", 10, 20, (50.0,)),)).digest == base.digest
+    assert engine.evaluate((TimedFault("f14", 10, 21, (50.0,)),)).digest != base.digest
+
+
+def test_any_number_of_workers_gives_the_same_results_in_order():
+    results = []
+    for n_workers in (1, 2):
+        with WorkerPool(GENERATED, 1, n_workers) as pool:
+            results.append(pool.evaluate_many(SPECIFICATIONS))
+
+    assert results[0] == results[1]
+    engine = ReferenceEngine(load_code(GENERATED), 1)
+    assert results[0] == [engine.evaluate(specification) for specification in SPECIFICATIONS]
+
+
+@pytest.mark.parametrize("n_workers", [1, 2])
+def test_a_failed_evaluation_comes_back_with_its_traceback(tmp_path, n_workers):
+    body = "    return 1 // (len(ci.robots) - 3) > 9\n"
+    folder = edited(tmp_path, "g2.check", body)
+
+    with WorkerPool(folder, 1, n_workers) as pool:
+        results = pool.evaluate_many(SPECIFICATIONS[:2])
+
+    assert all(isinstance(result, Failure) for result in results)
+    assert all("ZeroDivisionError" in result.traceback for result in results)
+
+
+def test_a_mission_of_one_tick_flies():
+    code = paper_code()
+    short = replace(code, mission=replace(code.mission, duration=1))
+
+    outcome = ReferenceEngine(short, 1).evaluate((TimedFault("f26", 0, 0),))
+
+    assert outcome.applied == (1,)

@@ -1,0 +1,88 @@
+"""What faults touch, which conflict, and which specifications are refused."""
+
+import pytest
+
+from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.fault_types import Property
+from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
+from mrsfi_runtime.model.targets import conflicts, require_no_overlap, touched
+from support_world import paper_code
+
+CODE = paper_code()
+
+
+def test_delay_and_block_touch_every_field_of_their_message():
+    robot = CODE.mission.robot_index["r3"]
+
+    targets = touched(CODE.mission, Fault("late", "DelayMessage", "m8", (5.0,)))
+
+    assert targets == (
+        (Property.POSITION, robot),
+        (Property.SPEED, robot),
+        (Property.ENERGY, robot),
+    )
+
+
+def test_a_sensor_type_in_a_body_means_the_senders_count():
+    targets = touched(CODE.mission, Fault("late", "BlockMessage", "m10", (5.0,)))
+
+    assert targets == ((Property.COUNT, CODE.mission.sensor_index["s4"]),)
+
+
+def test_conflicts_are_mutual_and_follow_the_property_not_the_message():
+    table = conflicts(CODE.mission, CODE.pool)
+
+    assert all(first in table[second] for first in table for second in table[first])
+    energy_of_r3 = {"f4", "f10", "f15", "f20", "f27"}
+    assert table["f4"] == energy_of_r3
+    assert "f11" not in table["f2"]  # positions of two robots
+    assert table["f1"] == {"f1"}
+
+
+@pytest.mark.parametrize(
+    ("type_name", "target"),
+    [
+        ("StopRobot", "r9"),
+        ("ActivateSensor", "r1"),
+        ("FixedObstacleCoordinates", "m1"),
+        ("FixedSpeed", "o1"),
+    ],
+)
+def test_a_target_that_the_mission_lacks_is_refused_by_name(type_name, target):
+    with pytest.raises(SpecificationError, match=f"'odd' .{type_name}. refers to '{target}'"):
+        touched(CODE.mission, Fault("odd", type_name, target))
+
+
+@pytest.mark.parametrize(
+    ("specification", "message"),
+    [
+        ((TimedFault("f4", 0, 9, (1.0,)), TimedFault("f27", 9, 12)), "both touch energy"),
+        ((TimedFault("f1", 0, 9), TimedFault("f1", 5, 12)), "'f1' .5 … 12. overlap"),
+        ((TimedFault("f1", 9, 8),), "0 <= start <= finish"),
+        ((TimedFault("f1", -1, 8),), "0 <= start <= finish"),
+        ((TimedFault("f4", 0, 9),), "1 values"),
+        ((TimedFault("f99", 0, 9),), "has no fault 'f99'"),
+    ],
+)
+def test_specifications_that_make_no_sense_are_refused(specification, message):
+    with pytest.raises(SpecificationError, match=message):
+        require_no_overlap(CODE.mission, CODE.pool, specification)
+
+
+def test_windows_that_only_meet_at_their_ends_are_accepted():
+    specification = (TimedFault("f4", 0, 8, (1.0,)), TimedFault("f27", 9, 12))
+
+    require_no_overlap(CODE.mission, CODE.pool, specification)
+
+
+def test_a_pool_without_windows_is_no_written_specification():
+    with pytest.raises(SpecificationError, match="'f1' of 'fs' has no start and finish"):
+        CODE.pool.written_specification()
+
+
+def test_a_written_specification_has_its_own_windows_and_values():
+    fault = Fault("f4.1", "FixedSpeed", "m7", (3.0,), start=5, finish=7)
+
+    assert FaultPool("found", (fault,)).written_specification() == (
+        TimedFault("f4.1", 5, 7, (3.0,)),
+    )

@@ -1,0 +1,57 @@
+"""The in-process bus."""
+
+import pytest
+
+from mrsfi_runtime.errors import ProtocolError
+from mrsfi_runtime.transport.local_bus import LocalBus
+from mrsfi_runtime.transport.topics import Topic
+
+SPEED = Topic("/r1/speed", "std_msgs/Float64")
+
+
+def test_every_subscriber_receives_every_message_in_order():
+    bus, first, second = LocalBus(), [], []
+    bus.subscribe(SPEED, first.append)
+    publish = bus.advertise(SPEED)
+    bus.subscribe(SPEED, second.append)
+
+    publish({"data": 1.0})
+    publish({"data": 2.0})
+
+    assert first == second == [{"data": 1.0}, {"data": 2.0}]
+
+
+def test_topics_are_apart():
+    bus, received = LocalBus(), []
+    bus.subscribe(SPEED, received.append)
+
+    bus.advertise(Topic("/r2/speed", "std_msgs/Float64"))({"data": 1.0})
+
+    assert received == []
+
+
+def test_a_topic_keeps_its_type():
+    bus = LocalBus()
+    bus.advertise(SPEED)
+
+    with pytest.raises(ProtocolError, match="'/r1/speed' carries 'std_msgs/Float64'"):
+        bus.subscribe(Topic("/r1/speed", "std_msgs/Int64"), print)
+
+
+def test_an_error_in_a_callback_stops_the_publisher():
+    bus = LocalBus()
+    bus.subscribe(SPEED, lambda payload: payload["nothing"])
+
+    with pytest.raises(KeyError):
+        bus.advertise(SPEED)({"data": 1.0})
+
+
+def test_a_closed_bus_delivers_nothing():
+    bus, received = LocalBus(), []
+    bus.subscribe(SPEED, received.append)
+    publish = bus.advertise(SPEED)
+
+    bus.close()
+    publish({"data": 1.0})
+
+    assert received == []
