@@ -56,7 +56,7 @@ def _gaps(belief: State, goal: GoalState) -> Iterator[float]:
             second = belief.robots[belief.members[other].robot]
             yield distance(robot.x, robot.y, second.x, second.y) - 2.0 * ROBOT_RADIUS
         for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-            hazard = belief.obstacles[belief.hazards[h].obstacle]
+            hazard = belief.obstacles[belief.hazards[h]]
             gap = distance(robot.x, robot.y, hazard.x, hazard.y)
             yield gap - hazard.radius - ROBOT_RADIUS
 

@@ -8,7 +8,6 @@ from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
 from mrsfi_runtime.kernel.state import (
     CommandState,
     GoalState,
-    HazardState,
     MemberState,
     MissionState,
     ObstacleState,
@@ -197,7 +196,7 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
         MemberState(robot=mission.robot_index[robot], since=-1, reached=0, waypoint=0)
         for robot in members
     )
-    state.hazards.extend(HazardState(mission.obstacle_index[hazard]) for hazard in hazards)
+    state.hazards.extend(mission.obstacle_index[hazard] for hazard in hazards)
     state.waypoints.extend(PointState(float(point.x), float(point.y)) for point in waypoints)
 
 

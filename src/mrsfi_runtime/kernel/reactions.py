@@ -90,11 +90,11 @@ def clearance(ci: State, goal: GoalState, index: int, x: float, y: float, limit:
     reach = LOOK_AHEAD * step
     least = limit
     for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-        obstacle = ci.obstacles[ci.hazards[h].obstacle]
+        obstacle = ci.obstacles[ci.hazards[h]]
         dx = obstacle.x - robot.x
         dy = obstacle.y - robot.y
         near = least + reach + obstacle.radius + ROBOT_RADIUS
-        if dx * dx + dy * dy < near * near:
+        if -near < dx < near and -near < dy < near:
             gap = closest(dx, dy, -step * x, -step * y) - obstacle.radius - ROBOT_RADIUS
             least = min(least, gap)
     for m in range(goal.first_member, goal.first_member + goal.n_members):
@@ -104,7 +104,7 @@ def clearance(ci: State, goal: GoalState, index: int, x: float, y: float, limit:
             dy = ci.robots[other].y - robot.y
             other_step = pace(ci, other)
             near = least + reach + LOOK_AHEAD * other_step + 2.0 * ROBOT_RADIUS
-            if dx * dx + dy * dy < near * near:
+            if -near < dx < near and -near < dy < near:
                 command = ci.commands[other]
                 vx = other_step * command.heading_x - step * x
                 vy = other_step * command.heading_y - step * y

@@ -74,8 +74,8 @@ class ObstacleState:
 class GoalState:
     """A goal: parameters of its task and the progress made.
 
-    ``x``, ``y``, ``radius`` are the area or point of the task. Members, obstacles and
-    waypoints are ranges of the lists of the same name in ``State``.
+    ``x``, ``y``, ``radius`` are the area or point of the task. Members, hazards and
+    waypoints are ranges of lists in ``State``; a hazard is an obstacle's index.
     """
 
     task: int
@@ -112,13 +112,6 @@ class MemberState:
     since: int
     reached: int
     waypoint: int
-
-
-@dataclass(slots=True)
-class HazardState:
-    """An obstacle (by index) that a goal's members must avoid."""
-
-    obstacle: int
 
 
 @dataclass(slots=True)
@@ -161,7 +154,7 @@ class State:
     obstacles: list[ObstacleState]
     goals: list[GoalState]
     members: list[MemberState]
-    hazards: list[HazardState]
+    hazards: list[int]
     waypoints: list[PointState]
     chances: list[int]
     commands: list[CommandState]

@@ -106,7 +106,7 @@ def avoid_collision_violated(view: State, g: int) -> bool:
     """
     goal = view.goals[g]
     last = goal.first_member + goal.n_members
-    both = 4.0 * ROBOT_RADIUS * ROBOT_RADIUS
+    both = 2.0 * ROBOT_RADIUS
     for m in range(goal.first_member, last):
         robot = view.robots[view.members[m].robot]
         x = robot.x
@@ -114,17 +114,21 @@ def avoid_collision_violated(view: State, g: int) -> bool:
         for other in range(m + 1, last):
             second = view.robots[view.members[other].robot]
             dx = second.x - x
-            dy = second.y - y
-            if dx * dx + dy * dy < both:
+            if -both < dx < both and overlap(dx, second.y - y, both):
                 return True
         for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-            obstacle = view.obstacles[view.hazards[h].obstacle]
+            obstacle = view.obstacles[view.hazards[h]]
             dx = obstacle.x - x
-            dy = obstacle.y - y
             reach = obstacle.radius + ROBOT_RADIUS
-            if dx * dx + dy * dy < reach * reach:
+            if -reach < dx < reach and overlap(dx, obstacle.y - y, reach):
                 return True
     return False
+
+
+@kernel
+def overlap(dx: float, dy: float, reach: float) -> bool:
+    """Return whether two discs overlap whose radii add up to ``reach``."""
+    return dx * dx + dy * dy < reach * reach
 
 
 @kernel
