@@ -1,0 +1,179 @@
+"""The Jinja environment and its filters: the only way for a model's text into code.
+
+``literal`` turns a value into a Python literal, ``expression`` a tree of calls into a
+formatted expression, ``remark`` free text into something that is safe after a ``#``. No
+other way is open to model text that is not a checked identifier.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+LINE_LENGTH = 100
+_REMARK_LENGTH = 40
+_PLAIN_REMARK = re.compile(r"(?!noqa|nosec)[A-Za-z0-9_.-]{1,40}", re.ASCII | re.IGNORECASE)
+
+Scalar: TypeAlias = str | int | float | bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A call with keyword arguments.
+
+    ``is_flat`` asks for one line where it fits; otherwise there is one argument a line, so
+    that a changed value changes one line.
+    """
+
+    function: str
+    arguments: tuple[tuple[str, "Expression"], ...] = ()
+    is_flat: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A dictionary literal with text keys."""
+
+    entries: tuple[tuple[str, "Expression"], ...]
+
+
+Expression: TypeAlias = Scalar | Call | Table | tuple["Expression", ...]
+
+
+def literal(value: Scalar | tuple[object, ...]) -> str:
+    """Return the Python literal of a value, in ASCII and as a formatter would write it.
+
+    Parameters
+    ----------
+    value
+        Text, number, truth value, ``None``, or a tuple of such values.
+
+    Raises
+    ------
+    ValueError
+        If a number is infinite or not a number.
+    TypeError
+        If the value is of any other type.
+    """
+    if value is None or isinstance(value, bool):
+        return repr(value)
+    if isinstance(value, str):
+        return _text_literal(value)
+    if isinstance(value, int):
+        return int.__repr__(value)
+    if isinstance(value, float):
+        return _float_literal(value)
+    if isinstance(value, tuple):
+        return _tuple_of([literal(entry) for entry in value])  # type: ignore[arg-type]
+    raise TypeError(f"no literal for a value of type {type(value).__name__}")
+
+
+def _float_literal(value: float) -> str:
+    if not math.isfinite(value):
+        raise ValueError(f"no literal for the number {value!r}; expected a finite one")
+    return float.__repr__(value).replace("e+", "e")
+
+
+def _text_literal(text: str) -> str:
+    quote = "'" if text.count('"') > text.count("'") else '"'
+    escaped = "".join(_escaped(character, quote) for character in text)
+    return f"{quote}{escaped}{quote}"
+
+
+def _escaped(character: str, quote: str) -> str:
+    if character in {quote, "\\"}:
+        return "\\" + character
+    if " " <= character <= "~":
+        return character
+    return ascii(character)[1:-1]
+
+
+def remark(text: str) -> str:
+    """Return free text as it may stand in a comment: one line of ASCII, 40 characters.
+
+    A plain word stays as it is; everything else is quoted, escaped and cut.
+    """
+    if _PLAIN_REMARK.fullmatch(text):
+        return text
+    return ascii(text[:_REMARK_LENGTH])[:_REMARK_LENGTH].replace("#", "?")
+
+
+def expression(value: Expression, indent: int = 0, used: int = 0) -> str:
+    """Return a Python expression, laid out as a formatter would leave it.
+
+    Parameters
+    ----------
+    value
+        A scalar, a call, a table, or a tuple of such expressions.
+    indent
+        Indentation of the line on which the expression begins.
+    used
+        Columns of that line which are taken by what stands around the expression.
+    """
+    if isinstance(value, tuple) and not value:
+        return "()"
+    if not isinstance(value, Call | Table | tuple):
+        return literal(value)
+    flat = _flat(value)
+    if flat is not None and indent + used + len(flat) <= LINE_LENGTH:
+        return flat
+    opening, entries, closing = _parts(value)
+    if not entries:
+        return opening + closing
+    inner = indent + 4
+    lines = [
+        f"{' ' * inner}{prefix}{expression(entry, inner, len(prefix) + 1)},\n"
+        for prefix, entry in entries
+    ]
+    return f"{opening}\n{''.join(lines)}{' ' * indent}{closing}"
+
+
+def _parts(
+    value: Call | Table | tuple[Expression, ...],
+) -> tuple[str, list[tuple[str, Expression]], str]:
+    if isinstance(value, Call):
+        return f"{value.function}(", [(f"{name}=", entry) for name, entry in value.arguments], ")"
+    if isinstance(value, Table):
+        return "{", [(f"{literal(name)}: ", entry) for name, entry in value.entries], "}"
+    return "(", [("", entry) for entry in value], ")"
+
+
+def _flat(value: Expression) -> str | None:
+    """Return an expression on one line, or ``None`` where one entry a line is wanted.
+
+    A tuple of one entry has no choice: formatters join it whenever it fits.
+    """
+    if isinstance(value, tuple):
+        is_flat = len(value) == 1 or not any(
+            isinstance(entry, Call | Table | tuple) for entry in value
+        )
+        entries = [_flat(entry) for entry in value] if is_flat else [None]
+        return None if None in entries else _tuple_of([entry for entry in entries if entry])
+    if not isinstance(value, Call | Table):
+        return literal(value)
+    if isinstance(value, Call) and value.arguments and not value.is_flat:
+        return None
+    opening, parts, closing = _parts(value)
+    flat = [(prefix, _flat(entry)) for prefix, entry in parts]
+    if any(entry is None for _, entry in flat):
+        return None
+    return opening + ", ".join(f"{prefix}{entry}" for prefix, entry in flat) + closing
+
+
+def _tuple_of(entries: list[str]) -> str:
+    return f"({entries[0]},)" if len(entries) == 1 else f"({', '.join(entries)})"
+
+
+def template_environment() -> Environment:
+    """Return the environment that renders ``m2t/templates``; an undefined name is an error."""
+    environment = Environment(
+        loader=PackageLoader("m2t"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {"literal": literal, "expression": expression, "remark": remark}
+    return environment

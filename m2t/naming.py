@@ -1,0 +1,102 @@
+"""Names in generated code: every one comes from a model ID, never from a display name."""
+
+import keyword
+import re
+from collections.abc import Iterable
+
+from mrsfi_runtime.errors import ModelError
+
+RESERVED = frozenset({"checks", "reactions", "topics", "commands", "truth"})
+"""Identifiers that generated code uses itself, as tables or as a root of topics."""
+
+_ALLOWED = re.compile(r"[A-Za-z0-9_. -]+", re.ASCII)
+_SEPARATORS = re.compile(r"[_. -]+")
+_IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
+_WORD_START = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+
+
+def identifier(text: str) -> str:
+    """Return the identifier that a model ID becomes in Python and in ROS topic names.
+
+    Parameters
+    ----------
+    text
+        ID of a model element: ASCII letters, digits, ``_``, ``-``, ``.`` and spaces.
+
+    Returns
+    -------
+    str
+        Lower case, ``[a-z][a-z0-9_]*``; runs of separators become one underscore.
+
+    Raises
+    ------
+    ModelError
+        If the ID holds other characters, does not start with a letter, or becomes a Python
+        keyword or a name that generated code uses itself.
+
+    Examples
+    --------
+    >>> identifier("Scout-1")
+    'scout_1'
+    """
+    if not _ALLOWED.fullmatch(text):
+        raise ModelError(
+            f"ID {_shown(text)} cannot be a name in Python; expected ASCII letters, digits, "
+            "'_', '-', '.' or spaces; rename the element"
+        )
+    name = _SEPARATORS.sub("_", text).strip("_").lower()
+    if not _IDENTIFIER.fullmatch(name):
+        raise ModelError(
+            f"ID {_shown(text)} becomes '{name[:40]}', which is no name in Python; "
+            "expected a letter at the start; rename the element"
+        )
+    if keyword.iskeyword(name) or name in RESERVED:
+        raise ModelError(
+            f"ID {_shown(text)} becomes '{name}', which Python or generated code uses itself; "
+            "rename the element"
+        )
+    return name
+
+
+def constant(text: str) -> str:
+    """Return the constant that stands for a model ID: its identifier in upper case."""
+    return identifier(text).upper()
+
+
+def clashes(ids: Iterable[str]) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Find different IDs that become the same identifier.
+
+    Parameters
+    ----------
+    ids
+        IDs of all elements of a mission; those that ``identifier`` refuses are left out, and
+        an ID given twice counts once.
+
+    Returns
+    -------
+    tuple
+        Pairs of an identifier and the IDs that become it, in the order of first appearance.
+    """
+    spellings: dict[str, dict[str, None]] = {}
+    for text in ids:
+        try:
+            name = identifier(text)
+        except ModelError:
+            continue
+        spellings.setdefault(name, {})[text] = None
+    return tuple((name, tuple(found)) for name, found in spellings.items() if len(found) > 1)
+
+
+def snake_case(class_name: str) -> str:
+    """Return a class name in lower case with underscores between its words.
+
+    Examples
+    --------
+    >>> snake_case("FixedDistanceBetweenRobots")
+    'fixed_distance_between_robots'
+    """
+    return _WORD_START.sub("_", class_name).lower()
+
+
+def _shown(text: str) -> str:
+    return ascii(text if len(text) <= 60 else text[:60] + "...")

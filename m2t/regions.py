@@ -1,0 +1,310 @@
+"""Protected regions: the parts of a generated file that belong to the user.
+
+A region is what stands between the lines ``# protected region ID on begin`` and
+``# protected region ID end``, as Epsilon's EGL writes them. Everything else of a file is its
+skeleton and belongs to the template.
+
+Notes
+-----
+Stricter than EGL, which loses code silently: markers that do not pair up are errors, a
+region that is no longer generated may only go if nobody edited it, and an edited skeleton is
+noticed.
+"""
+
+import hashlib
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import zip_longest
+from types import MappingProxyType
+
+from mrsfi_runtime.errors import ProtectedRegionError
+
+_MARKER = re.compile(
+    r"[ \t]*# protected region (?P<id>[^\s]+) (?:(?P<state>on|off) begin|end)[ \t]*"
+)
+_ALMOST_MARKER = re.compile(r"\s*#+\s*protected\s+region\b.*\b(begin|end)\s*", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A protected region.
+
+    Attributes
+    ----------
+    id
+        Built from a model ID: ``g1.check``.
+    is_on
+        Whether hand-written code in it is kept; a region that is off is always generated.
+    begin, body, end
+        The marker lines and what stands between them, each with its line ends.
+    line
+        Line number of the begin marker.
+    """
+
+    id: str
+    is_on: bool
+    begin: str
+    body: str
+    end: str
+    line: int
+
+    @property
+    def text(self) -> str:
+        """The region as it stands in the file."""
+        return self.begin + self.body + self.end
+
+
+@dataclass(frozen=True)
+class Document:
+    """A generated file, cut into skeleton text and regions, in order."""
+
+    name: str
+    parts: tuple[str | Region, ...]
+
+    @cached_property
+    def regions(self) -> Mapping[str, Region]:
+        """Regions by ID, in order."""
+        found = {part.id: part for part in self.parts if isinstance(part, Region)}
+        return MappingProxyType(found)
+
+    @property
+    def text(self) -> str:
+        """The whole file."""
+        return "".join(part if isinstance(part, str) else part.text for part in self.parts)
+
+    @cached_property
+    def skeleton(self) -> str:
+        """The file with empty regions, all of them on: what the template is answerable for."""
+        return "".join(
+            part
+            if isinstance(part, str)
+            else f"# protected region {part.id} on begin\n# protected region {part.id} end\n"
+            for part in self.parts
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class FileRecord:
+    """What the manifest remembers of a generated file: hashes of skeleton and region bodies."""
+
+    skeleton: str
+    regions: Mapping[str, str]
+
+
+def text_hash(text: str) -> str:
+    """Return the SHA-256 of a text in UTF-8."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def record_of(document: Document) -> FileRecord:
+    """Return what the manifest is to remember of a file as generated, before any merge."""
+    regions = {region.id: text_hash(region.body) for region in document.regions.values()}
+    return FileRecord(text_hash(document.skeleton), regions)
+
+
+def parse(text: str, name: str) -> Document:
+    r"""Cut a file into skeleton and regions.
+
+    Parameters
+    ----------
+    text
+        The file with line ends ``\n``; its last line may lack one.
+    name
+        Path for messages.
+
+    Raises
+    ------
+    ProtectedRegionError
+        With file and line, if markers are unbalanced, nested, doubled or misspelt.
+    """
+    return _Parser(name).parse(text)
+
+
+class _Parser:
+    """Collects parts line by line; ``opened`` is the begin marker that waits for its end."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.parts: list[str | Region] = []
+        self.lines: list[str] = []
+        self.seen: dict[str, int] = {}
+        self.opened: tuple[re.Match[str], str, int] | None = None
+
+    def parse(self, text: str) -> Document:
+        for number, line in enumerate(text_lines(text), start=1):
+            content = line.removesuffix("\n")
+            marker = _MARKER.fullmatch(content)
+            if marker is None:
+                if _ALMOST_MARKER.fullmatch(content):
+                    raise self.error(
+                        number,
+                        f"found the marker {content.strip()!r}; expected "
+                        "'# protected region ID on begin' or '# protected region ID end'; "
+                        "mend it or word the comment differently",
+                    )
+                self.lines.append(line)
+            elif marker["state"]:
+                self.begin(marker, line, number)
+            else:
+                self.end(marker, line, number)
+        if self.opened is not None:
+            marker, _, number = self.opened
+            raise self.error(
+                number, f"protected region '{marker['id']}' has no end; put its end marker back"
+            )
+        self.close_skeleton()
+        return Document(self.name, tuple(self.parts))
+
+    def begin(self, marker: re.Match[str], line: str, number: int) -> None:
+        region = marker["id"]
+        if self.opened is not None:
+            raise self.error(
+                number,
+                f"protected region '{region}' begins inside '{self.opened[0]['id']}' of line "
+                f"{self.opened[2]}; put the missing end marker back",
+            )
+        if region in self.seen:
+            raise self.error(
+                number,
+                f"protected region '{region}' stands here for the second time, first in line "
+                f"{self.seen[region]}; keep one of the two",
+            )
+        self.close_skeleton()
+        self.seen[region] = number
+        self.opened = (marker, line, number)
+
+    def end(self, marker: re.Match[str], line: str, number: int) -> None:
+        if self.opened is None or self.opened[0]["id"] != marker["id"]:
+            expected = f"the end of '{self.opened[0]['id']}'" if self.opened else "no end"
+            raise self.error(
+                number,
+                f"protected region '{marker['id']}' ends here, {expected} was expected; "
+                "put the missing marker back",
+            )
+        opening, begin, first = self.opened
+        body = "".join(self.lines)
+        is_on = opening["state"] == "on"
+        self.parts.append(Region(marker["id"], is_on, begin, body, line, first))
+        self.lines = []
+        self.opened = None
+
+    def close_skeleton(self) -> None:
+        if self.lines:
+            self.parts.append("".join(self.lines))
+            self.lines = []
+
+    def error(self, number: int, message: str) -> ProtectedRegionError:
+        return ProtectedRegionError(f"{self.name}:{number}: {message}")
+
+
+def text_lines(text: str) -> list[str]:
+    r"""Return the lines with their ends; unlike ``splitlines``, only ``\n`` ends a line."""
+    lines = [f"{line}\n" for line in text.split("\n")]
+    lines[-1] = lines[-1].removesuffix("\n")
+    return lines if lines[-1] else lines[:-1]
+
+
+def merge(
+    generated: Document, existing: Document, records: tuple[FileRecord, ...], *, force: bool = False
+) -> str:
+    """Return the generated file with the hand-written code of the existing one.
+
+    Parameters
+    ----------
+    generated
+        The file as the template renders it.
+    existing
+        The file as it stands.
+    records
+        What the manifest remembers of the existing file: what is equal to any of them was
+        generated. Empty if there is no manifest: then all counts as edited.
+    force
+        Overwrite edits of the skeleton.
+
+    Raises
+    ------
+    ProtectedRegionError
+        If hand-written code would be lost: in a region that is off, in a region that is no
+        longer generated, or, unless forced, in the skeleton.
+    """
+    _require_no_orphans(generated, existing, records)
+    text = "".join(
+        part if isinstance(part, str) else _merged(part, existing, records)
+        for part in generated.parts
+    )
+    if not force and existing.skeleton != generated.skeleton:
+        _require_generated_skeleton(existing, records, text)
+    return text
+
+
+def is_hand_written(existing: Document, records: tuple[FileRecord, ...]) -> bool:
+    """Return whether anything in a file was edited since it was generated."""
+    return not any(text_hash(existing.skeleton) == record.skeleton for record in records) or any(
+        _is_edited(region, records) for region in existing.regions.values()
+    )
+
+
+def _merged(region: Region, existing: Document, records: tuple[FileRecord, ...]) -> str:
+    old = existing.regions.get(region.id)
+    if old is None:
+        return region.text
+    if old.body == region.body or not _is_edited(old, records):
+        return old.begin + region.body + old.end
+    if not old.is_on:
+        raise ProtectedRegionError(
+            f"{existing.name}:{old.line}: protected region '{old.id}' was edited although it is "
+            "off; write 'on' into its first line to keep the code, or undo the edit"
+        )
+    return old.text
+
+
+def _is_edited(region: Region, records: tuple[FileRecord, ...]) -> bool:
+    body = text_hash(region.body)
+    return not any(record.regions.get(region.id) == body for record in records)
+
+
+def _require_no_orphans(
+    generated: Document, existing: Document, records: tuple[FileRecord, ...]
+) -> None:
+    """Refuse to drop a region that holds code; one that was emptied may go."""
+    orphans = [
+        region
+        for region in existing.regions.values()
+        if region.id not in generated.regions
+        and region.body.strip()
+        and _is_edited(region, records)
+    ]
+    if orphans:
+        raise ProtectedRegionError(
+            "\n".join(
+                f"{existing.name}:{region.line}: protected region '{region.id}' holds hand-written "
+                f"code, but element '{region.id.partition('.')[0]}' is gone from the model; "
+                "bring the element back, or move the code elsewhere and empty the region"
+                for region in orphans
+            )
+        )
+
+
+def _require_generated_skeleton(
+    existing: Document, records: tuple[FileRecord, ...], text: str
+) -> None:
+    """Refuse to overwrite a skeleton that no record knows; ``text`` is what would replace it."""
+    place = f"{existing.name}:{_first_difference(existing.text, text)}"
+    if not records:
+        raise ProtectedRegionError(
+            f"{place}: differs here from what would be generated, and no manifest says whether "
+            "by hand; move your edits into protected regions, then generate with --force"
+        )
+    if all(text_hash(existing.skeleton) != record.skeleton for record in records):
+        raise ProtectedRegionError(
+            f"{place}: the file was edited outside its protected regions, and this is the first "
+            "line that generation would change; move the edits into a region, then generate "
+            "with --force, which overwrites what stands outside"
+        )
+
+
+def _first_difference(old: str, new: str) -> int:
+    pairs = zip_longest(text_lines(old), text_lines(new))
+    return next((number for number, (a, b) in enumerate(pairs, start=1) if a != b), 1)

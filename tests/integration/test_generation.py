@@ -1,0 +1,327 @@
+"""Generation from models to files: repeatable, formatted, typed, and true to the model."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from m2t.generate import diff, fault_loader_text, generate, stale
+from m2t.load import load_mission_folder
+from m2t.metamodels import load_metamodels
+from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.mission import load_code, pool_from_text
+from mrsfi_runtime.model.fault_types import FAULT_TYPES
+from mrsfi_runtime.model.mission import (
+    Area,
+    AvoidCollision,
+    Coordinates,
+    FixedDistanceBetweenRobots,
+    GatherSamples,
+    Patrol,
+    Property,
+    Stay,
+    StayWithinMissionArea,
+    SufficientEnergy,
+    Track,
+    Visit,
+)
+from mrsfi_runtime.transport.local_bus import LocalBus
+from support_generation import (
+    ALL_TASKS,
+    BARE,
+    FILES,
+    GENERATED,
+    MODELS,
+    ROOT,
+    contents,
+    copy_models,
+    edit,
+    run_module,
+    write_mission,
+)
+
+
+@pytest.fixture
+def models(tmp_path):
+    return copy_models(tmp_path)
+
+
+@pytest.fixture
+def target(tmp_path):
+    return tmp_path / "generated" / "uuv_sampling"
+
+
+def test_committed_code_is_up_to_date():
+    assert stale(MODELS, GENERATED) == ()
+    assert diff(MODELS, GENERATED) == ""
+
+
+def test_mission_becomes_five_files_and_a_manifest(models, target):
+    result = generate(models, target)
+
+    assert result.written == FILES
+    assert sorted(contents(target)) == sorted((*FILES, "manifest.json"))
+
+
+def test_second_run_changes_nothing(models, target):
+    generate(models, target)
+    before = {path: path.stat().st_mtime_ns for path in (target, *target.iterdir())}
+
+    result = generate(models, target)
+
+    assert (result.written, result.unchanged, result.removed) == ((), FILES, ())
+    assert {path: path.stat().st_mtime_ns for path in (target, *target.iterdir())} == before
+
+
+def test_result_does_not_depend_on_the_hash_seed(tmp_path, models):
+    program = (
+        "import sys; from pathlib import Path; from m2t.generate import generate; "
+        "generate(Path(sys.argv[1]), Path(sys.argv[2]))"
+    )
+    targets = []
+    for seed in ("0", "1", "2"):
+        targets.append(tmp_path / f"seed{seed}")
+        subprocess.run(
+            [sys.executable, "-c", program, models, targets[-1]],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            cwd=ROOT,
+            check=True,
+        )
+
+    first, second, third = (contents(folder) for folder in targets)
+
+    assert first == second == third
+
+
+@pytest.fixture
+def all_shapes(tmp_path):
+    """Folders of generated code: the committed one and those of missions of other shapes."""
+    folders = [GENERATED]
+    for name, text in (("all_tasks", ALL_TASKS), ("bare", BARE)):
+        folders.append(tmp_path / "generated" / name)
+        generate(write_mission(tmp_path, name, text), folders[-1])
+    return folders
+
+
+def test_generated_code_is_formatted(all_shapes):
+    run_module("ruff", "format", "--check", "--config", ROOT / "pyproject.toml", *all_shapes)
+
+
+def test_generated_code_is_free_of_lint(all_shapes):
+    rules = "lint.per-file-ignores = {'**' = ['I', 'E501', 'D205', 'INP001']}"
+    options = ("--config", ROOT / "pyproject.toml", "--config", rules)
+
+    run_module("ruff", "check", "--no-cache", *options, *all_shapes)
+
+
+def test_generated_code_is_typed(all_shapes):
+    for folder in all_shapes:
+        run_module("mypy", "--strict", folder)
+
+
+def test_all_tasks_reach_the_mission(tmp_path):
+    target = tmp_path / "generated" / "all_tasks"
+    generate(write_mission(tmp_path, "all_tasks", ALL_TASKS), target)
+
+    code = load_code(target)
+
+    origin = Coordinates()
+    assert [goal.task for goal in code.mission.goals] == [
+        AvoidCollision(("Scout-1", "Scout-2"), ("o1",)),
+        StayWithinMissionArea(),
+        SufficientEnergy(),
+        GatherSamples(3, "scout_gps"),
+        Patrol(Area("a3", origin, 20.0), 50),
+        Visit(Coordinates(10.0), 1.0, 90),
+        Track((origin, Coordinates(10.0)), 500.0),
+        Stay(Area("a4", origin, 400.0)),
+        FixedDistanceBetweenRobots(50.0, 5.0),
+    ]
+    assert code.mission.goals[0].dependent_goals == ("area",)
+    assert code.mission.robots[0].properties == (
+        Property("skipper", "none"),
+        Property("hull number", 7),
+        Property("draught", 1.5),
+    )
+    assert code.mission.servers[0].properties == (Property("place", "{{ ashore }}"),)
+    assert code.mission.robots[1].position == Coordinates(50.0, 1e-05)
+    assert len(code.pool) == 0
+    state = initial_state(code.mission, 1)
+    assert [check(state) for check in code.checks] == [False] * 9
+    for react in code.reactions:
+        react(state)
+
+
+def test_values_of_every_fault_follow_its_type(models, target):
+    generate(models, target)
+
+    pool = load_code(target).pool
+
+    assert [fault.id for fault in pool] == [f"f{number}" for number in range(1, 31)]
+    assert len({fault.type for fault in pool}) == 30
+    assert all(len(fault.values) == len(fault.kind.parameters) for fault in pool)
+    assert (pool["f9"].target, pool["f9"].values) == ("o5", (200.0, -450.0, 1.0))
+    assert (pool["f20"].target, pool["f20"].values) == ("m8", (255.0, 1000.0))
+    assert all(fault.bounds == {} and fault.start is None for fault in pool)
+
+
+def test_runtime_knows_the_parameters_of_every_fault_type_in_the_metamodel():
+    classes = [entry for entry in load_metamodels().faults.eClassifiers if not entry.abstract]
+
+    found = {
+        entry.name: tuple(
+            feature.name
+            for feature in entry.eStructuralFeatures
+            if not feature.name.endswith(("_MIN", "_MAX"))
+        )
+        for entry in classes
+        if entry.name not in {"Fault", "FaultSpecification"}
+    }
+
+    assert found == {
+        kind.name: tuple(parameter.name for parameter in kind.parameters)
+        for kind in FAULT_TYPES.values()
+    }
+
+
+def test_bounds_and_windows_reach_the_pool(models):
+    edit(
+        models / "faults.xmi",
+        'BLOCK_DURATION="5.0"',
+        'BLOCK_DURATION="5.0" BLOCK_DURATION_MAX="10.0"',
+    )
+    edit(models / "faults.xmi", 'ID="f2" name="f2"', 'ID="f2.1" name="f2" start="0" finish="20"')
+
+    pool = pool_from_text(fault_loader_text(load_mission_folder(models)))
+
+    assert pool["f2.1"].bounds == {"BLOCK_DURATION": (None, 10.0)}
+    assert (pool["f2.1"].start, pool["f2.1"].finish) == (0, 20)
+    assert (pool["f1"].start, pool["f1"].finish) == (None, None)
+
+
+@pytest.mark.parametrize("mission", [None, ALL_TASKS, BARE], ids=["paper", "all_tasks", "bare"])
+def test_interface_reads_what_the_simulation_publishes(tmp_path, models, mission):
+    target = tmp_path / "generated" / "mission"
+    generate(write_mission(tmp_path, "other", mission) if mission else models, target)
+    code = load_code(target)
+    bus = LocalBus()
+    interface = code.interface(bus)
+    simulation = code.simulation(bus, code.mission)
+    simulation.reset(seed=3)
+    inbox = initial_state(code.mission, 99)
+
+    for tick in range(5):
+        simulation.step(tick)
+    interface.read(inbox)
+
+    def reported(state):
+        robots = [(robot.x, robot.y, robot.z, robot.speed, robot.energy) for robot in state.robots]
+        return robots, [(sensor.count, sensor.active) for sensor in state.sensors]
+
+    assert reported(inbox) == reported(simulation.world)
+    assert simulation.world.mission.tick == 4
+
+
+def test_commands_reach_the_simulation_of_their_robot_and_sensor(models, target):
+    generate(models, target)
+    code = load_code(target)
+    bus = LocalBus()
+    interface = code.interface(bus)
+    simulation = code.simulation(bus, code.mission)
+    simulation.reset(seed=3)
+
+    interface.set_heading[1](0.6, -0.8)
+    interface.set_speed[2](1.5)
+    interface.set_active[4](False)
+
+    expected = initial_state(code.mission, 3)
+    expected.commands[1].heading_x = 0.6
+    expected.commands[1].heading_y = -0.8
+    expected.commands[2].speed = 1.5
+    expected.switches[4].active = 0
+    assert simulation.world == expected
+
+
+def test_position_is_stale_while_the_gps_is_off(models, target):
+    generate(models, target)
+    code = load_code(target)
+    bus = LocalBus()
+    interface = code.interface(bus)
+    simulation = code.simulation(bus, code.mission)
+    simulation.reset(seed=3)
+    inbox = initial_state(code.mission, 3)
+    simulation.step(0)
+    interface.read(inbox)
+    before = (inbox.robots[0].x, inbox.robots[0].y)
+
+    interface.set_active[0](False)
+    simulation.step(1)
+    interface.read(inbox)
+
+    assert (inbox.robots[0].x, inbox.robots[0].y) == before
+    assert (simulation.world.robots[0].x, simulation.world.robots[0].y) != before
+    assert inbox.sensors[0].active == 0
+
+
+def test_reset_forgets_what_was_received(models, target):
+    generate(models, target)
+    code = load_code(target)
+    bus = LocalBus()
+    interface = code.interface(bus)
+    simulation = code.simulation(bus, code.mission)
+    simulation.reset(seed=3)
+    simulation.step(0)
+
+    interface.reset()
+
+    inbox = initial_state(code.mission, 99)
+    interface.read(inbox)
+    assert inbox == initial_state(code.mission, 99)
+
+
+def test_diff_shows_the_line_that_means_the_change(models, target):
+    generate(models, target)
+    edit(models / "mission.xmi", 'ID="r1" name="LEN" speed="5.0"', 'ID="r1" name="LEN" speed="6.5"')
+
+    found = diff(models, target)
+
+    lines = found.splitlines()
+    assert lines[:2] == ["--- a/mission_loader.py", "+++ b/mission_loader.py"]
+    changed = [line for line in lines[2:] if line.startswith(("+", "-"))]
+    assert changed == ["-                speed=5.0,", "+                speed=6.5,"]
+    assert diff(models, target) == found
+    assert str(target) not in found
+
+
+def test_check_and_diff_write_nothing(models, target):
+    assert stale(models, target) == (*FILES, "manifest.json")
+    assert diff(models, target).startswith("--- /dev/null\n+++ b/mission_loader.py\n")
+    assert not target.exists()
+
+    generate(models, target)
+    edit(models / "mission.xmi", 'name="LEN" speed="5.0"', 'name="LEN" speed="6.5"')
+    before = contents(target)
+
+    assert stale(models, target) == ("mission_loader.py", "manifest.json")
+    diff(models, target)
+    assert contents(target) == before
+
+
+def test_comment_in_a_model_makes_the_manifest_stale_only(models, target):
+    generate(models, target)
+    with (models / "mission.xmi").open("a") as file:
+        file.write("\n")
+
+    assert stale(models, target) == ("manifest.json",)
+    assert diff(models, target) == ""
+
+
+def test_invalid_model_generates_nothing(models, target):
+    edit(models / "mission.xmi", 'ID="r1" name="LEN"', 'ID="r1"')
+
+    with pytest.raises(ModelError, match=r"mission\.xmi"):
+        generate(models, target)
+
+    assert not target.exists()

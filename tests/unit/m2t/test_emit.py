@@ -1,0 +1,242 @@
+"""Writing generated files: nothing is lost, whenever a crash comes."""
+
+import itertools
+import json
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from m2t.emit import GenerationResult, plan_files, write
+from m2t.manifest import MANIFEST, PENDING
+from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
+
+REGION = """
+# protected region {name} on begin
+{body}
+# protected region {name} end
+"""
+
+
+def rendered(version: int, *, names=("a.py", "b.py", "c.py")) -> dict[str, str]:
+    """Return files whose skeletons and default bodies differ from version to version."""
+    return {
+        name: f"# {name} {version}\n" + REGION.format(name="g1", body=f"default = {version}")
+        for name in names
+    }
+
+
+def emit(target: Path, files: dict[str, str], *, force: bool = False) -> GenerationResult:
+    return write(plan_files(target, files, {"mission.xmi": "hash"}, force=force))
+
+
+def contents(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.iterdir() if path.suffix == ".py"}
+
+
+class Crash(BaseException):
+    """The process dies here."""
+
+
+def crash_after(monkeypatch: pytest.MonkeyPatch, n_replaced: int) -> None:
+    """Let a number of files be replaced, then crash; like a kill, nothing may run afterwards."""
+    genuine = Path.replace
+    calls = itertools.count()
+
+    def replace(self: Path, target: Path) -> Path:
+        if next(calls) >= n_replaced:
+            raise Crash
+        return genuine(self, target)
+
+    monkeypatch.setattr(Path, "replace", replace)
+
+
+@pytest.fixture
+def target(tmp_path: Path) -> Path:
+    return tmp_path / "generated" / "mission"
+
+
+def test_files_and_manifest_are_written(target):
+    result = emit(target, rendered(1))
+
+    assert result == GenerationResult(("a.py", "b.py", "c.py"), (), ())
+    assert contents(target) == rendered(1)
+    assert sorted(json.loads((target / MANIFEST).read_text())["files"]) == ["a.py", "b.py", "c.py"]
+    assert [path.name for path in target.parent.iterdir()] == ["mission"]
+    assert not (target / PENDING).exists()
+
+
+def test_second_run_touches_nothing(target):
+    emit(target, rendered(1))
+    before = {path: path.stat().st_mtime_ns for path in (target, *target.iterdir())}
+
+    result = emit(target, rendered(1))
+
+    assert result == GenerationResult((), ("a.py", "b.py", "c.py"), ())
+    assert {path: path.stat().st_mtime_ns for path in (target, *target.iterdir())} == before
+
+
+def test_only_changed_files_are_replaced(target):
+    emit(target, rendered(1))
+    inode = (target / "a.py").stat().st_ino
+
+    result = emit(target, rendered(1) | {"b.py": "# b.py 2\n"})
+
+    assert result == GenerationResult(("b.py",), ("a.py", "c.py"), ())
+    assert (target / "a.py").stat().st_ino == inode
+
+
+def test_file_that_is_no_longer_generated_is_removed(target):
+    emit(target, rendered(1))
+    (target / "mine.py").write_text("x = 1\n")
+
+    result = emit(target, rendered(1, names=("a.py",)))
+
+    assert result == GenerationResult((), ("a.py",), ("b.py", "c.py"))
+    assert sorted(contents(target)) == ["a.py", "mine.py"]
+
+
+@pytest.mark.parametrize("edit", [("default", "my"), ("# b.py", "# mine")])
+def test_file_with_hand_written_code_is_never_removed(target, edit):
+    emit(target, rendered(1))
+    path = target / "b.py"
+    path.write_text(path.read_text().replace(*edit))
+
+    with pytest.raises(ProtectedRegionError, match=r"b\.py: is no longer generated but holds"):
+        emit(target, rendered(1, names=("a.py",)), force=True)
+
+    assert sorted(contents(target)) == ["a.py", "b.py", "c.py"]
+
+
+def test_nothing_is_written_when_one_file_is_refused(target):
+    emit(target, rendered(1))
+    path = target / "c.py"
+    path.write_text(path.read_text().replace("# c.py", "# mine"))
+    before = contents(target)
+
+    with pytest.raises(ProtectedRegionError, match=r"c\.py:1: .*edited outside"):
+        emit(target, rendered(2))
+
+    assert contents(target) == before
+
+
+def test_without_manifest_equal_files_are_taken_over(target):
+    emit(target, rendered(1))
+    (target / MANIFEST).unlink()
+
+    assert emit(target, rendered(1)) == GenerationResult((), ("a.py", "b.py", "c.py"), ())
+    assert (target / MANIFEST).exists()
+
+
+def test_carriage_returns_are_neither_edits_nor_changes(target):
+    emit(target, rendered(1))
+    path = target / "a.py"
+    path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
+
+    assert emit(target, rendered(1)).written == ()
+    assert emit(target, rendered(2)).written == ("a.py", "b.py", "c.py")
+    assert contents(target) == rendered(2)
+    assert b"\r" not in path.read_bytes()
+
+
+def test_edited_region_with_carriage_returns_keeps_its_code(target):
+    emit(target, rendered(1))
+    path = target / "a.py"
+    code = path.read_bytes().replace(b"default = 1", b"x = 1\n\n\ny = 2")
+    path.write_bytes(code.replace(b"\n", b"\r\n"))
+
+    emit(target, rendered(2))
+
+    assert path.read_text() == rendered(2)["a.py"].replace("default = 2", "x = 1\n\n\ny = 2")
+
+
+def test_file_that_is_no_text_is_refused(target):
+    emit(target, rendered(1))
+    (target / "a.py").write_bytes(b"\xff\xfe")
+
+    with pytest.raises(GenerationError, match=r"a\.py: cannot be read as text in UTF-8"):
+        emit(target, rendered(1))
+
+
+# A generation of three files replaces five: the pending manifest, the files, the manifest.
+@pytest.mark.parametrize("n_replaced", range(5))
+def test_after_a_crash_every_file_is_old_or_new(target, monkeypatch, n_replaced):
+    emit(target, rendered(1))
+    crash_after(monkeypatch, n_replaced)
+
+    with pytest.raises(Crash):
+        emit(target, rendered(2))
+
+    found = contents(target)
+    assert sorted(found) == ["a.py", "b.py", "c.py"]
+    assert all(found[name] in (rendered(1)[name], rendered(2)[name]) for name in found)
+    assert (target / MANIFEST).exists()
+
+
+@pytest.mark.parametrize("first", range(6))
+@pytest.mark.parametrize("second", range(6))
+def test_crashed_generations_are_not_mistaken_for_edits(target, monkeypatch, first, second):
+    emit(target, rendered(1))
+    path = target / "b.py"
+    path.write_text(path.read_text().replace("default = 1", "hand_written = 1"))
+    for version, n_replaced in ((2, first), (3, second)):
+        with monkeypatch.context() as patch:
+            crash_after(patch, n_replaced)
+            with suppress(Crash):  # some have one replacement less than others
+                emit(target, rendered(version))
+
+    emit(target, rendered(4))
+
+    expected = rendered(4)
+    expected["b.py"] = expected["b.py"].replace("default = 4", "hand_written = 1")
+    assert contents(target) == expected
+    assert not (target / PENDING).exists()
+    assert plan_files(target, rendered(4), {"mission.xmi": "hash"}).stale == ()
+
+
+@pytest.mark.parametrize("n_replaced", range(5))
+def test_crash_of_the_very_first_generation_is_mended_by_the_next(target, monkeypatch, n_replaced):
+    with monkeypatch.context() as patch:
+        crash_after(patch, n_replaced)
+        with pytest.raises(Crash):
+            emit(target, rendered(1))
+
+    emit(target, rendered(2))
+
+    assert contents(target) == rendered(2)
+    assert plan_files(target, rendered(2), {"mission.xmi": "hash"}).stale == ()
+
+
+def test_edits_after_a_crash_are_still_noticed(target, monkeypatch):
+    emit(target, rendered(1))
+    with monkeypatch.context() as patch:
+        crash_after(patch, 3)
+        with pytest.raises(Crash):
+            emit(target, rendered(2))
+    path = target / "a.py"
+    path.write_text(path.read_text().replace("# a.py", "# mine"))
+
+    with pytest.raises(ProtectedRegionError, match="was edited outside"):
+        emit(target, rendered(3))
+
+
+def test_unfinished_generation_counts_as_stale(target, monkeypatch):
+    emit(target, rendered(1))
+    with monkeypatch.context() as patch:
+        crash_after(patch, 1)
+        with pytest.raises(Crash):
+            emit(target, rendered(2))
+
+    plan = plan_files(target, rendered(1), {"mission.xmi": "hash"})
+
+    assert plan.stale == (MANIFEST,)
+    assert write(plan).written == ()
+    assert plan_files(target, rendered(1), {"mission.xmi": "hash"}).stale == ()
+
+
+def test_folder_that_cannot_be_made_is_an_error_of_generation(target):
+    target.parent.mkdir()
+    target.write_text("a file where a folder is needed")
+
+    with pytest.raises(GenerationError, match="mission"):
+        emit(target, rendered(1))

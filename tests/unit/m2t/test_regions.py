@@ -1,0 +1,232 @@
+"""Protected regions: parsing, and merging hand-written code into generated text."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from m2t.regions import is_hand_written, merge, parse, record_of
+from mrsfi_runtime.errors import ProtectedRegionError
+
+GENERATED = """# Generated
+import tasks
+
+# protected region imports on begin
+# protected region imports end
+
+
+def check_g1(ci):
+    # protected region g1.check on begin
+    return tasks.violated(ci)
+    # protected region g1.check end
+"""
+RECORD = record_of(parse(GENERATED, "ci.py"))
+
+
+def edited(old: str, new: str, text: str = GENERATED) -> str:
+    assert text.count(old) == 1
+    return text.replace(old, new)
+
+
+def merged(existing: str, *, generated: str = GENERATED, records=(RECORD,), force=False) -> str:
+    return merge(parse(generated, "new"), parse(existing, "ci.py"), records, force=force)
+
+
+def test_regions_are_found_with_bodies_and_lines():
+    document = parse(GENERATED, "ci.py")
+
+    found = [
+        (region.id, region.is_on, region.body, region.line) for region in document.regions.values()
+    ]
+
+    assert found == [
+        ("imports", True, "", 4),
+        ("g1.check", True, "    return tasks.violated(ci)\n", 9),
+    ]
+
+
+LINES = st.text(st.characters(exclude_characters="\n#", exclude_categories=["Cs"]), max_size=10)
+BODIES = st.lists(LINES, max_size=3).map(lambda lines: "".join(f"{line}\n" for line in lines))
+
+
+@st.composite
+def documents(draw) -> str:
+    parts = [draw(BODIES)]
+    for index in range(draw(st.integers(0, 3))):
+        indent = draw(st.sampled_from(["", "    ", "\t"]))
+        state = draw(st.sampled_from(["on", "off"]))
+        parts += [
+            f"{indent}# protected region r{index} {state} begin\n",
+            draw(BODIES),
+            f"{indent}# protected region r{index} end\n",
+            draw(BODIES),
+        ]
+    return "".join(parts) + draw(LINES)
+
+
+@given(documents())
+def test_parsed_document_has_the_text_it_was_parsed_from(text):
+    assert parse(text, "x").text == text
+
+
+@given(documents())
+def test_merge_of_a_file_with_itself_changes_nothing(text):
+    document = parse(text, "x")
+
+    assert merge(document, document, (record_of(document),)) == text
+    assert merge(document, document, ()) == text
+    assert not is_hand_written(document, (record_of(document),))
+
+
+@given(documents(), st.data())
+def test_edited_bodies_of_regions_that_are_on_survive_and_nothing_else_changes(text, data):
+    document = parse(text, "x")
+    rewritten = text
+    for region in document.regions.values():
+        if region.is_on:
+            body = data.draw(BODIES)
+            rewritten = rewritten.replace(region.text, region.begin + body + region.end)
+
+    found = merge(document, parse(rewritten, "x"), (record_of(document),))
+
+    assert found == rewritten
+
+
+NESTED = """# protected region a on begin
+# protected region b on begin
+# protected region b end
+# protected region a end
+"""
+DOUBLED = """# protected region a on begin
+# protected region a end
+# protected region a off begin
+# protected region a end
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("# protected region a on begin\n", 1, "'a' has no end"),
+        ("x\n# protected region a end\n", 2, "'a' ends here, no end was expected"),
+        (NESTED, 2, "'b' begins inside 'a' of line 1"),
+        (
+            "# protected region a on begin\n# protected region b end\n",
+            2,
+            "'b' ends here, the end of 'a' was expected",
+        ),
+        (DOUBLED, 3, "second time, first in line 1"),
+        ("x\ny\n# protected region a begin\n", 3, "expected '# protected region ID on begin'"),
+        ("#protected  region a on begin\n", 1, "expected '# protected region ID on begin'"),
+        ("# Protected Region a end\n", 1, "expected '# protected region ID on begin'"),
+    ],
+)
+def test_broken_markers_are_errors_with_file_and_line(text, line, message):
+    with pytest.raises(ProtectedRegionError) as caught:
+        parse(text, "g/ci.py")
+
+    assert str(caught.value).startswith(f"g/ci.py:{line}: ")
+    assert message in str(caught.value)
+
+
+def test_marker_inside_a_line_of_code_is_no_marker():
+    text = 'name = "# protected region a on begin"  # protected region a end\n'
+
+    assert not parse(text, "x").regions
+
+
+def test_body_that_nobody_edited_is_generated_anew():
+    generated = edited("tasks.violated(ci)", "tasks.violated(ci, G1)")
+
+    assert merged(GENERATED, generated=generated) == generated
+
+
+def test_edited_body_is_kept_while_the_skeleton_is_renewed():
+    existing = edited("    return tasks.violated(ci)\n", "    return False\n")
+    generated = edited("# Generated\n", "# Generated anew\n")
+
+    assert merged(existing, generated=generated) == edited(
+        "# Generated\n", "# Generated anew\n", existing
+    )
+
+
+def test_without_a_manifest_every_body_counts_as_edited():
+    generated = edited("tasks.violated(ci)", "tasks.violated(ci, G1)")
+
+    assert merged(GENERATED, generated=generated, records=()) == GENERATED
+
+
+def test_region_that_is_off_is_overwritten():
+    existing = edited("g1.check on", "g1.check off")
+    generated = edited("tasks.violated(ci)", "tasks.violated(ci, G1)")
+
+    found = merged(existing, generated=generated)
+
+    assert found == edited("g1.check on", "g1.check off", generated)
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_edited_region_that_is_off_stops_generation(force):
+    existing = edited("tasks.violated(ci)", "False", edited("g1.check on", "g1.check off"))
+
+    with pytest.raises(ProtectedRegionError, match=r"ci\.py:9: .*'g1\.check'.*write 'on'"):
+        merged(existing, force=force)
+
+
+def test_without_a_manifest_a_region_that_is_off_counts_as_edited():
+    existing = edited("g1.check on", "g1.check off")
+    generated = edited("tasks.violated(ci)", "tasks.violated(ci, G1)")
+
+    with pytest.raises(ProtectedRegionError, match="although it is off"):
+        merged(existing, generated=generated, records=())
+
+
+WITHOUT_G1 = GENERATED[: GENERATED.index("\n\ndef check_g1")]
+
+
+def test_orphaned_region_that_nobody_edited_goes():
+    assert merged(GENERATED, generated=WITHOUT_G1) == WITHOUT_G1
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_orphaned_region_that_was_edited_stops_generation(force):
+    existing = edited("tasks.violated(ci)", "False")
+
+    with pytest.raises(
+        ProtectedRegionError, match=r"ci\.py:9: .*'g1\.check'.*element 'g1' is gone"
+    ):
+        merged(existing, generated=WITHOUT_G1, force=force)
+
+
+def test_orphaned_region_that_was_emptied_goes():
+    existing = edited("    return tasks.violated(ci)\n", "\n")
+
+    assert merged(existing, generated=WITHOUT_G1) == WITHOUT_G1
+
+
+def test_edit_outside_regions_is_refused_unless_forced():
+    existing = edited("import tasks", "import tasks, os")
+
+    with pytest.raises(ProtectedRegionError, match=r"ci\.py:2: .*edited outside"):
+        merged(existing)
+    assert merged(existing, force=True) == GENERATED
+
+
+def test_forced_generation_keeps_edited_regions():
+    existing = edited("tasks.violated(ci)", "False", edited("import tasks", "import os"))
+
+    assert merged(existing, force=True) == edited("tasks.violated(ci)", "False")
+
+
+def test_without_a_manifest_another_skeleton_is_refused_unless_forced():
+    generated = edited("import tasks", "import kernel")
+
+    with pytest.raises(ProtectedRegionError, match="no manifest says"):
+        merged(GENERATED, generated=generated, records=())
+    assert merged(GENERATED, generated=generated, records=(), force=True) == generated
+
+
+def test_region_added_by_hand_counts_as_an_edit_outside():
+    existing = GENERATED + "# protected region mine on begin\nx = 1\n# protected region mine end\n"
+
+    with pytest.raises(ProtectedRegionError, match="'mine' holds hand-written code"):
+        merged(existing)

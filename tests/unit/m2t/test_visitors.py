@@ -1,0 +1,62 @@
+"""Dispatch on the metaclass, and the order of features."""
+
+import pytest
+from pyecore.ecore import EAttribute, EClass, EString
+
+from m2t.visitors.base import ModelVisitor, features, lineage
+from m2t.visitors.topics import RobotView, SensorView, methods
+from mrsfi_runtime.errors import GenerationError
+
+
+@pytest.fixture
+def metaclasses():
+    base = EClass("FaultType", abstract=True)
+    middle = EClass("MessageFault", superclass=(base,), abstract=True)
+    leaf = EClass("ZeroSpeed", superclass=(middle,))
+    for owner, names in ((base, "ab"), (middle, "cd"), (leaf, "fe")):
+        for name in names:
+            owner.eStructuralFeatures.append(EAttribute(name, EString))
+    return base, middle, leaf
+
+
+def test_lineage_begins_with_the_class_itself(metaclasses):
+    base, middle, leaf = metaclasses
+
+    assert lineage(leaf) == [leaf, middle, base]
+
+
+def test_features_are_in_metamodel_order_inherited_ones_first(metaclasses):
+    element = metaclasses[2]()
+
+    assert [feature.name for feature in features(element)] == ["a", "b", "c", "d", "f", "e"]
+
+
+def test_element_goes_to_the_method_of_the_nearest_supertype(metaclasses):
+    class Visitor(ModelVisitor):
+        def visit_FaultType(self, element):  # noqa: N802 - named after the metaclass
+            return "far"
+
+        def visit_MessageFault(self, element):  # noqa: N802 - named after the metaclass
+            return "near"
+
+    assert Visitor().visit(metaclasses[2]()) == "near"
+
+
+def test_unknown_metaclass_is_an_error_that_says_what_to_write(metaclasses):
+    with pytest.raises(GenerationError, match="write visit_ZeroSpeed"):
+        ModelVisitor().visit(metaclasses[2]())
+
+
+def test_methods_follow_the_order_of_robots_and_their_sensors():
+    robots = (
+        RobotView("r1", "R1", 0, "", (SensorView("s1", "S1", 0, "/r1/s1"),)),
+        RobotView("r2", "R2", 1, "", ()),
+    )
+
+    assert methods(robots, ("a_{}", "b_{}"), ("c_{}",)) == (
+        "self.a_r1",
+        "self.b_r1",
+        "self.c_s1",
+        "self.a_r2",
+        "self.b_r2",
+    )
