@@ -1,0 +1,81 @@
+"""The best of all evaluations of a campaign: hall of fame, Pareto front and logbook.
+
+References
+----------
+Source paper, section III-D and equation (3).
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
+
+from deap import base, tools
+
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.search.individuals import Individual
+
+
+class GoalVector(base.Fitness):  # type: ignore[misc]  # DEAP has no types
+    """Violations of each chosen goal; more is more critical."""
+
+    def __init__(self, violations: Sequence[float]) -> None:
+        self.weights = (1.0,) * len(violations)
+        super().__init__(violations)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return type(self)(self.values)
+
+
+class FrontPoint:
+    """A point of the Pareto front.
+
+    Attributes
+    ----------
+    evaluation
+        Index of the first evaluation that reached it.
+    fitness
+        Its goal vector.
+    """
+
+    def __init__(self, evaluation: int, fitness: GoalVector) -> None:
+        self.evaluation = evaluation
+        self.fitness = fitness
+
+
+class Archive:
+    """What DEAP keeps of a campaign.
+
+    Attributes
+    ----------
+    hall_of_fame
+        The most critical different individuals, best first; ``number`` is their evaluation.
+    front
+        The ``FrontPoint`` of every goal vector that no other dominates.
+    logbook
+        Statistics of each generation.
+    """
+
+    def __init__(self, n_best: int = 10) -> None:
+        self.hall_of_fame = tools.HallOfFame(n_best)
+        self.front = tools.ParetoFront()
+        self.logbook = tools.Logbook()
+        self._offered: set[tuple[int, ...]] = set()
+
+    def add(
+        self, evaluation: int, specification: Specification, fitness: float, goals: tuple[int, ...]
+    ) -> None:
+        """Offer an evaluation with its fitness and goal vector.
+
+        A goal vector is offered to the front once: a second one is on it already or was
+        dominated, and each offer costs a comparison with the whole front.
+        """
+        individual = Individual(specification)
+        individual.assess(fitness)
+        individual.number = evaluation
+        self.hall_of_fame.update([individual])
+        if goals not in self._offered:
+            self._offered.add(goals)
+            self.front.update([FrontPoint(evaluation, GoalVector(goals))])
+
+    def log(self, generation: int, statistics: Mapping[str, float]) -> None:
+        """Enter the statistics of a generation in the logbook."""
+        self.logbook.record(generation=generation, **statistics)

@@ -1,0 +1,69 @@
+"""Which individuals become parents.
+
+DEAP draws from Python's global random generator; here it is lent the search's own state
+for the time of a selection.
+
+References
+----------
+Source paper, section III-E d).
+"""
+
+import random
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from random import Random
+from types import MappingProxyType
+from typing import TypeAlias
+
+from deap import tools
+
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.search.individuals import Individual
+
+Selection: TypeAlias = Callable[[Sequence[Individual], int, Random], list[Individual]]
+"""Selects individuals, themselves and not copies: clone before varying."""
+
+
+@contextmanager
+def lent_to_deap(rng: Random) -> Iterator[None]:
+    """Let Python's global generator continue another one, then give both their own back."""
+    kept = random.getstate()
+    random.setstate(rng.getstate())
+    try:
+        yield
+    finally:
+        rng.setstate(random.getstate())
+        random.setstate(kept)
+
+
+def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
+    """Select by spins of a roulette whose slots are as wide as the fitness.
+
+    If all fitness is zero, selection is uniform: DEAP's roulette would return nobody.
+
+    Raises
+    ------
+    EvaluationError
+        If a fitness is negative.
+    """
+    lowest = min(individual.fitness.values[0] for individual in individuals)
+    if lowest < 0:
+        message = f"roulette selection found fitness {lowest}; it needs fitness >= 0"
+        raise EvaluationError(message)
+    if not any(individual.fitness.values[0] for individual in individuals):
+        return uniform(individuals, n_selected, rng)
+    selected: list[Individual] = []
+    with lent_to_deap(rng):
+        while len(selected) < n_selected:  # by rounding, a spin can end behind the last slot
+            selected += tools.selRoulette(individuals, n_selected - len(selected))
+    return selected
+
+
+def uniform(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
+    """Select without regard to fitness."""
+    with lent_to_deap(rng):
+        return list(tools.selRandom(individuals, n_selected))
+
+
+SELECTIONS: Mapping[str, Selection] = MappingProxyType({"roulette": roulette, "uniform": uniform})
+"""Selections by their name in a campaign file."""

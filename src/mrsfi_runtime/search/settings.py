@@ -1,0 +1,201 @@
+"""The settings of a campaign, read strictly from its TOML file.
+
+A campaign file has one table, ``[search]``. What it leaves out has the paper's value.
+"""
+
+import math
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple, Self, TypeVar
+
+from mrsfi_runtime.errors import UsageError
+
+T = TypeVar("T")
+
+_LARGEST_SEED = 2**63 - 1
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignSettings:
+    """What a campaign searches with; defaults are those of the paper's case studies.
+
+    Attributes
+    ----------
+    algorithm
+        ``paper``, ``random`` or ``drift``.
+    population
+        Number of individuals.
+    generations
+        Number of generations after the first, which is generation 0.
+    faults
+        Timed faults of an individual, as far as the mission has room for them.
+    crossover, mutation
+        Chance of a pair to exchange faults, and of an individual to mutate.
+    mutation_share
+        Chance of each fault of a mutating individual to be drawn anew. The paper has none.
+    selection
+        ``roulette`` or ``uniform``.
+    fitness
+        ``weighted``, ``weighted_normalised`` or ``focused``.
+    goals
+        IDs of the goals that ``focused`` and the Pareto front look at; none means all.
+    seed, mission_seed
+        Seeds of the search and of the mission's weather.
+    evaluations
+        Number of evaluations after which the run ends, exactly, in place of
+        ``generations``: how controls are given as many as another run had.
+    max_failures
+        Number of failed evaluations that ends the run.
+    source
+        Where the settings come from, for messages.
+
+    References
+    ----------
+    Source paper, sections III-E and V-A.
+    """
+
+    algorithm: str = "paper"
+    population: int = 20
+    generations: int = 50
+    faults: int = 20
+    crossover: float = 0.7
+    mutation: float = 0.7
+    mutation_share: float = 0.5
+    selection: str = "roulette"
+    fitness: str = "weighted"
+    goals: tuple[str, ...] = ()
+    seed: int = 1
+    mission_seed: int = 1
+    evaluations: int | None = None
+    max_failures: int = 10
+    source: str = field(default="settings", compare=False)
+
+    @classmethod
+    def load(cls, path: Path, **overrides: object) -> Self:
+        """Read a campaign file; what is given by keyword and not ``None`` replaces its values.
+
+        Raises
+        ------
+        UsageError
+            If the file cannot be read, has an unknown key, or a value of a wrong kind.
+        """
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            message = f"{path}: cannot be read ({error}); expected a campaign file in TOML"
+            raise UsageError(message) from error
+        return cls.parse(text, str(path), **overrides)
+
+    @classmethod
+    def parse(cls, text: str, source: str, **overrides: object) -> Self:
+        """Read the text of a campaign file; see ``load``."""
+        try:
+            document = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            message = f"{source}: is not TOML: {error}"
+            raise UsageError(message) from error
+        for name in document:
+            if name != "search":
+                message = f"{source}: found '{name}'; expected one table, [search]"
+                raise UsageError(message)
+        table = document.get("search")
+        if not isinstance(table, dict):
+            message = f"{source}: has no table [search]; expected one with the campaign's settings"
+            raise UsageError(message)
+        values = _checked(table, f"{source}: [search]")
+        given = {key: value for key, value in overrides.items() if value is not None}
+        return cls(**(values | _checked(given, "option")), source=source)
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, object], source: str = "record") -> Self:
+        """Return the settings that ``as_json`` described."""
+        given = {key: value for key, value in values.items() if value is not None}
+        return cls(**_checked(given, source), source=source)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return all settings but their source, as values of JSON."""
+        values = asdict(self)
+        del values["source"]
+        return values | {"goals": list(self.goals)}
+
+    def chosen(self, key: str, table: Mapping[str, T]) -> T:
+        """Return the entry of a table that a setting names.
+
+        Raises
+        ------
+        UsageError
+            If the table has no such entry.
+        """
+        name = getattr(self, key)
+        if name not in table:
+            known = ", ".join(f"'{entry}'" for entry in table)
+            message = f"{self.source}: [search] {key}: found '{name}'; expected one of {known}"
+            raise UsageError(message)
+        return table[name]
+
+
+class _Rule(NamedTuple):
+    expected: str
+    accepts: Callable[[Any], bool]
+    converted: Callable[[Any], Any]
+
+
+def _whole(low: int, high: int | None = None) -> _Rule:
+    expected = f"a whole number >= {low}" if high is None else f"a whole number {low} … {high}"
+    return _Rule(
+        expected,
+        lambda value: type(value) is int and low <= value and (high is None or value <= high),
+        int,
+    )
+
+
+_CHANCE = _Rule(
+    "a number 0 … 1",
+    lambda value: type(value) in (int, float) and math.isfinite(value) and 0 <= value <= 1,
+    float,
+)
+_NAME = _Rule("a name", lambda value: isinstance(value, str) and bool(value), str)
+_GOALS = _Rule(
+    "a list of different goal IDs",
+    lambda value: (
+        isinstance(value, list | tuple)
+        and all(isinstance(goal, str) for goal in value)
+        and len(set(value)) == len(value)
+    ),
+    tuple,
+)
+_RULES: Mapping[str, _Rule] = MappingProxyType(
+    {
+        "algorithm": _NAME,
+        "population": _whole(1),
+        "generations": _whole(0),
+        "faults": _whole(1),
+        "crossover": _CHANCE,
+        "mutation": _CHANCE,
+        "mutation_share": _CHANCE,
+        "selection": _NAME,
+        "fitness": _NAME,
+        "goals": _GOALS,
+        "seed": _whole(0, _LARGEST_SEED),
+        "mission_seed": _whole(0, _LARGEST_SEED),
+        "evaluations": _whole(1),
+        "max_failures": _whole(1),
+    }
+)
+
+
+def _checked(table: Mapping[str, object], where: str) -> dict[str, Any]:
+    values = {}
+    for key, value in table.items():
+        if key not in _RULES:
+            message = f"{where} found unknown key '{key}'; expected one of {', '.join(_RULES)}"
+            raise UsageError(message)
+        rule = _RULES[key]
+        if not rule.accepts(value):
+            message = f"{where} {key}: found {value!r}; expected {rule.expected}"
+            raise UsageError(message)
+        values[key] = rule.converted(value)
+    return values

@@ -1,0 +1,126 @@
+"""What search may choose from: faults, windows and values, and what excludes what.
+
+References
+----------
+Source paper, sections III-C b) and III-E a) to c).
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from random import Random
+from types import MappingProxyType
+from typing import Self, TypeAlias
+
+from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.bounds import value_bounds
+from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.targets import conflicts
+
+Window: TypeAlias = tuple[int, int]
+"""First and last tick, both included."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """What search may do with one fault of the pool.
+
+    Attributes
+    ----------
+    index
+        Place in the pool.
+    values
+        The pool's own values, shape ``(n_parameters,)``.
+    bounds
+        Lowest and highest of each value, shape ``(n_parameters, 2)``; equal if it is fixed.
+    is_integer
+        Whether each value is a whole number, shape ``(n_parameters,)``.
+    conflicts
+        IDs of the faults that it may not overlap, its own included.
+    """
+
+    index: int
+    values: tuple[float, ...]
+    bounds: tuple[tuple[float, float], ...]
+    is_integer: tuple[bool, ...]
+    conflicts: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class SearchSpace:
+    """All fault specifications of one mission and pool; ``candidates`` in pool order."""
+
+    duration: int
+    candidates: Mapping[str, Candidate]
+
+    @classmethod
+    def of(cls, mission: Mission, pool: FaultPool) -> Self:
+        """Return the space of a mission and its fault pool.
+
+        Raises
+        ------
+        SpecificationError
+            If the pool is empty or refers to an element that the mission does not have.
+        """
+        if not len(pool):
+            message = f"fault pool '{pool.id}' is empty; search needs at least one fault"
+            raise SpecificationError(message)
+        excluded = conflicts(mission, pool)
+        candidates = {
+            fault.id: Candidate(
+                index=index,
+                values=fault.values,
+                bounds=value_bounds(mission, fault),
+                is_integer=tuple(parameter.is_integer for parameter in fault.kind.parameters),
+                conflicts=excluded[fault.id],
+            )
+            for index, fault in enumerate(pool)
+        }
+        return cls(mission.duration, MappingProxyType(candidates))
+
+    def clash(self, first: TimedFault, second: TimedFault) -> bool:
+        """Return whether two timed faults may not stand in one specification."""
+        return (
+            first.start <= second.finish
+            and second.start <= first.finish
+            and second.fault in self.candidates[first.fault].conflicts
+        )
+
+    def ordered(self, faults: Iterable[TimedFault]) -> Specification:
+        """Return timed faults by start, finish and place in the pool.
+
+        One set of timed faults has one order, hence one record and one outcome. No two of
+        a valid specification are equal in all three.
+        """
+        return tuple(
+            sorted(
+                faults,
+                key=lambda timed: (timed.start, timed.finish, self.candidates[timed.fault].index),
+            )
+        )
+
+    def free_windows(self, fault: str, others: Iterable[TimedFault]) -> list[Window]:
+        """Return the longest windows in which a fault conflicts with no other, in order."""
+        excluded = self.candidates[fault].conflicts
+        taken = sorted((other.start, other.finish) for other in others if other.fault in excluded)
+        free = []
+        tick = 0
+        for start, finish in taken:
+            if start > tick:
+                free.append((tick, start - 1))
+            tick = max(tick, finish + 1)
+        if tick < self.duration:
+            free.append((tick, self.duration - 1))
+        return free
+
+
+def random_window(free: Sequence[Window], rng: Random) -> Window:
+    """Draw a window inside one of several free ones.
+
+    Every window comes as often as if a start and a finish were drawn from the whole
+    mission, and both drawn again until the window is free.
+    """
+    n_pairs = [(last - first + 1) ** 2 for first, last in free]
+    ((first, last),) = rng.choices(free, weights=n_pairs)
+    start, finish = sorted((rng.randint(first, last), rng.randint(first, last)))
+    return start, finish

@@ -1,0 +1,66 @@
+"""Random fault specifications, and how long their faults are active.
+
+References
+----------
+Source paper, section III-E a).
+"""
+
+from random import Random
+
+from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.search.space import SearchSpace, random_window
+
+
+def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Specification:
+    """Draw timed faults from the pool, no two conflicting ones overlapping.
+
+    Each fault is drawn with replacement, its window among those that earlier ones leave
+    free; it keeps the pool's values.
+
+    Parameters
+    ----------
+    n_faults
+        Wanted number of timed faults, >= 1.
+
+    Returns
+    -------
+    Specification
+        ``n_faults`` timed faults in the order of ``space.ordered``. Fewer only if the
+        mission is too short: every window is then one tick and no fault has a free tick.
+
+    Notes
+    -----
+    The paper's lists always hold 20. When no fault has a free tick left, a window drawn
+    earlier is cut short.
+    """
+    placed: list[TimedFault] = []
+    candidates = list(space.candidates)
+    while len(placed) < n_faults:
+        if not candidates:
+            if not _cut_one_short(placed, rng):
+                break
+            candidates = list(space.candidates)
+        fault = rng.choice(candidates)
+        free = space.free_windows(fault, placed)
+        if free:
+            start, finish = random_window(free, rng)
+            placed.append(TimedFault(fault, start, finish, space.candidates[fault].values))
+        else:
+            candidates.remove(fault)
+    return space.ordered(placed)
+
+
+def _cut_one_short(placed: list[TimedFault], rng: Random) -> bool:
+    """Shorten one window of more than one tick; return whether there was any."""
+    long = [place for place, timed in enumerate(placed) if timed.finish > timed.start]
+    if not long:
+        return False
+    place = rng.choice(long)
+    timed = placed[place]
+    placed[place] = timed._replace(finish=rng.randint(timed.start, timed.finish - 1))
+    return True
+
+
+def fault_ticks(specification: Specification, duration: int) -> int:
+    """Return at how many ticks of a mission faults are active, summed over timed faults."""
+    return sum(max(0, min(timed.finish, duration - 1) - timed.start + 1) for timed in specification)

@@ -1,0 +1,260 @@
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import pytest
+
+from mrsfi_runtime.errors import EvaluationError, UsageError
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.search.archive import Archive
+from mrsfi_runtime.search.campaign import EvaluateMany, Progress, run_campaign
+from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.search.specifications import fault_ticks
+from support_search import (
+    MemoryRecorder,
+    evaluate_stand_in,
+    outcome_of,
+    paper_mission,
+    pool_of,
+    stand_in_outcome,
+)
+
+
+@dataclass(frozen=True)
+class Failed:
+    traceback: str
+
+
+@dataclass
+class Run:
+    settings: CampaignSettings
+    evaluate_many: EvaluateMany = evaluate_stand_in
+
+    def __post_init__(self) -> None:
+        self.recorder = MemoryRecorder()
+        self.progress: list[Progress] = []
+
+    def start(self) -> Archive:
+        return run_campaign(
+            self.settings,
+            paper_mission(),
+            pool_of(),
+            self.evaluate_many,
+            self.recorder,
+            self.progress.append,
+        )
+
+
+def vector_front(vectors: Sequence[tuple[int, ...]]) -> set[tuple[int, ...]]:
+    return {
+        one
+        for one in vectors
+        if not any(
+            other != one and all(b >= a for a, b in zip(one, other, strict=True))
+            for other in vectors
+        )
+    }
+
+
+def test_a_run_of_the_papers_size_is_recorded_whole() -> None:
+    run = Run(CampaignSettings())
+
+    archive = run.start()
+
+    evaluations, generations = run.recorder.evaluations, run.recorder.generations
+    assert [generation.index for generation in generations] == list(range(51))
+    assert sum(g.statistics["n_evaluations"] for g in generations) == len(evaluations)
+    for evaluation in evaluations:
+        outcome = stand_in_outcome(evaluation.specification)
+        n_distinct = sum(1 for violations in outcome.believed if violations)
+        assert evaluation.outcome == outcome
+        assert evaluation.fitness == (0.3 * sum(outcome.believed) + 0.7 * n_distinct,)
+        assert evaluation.fault_ticks == fault_ticks(evaluation.specification, 1000)
+    for generation in generations:
+        fitness = [evaluations[index].fitness[0] for index in generation.population]
+        assert len(fitness) == 20
+        assert generation.statistics["max"] == max(fitness)
+        assert generation.statistics["min"] == min(fitness)
+    assert [entry["generation"] for entry in archive.logbook] == list(range(51))
+    assert archive.logbook.select("max") == [g.statistics["max"] for g in generations]
+
+
+def test_the_hall_of_fame_holds_the_ten_most_critical_evaluations() -> None:
+    run = Run(CampaignSettings(generations=10))
+
+    archive = run.start()
+
+    best = sorted({(e.fitness[0], e.specification) for e in run.recorder.evaluations})[-10:]
+    found = [(entry.fitness.values[0], entry.specification) for entry in archive.hall_of_fame]
+    assert sorted(found) == best
+    for entry in archive.hall_of_fame:
+        assert run.recorder.evaluations[entry.number].specification == entry.specification
+
+
+@pytest.mark.parametrize("goals", [(), ("g1", "g3"), ("g6",)])
+def test_the_front_holds_each_non_dominated_goal_vector_once(goals: tuple[str, ...]) -> None:
+    run = Run(CampaignSettings(generations=10, fitness="focused", goals=goals))
+
+    archive = run.start()
+
+    places = [int(goal[1:]) - 1 for goal in goals or ("g1", "g2", "g3", "g4", "g5", "g6")]
+    evaluations = run.recorder.evaluations
+    vectors = [tuple(e.outcome.believed[place] for place in places) for e in evaluations]
+    found = [point.fitness.values for point in archive.front]
+    assert len(found) == len(set(found)) == run.progress[-1].front_size
+    assert set(found) == vector_front(vectors)
+    assert all(point.fitness.values == vectors[point.evaluation] for point in archive.front)
+    assert [e.fitness for e in evaluations] == [(float(sum(vector)),) for vector in vectors]
+
+
+def test_progress_follows_the_record() -> None:
+    run = Run(CampaignSettings(generations=5))
+
+    run.start()
+
+    n_evaluations, best = 0, 0.0
+    for generation, progress in zip(run.recorder.generations, run.progress, strict=True):
+        n_evaluations += int(generation.statistics["n_evaluations"])
+        best = max(best, generation.statistics["max"])
+        assert progress.generation == generation.index
+        assert progress.mean == generation.statistics["mean"]
+        assert progress.best == best
+        assert progress.n_evaluations == n_evaluations
+        assert progress.n_failures == 0
+
+
+def test_the_same_settings_give_the_same_record() -> None:
+    first, again = Run(CampaignSettings(generations=5)), Run(CampaignSettings(generations=5))
+
+    first.start()
+    again.start()
+
+    assert first.recorder == again.recorder
+
+
+@pytest.mark.parametrize("name", ["random", "drift"])
+def test_controls_run_on_the_evaluations_of_a_run_of_the_paper(name: str) -> None:
+    paper = Run(CampaignSettings(generations=5))
+    paper.start()
+    n_evaluations = len(paper.recorder.evaluations)
+    control = Run(CampaignSettings(algorithm=name, generations=5, evaluations=n_evaluations))
+
+    control.start()
+
+    assert len(control.recorder.evaluations) == n_evaluations
+
+
+def failing_if_odd(specifications: Sequence[Specification]) -> list[Outcome | Failed]:
+    return [
+        Failed("Traceback: odd start") if specification[0].start % 2 else outcome_of(*[7] * 6)
+        for specification in specifications
+    ]
+
+
+def test_a_failed_evaluation_is_recorded_and_the_run_goes_on() -> None:
+    run = Run(CampaignSettings(generations=3, max_failures=1000), failing_if_odd)
+
+    run.start()
+
+    recorder = run.recorder
+    assert len(recorder.generations) == 4
+    assert recorder.failures
+    assert run.progress[-1].n_failures == len(recorder.failures)
+    assert all(text == "Traceback: odd start" for _, _, text in recorder.failures)
+    n_asked = sum(g.statistics["n_evaluations"] for g in recorder.generations)
+    assert n_asked == len(recorder.evaluations) + len(recorder.failures)
+    first = recorder.generations[0]
+    assert first.statistics["min"] == 0.0
+    assert first.population == tuple(range(20 - sum(g == 0 for _, g, _ in recorder.failures)))
+    for generation in recorder.generations[1:]:
+        assert all(0 <= index < len(recorder.evaluations) for index in generation.population)
+
+
+def test_too_many_failures_end_the_run_with_the_last_traceback() -> None:
+    run = Run(
+        CampaignSettings(max_failures=3),
+        lambda specifications: [Failed("Traceback: always")] * len(specifications),
+    )
+
+    with pytest.raises(EvaluationError, match=r"20 evaluations failed; max_failures is 3.*\n.*alw"):
+        run.start()
+
+    assert len(run.recorder.failures) == 20
+    assert run.recorder.generations == []
+
+
+def test_an_interrupt_leaves_what_was_recorded() -> None:
+    n_calls = 0
+
+    def interrupted(specifications: Sequence[Specification]) -> list[Outcome]:
+        nonlocal n_calls
+        n_calls += 1
+        if n_calls == 3:
+            raise KeyboardInterrupt
+        return evaluate_stand_in(specifications)
+
+    run = Run(CampaignSettings(), interrupted)
+
+    with pytest.raises(KeyboardInterrupt):
+        run.start()
+
+    assert len(run.recorder.generations) == 2
+    assert len(run.recorder.evaluations) == sum(
+        g.statistics["n_evaluations"] for g in run.recorder.generations
+    )
+
+
+def test_large_populations_are_recorded_in_chunks() -> None:
+    sizes = []
+
+    def counted(specifications: Sequence[Specification]) -> list[Outcome]:
+        sizes.append(len(specifications))
+        return evaluate_stand_in(specifications)
+
+    Run(CampaignSettings(population=230, generations=0), counted).start()
+
+    assert sizes == [100, 100, 30]
+
+
+def test_a_fitness_that_is_not_finite_ends_the_run() -> None:
+    with pytest.raises(EvaluationError, match="expected a finite number"):
+        run_campaign(
+            CampaignSettings(fitness="broken"),
+            paper_mission(),
+            pool_of(),
+            evaluate_stand_in,
+            MemoryRecorder(),
+            fitness_functions={"broken": lambda *_: float("nan")},
+        )
+
+
+def test_a_result_too_few_is_noticed() -> None:
+    run = Run(CampaignSettings(), lambda specifications: evaluate_stand_in(specifications[1:]))
+
+    with pytest.raises(ValueError, match="zip"):
+        run.start()
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (CampaignSettings(algorithm="magic"), "algorithm: found 'magic'; expected one of 'paper'"),
+        (CampaignSettings(selection="magic"), "selection: found 'magic'; expected one of 'roul"),
+        (CampaignSettings(fitness="magic"), "fitness: found 'magic'; expected one of 'weighted'"),
+        (CampaignSettings(goals=("g1", "g9")), "goals: found 'g9'; mission 'uuv_sampling' has g1"),
+    ],
+)
+def test_settings_that_name_what_does_not_exist_are_refused(
+    settings: CampaignSettings, message: str
+) -> None:
+    with pytest.raises(UsageError, match=message):
+        Run(settings).start()
+
+
+def test_a_run_draws_nothing_from_the_global_generator() -> None:
+    before = random.getstate()
+
+    Run(CampaignSettings(generations=2)).start()
+
+    assert random.getstate() == before

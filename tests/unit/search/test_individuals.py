@@ -1,0 +1,60 @@
+from copy import deepcopy
+from random import Random
+
+import pytest
+
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.search.individuals import Individual, mate, mutate
+from support_search import paper_space, random_pair
+
+
+def evaluated_pair() -> tuple[Individual, Individual]:
+    first, second = map(Individual, random_pair(paper_space(), 20, Random(1)))
+    first.assess(3.0)
+    second.assess(4.0)
+    first.number, second.number = 0, 1
+    return first, second
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
+def test_fitness_that_is_not_finite_is_refused(value: float) -> None:
+    individual, _ = evaluated_pair()
+
+    with pytest.raises(EvaluationError, match="expected a finite number"):
+        individual.assess(value)
+
+
+@pytest.mark.parametrize("copy", [Individual.clone, deepcopy])
+def test_variation_of_copies_leaves_the_parents_untouched(copy) -> None:
+    parents = evaluated_pair()
+    before = [(parent.specification, parent.fitness.values) for parent in parents]
+    first, second = map(copy, parents)
+
+    mate(first, second, paper_space(), Random(2))
+    mutate(first, paper_space(), Random(2), share=1.0)
+
+    assert [(parent.specification, parent.fitness.values) for parent in parents] == before
+    assert [parent.number for parent in parents] == [0, 1]
+    assert first.specification != parents[0].specification
+    assert second.specification != parents[1].specification
+
+
+def test_a_changed_individual_loses_its_fitness_and_number() -> None:
+    first, second = evaluated_pair()
+
+    mate(first, second, paper_space(), Random(2))
+
+    assert not first.is_evaluated
+    assert not second.is_evaluated
+    assert first.number is None
+
+
+def test_an_individual_that_variation_left_as_it_was_keeps_its_fitness() -> None:
+    first, _ = evaluated_pair()
+    twin = first.clone()
+
+    mate(first, twin, paper_space(), Random(2))
+    mutate(first, paper_space(), Random(2), share=0.0)
+
+    assert first.fitness.values == twin.fitness.values == (3.0,)
+    assert first.number == twin.number == 0

@@ -1,0 +1,71 @@
+import random
+from collections import Counter
+from random import Random
+
+import pytest
+
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.search.individuals import Individual
+from mrsfi_runtime.search.selection import roulette, uniform
+
+
+def population_of(*fitness: float) -> list[Individual]:
+    individuals = []
+    for place, value in enumerate(fitness):
+        individual = Individual((TimedFault("f1", place, place),))
+        individual.assess(value)
+        individuals.append(individual)
+    return individuals
+
+
+def shares(selected: list[Individual], population: list[Individual]) -> list[float]:
+    counts = Counter(id(individual) for individual in selected)
+    return [round(counts[id(individual)] / len(selected), 1) for individual in population]
+
+
+def test_roulette_selects_in_proportion_to_fitness() -> None:
+    population = population_of(0.0, 1.0, 3.0, 6.0)
+
+    selected = roulette(population, 5000, Random(1))
+
+    assert shares(selected, population) == [0.0, 0.1, 0.3, 0.6]
+
+
+def test_roulette_of_an_all_zero_population_is_uniform() -> None:
+    population = population_of(0.0, 0.0, 0.0, 0.0, 0.0)
+
+    selected = roulette(population, 5000, Random(1))
+
+    assert shares(selected, population) == [0.2] * 5
+
+
+@pytest.mark.parametrize("scale", [5e-324, 1e-300, 0.1, 1e300])
+def test_roulette_returns_as_many_as_wanted_at_any_scale(scale: float) -> None:
+    population = population_of(*(scale * place for place in range(1, 8)))
+
+    assert len(roulette(population, 500, Random(1))) == 500
+
+
+def test_roulette_refuses_negative_fitness() -> None:
+    with pytest.raises(EvaluationError, match=r"found fitness -1\.0"):
+        roulette(population_of(3.0, -1.0), 2, Random(1))
+
+
+def test_uniform_selection_does_not_look_at_fitness() -> None:
+    population = population_of(0.0, 1.0, 1000.0, 0.0, 5.0)
+
+    assert shares(uniform(population, 5000, Random(1)), population) == [0.2] * 5
+
+
+@pytest.mark.parametrize("select", [roulette, uniform])
+def test_selection_repeats_from_its_seed_and_leaves_the_global_generator_alone(select) -> None:
+    population = population_of(1.0, 2.0, 3.0)
+    before = random.getstate()
+    rng = Random(5)
+
+    first, second = select(population, 20, rng), select(population, 20, rng)
+
+    assert random.getstate() == before
+    assert first != second
+    assert first == select(population, 20, Random(5))

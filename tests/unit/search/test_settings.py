@@ -1,0 +1,114 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.search.settings import CampaignSettings
+
+CASE = """
+[search]
+algorithm = "paper"
+population = 20
+generations = 50
+faults = 20
+crossover = 0.7
+mutation = 1
+selection = "roulette"
+fitness = "focused"
+goals = ["g1", "g3"]
+seed = 3
+mission_seed = 4
+"""
+
+
+def test_a_campaign_file_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(CASE, encoding="utf-8")
+
+    settings = CampaignSettings.load(path)
+
+    assert settings == CampaignSettings(
+        mutation=1.0, fitness="focused", goals=("g1", "g3"), seed=3, mission_seed=4
+    )
+    assert type(settings.mutation) is float
+    assert settings.source == str(path)
+
+
+def test_what_a_file_leaves_out_has_the_papers_value() -> None:
+    settings = CampaignSettings.parse("[search]", "case.toml")
+
+    assert (settings.population, settings.generations, settings.faults) == (20, 50, 20)
+    assert (settings.crossover, settings.mutation, settings.selection) == (0.7, 0.7, "roulette")
+
+
+def test_overrides_replace_the_files_values_unless_none() -> None:
+    settings = CampaignSettings.parse(CASE, "case.toml", seed=9, evaluations=100, algorithm=None)
+
+    assert (settings.seed, settings.evaluations, settings.algorithm) == (9, 100, "paper")
+
+
+def test_settings_survive_json() -> None:
+    settings = CampaignSettings.parse(CASE, "case.toml", evaluations=7)
+
+    text = json.dumps(settings.as_json())
+
+    assert "case.toml" not in text
+    assert CampaignSettings.from_json(json.loads(text)) == settings
+    assert CampaignSettings.from_json(CampaignSettings().as_json()) == CampaignSettings()
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("poplation = 20", "case.toml: [search] found unknown key 'poplation'; expected one of al"),
+        ("population = 0", "[search] population: found 0; expected a whole number >= 1"),
+        ("population = true", "[search] population: found True; expected a whole number >= 1"),
+        ("population = 20.0", "[search] population: found 20.0; expected a whole number >= 1"),
+        ("generations = -1", "[search] generations: found -1; expected a whole number >= 0"),
+        ("crossover = 1.5", "[search] crossover: found 1.5; expected a number 0 … 1"),
+        ("mutation = nan", "[search] mutation: found nan; expected a number 0 … 1"),
+        ("mutation = true", "[search] mutation: found True; expected a number 0 … 1"),
+        ('mutation_share = "x"', "[search] mutation_share: found 'x'; expected a number 0 … 1"),
+        ("algorithm = 3", "[search] algorithm: found 3; expected a name"),
+        ('goals = "g1"', "[search] goals: found 'g1'; expected a list of different goal IDs"),
+        ('goals = ["g1", "g1"]', "expected a list of different goal IDs"),
+        ("goals = [1]", "expected a list of different goal IDs"),
+        ("seed = -1", "[search] seed: found -1; expected a whole number 0 … 9223372036854775807"),
+        ("evaluations = 0", "[search] evaluations: found 0; expected a whole number >= 1"),
+        ("max_failures = 0", "[search] max_failures: found 0; expected a whole number >= 1"),
+        ("seed = 1\nseed = 2", "case.toml: is not TOML: "),
+        ("[engine]", "case.toml: found 'engine'; expected one table, [search]"),
+    ],
+)
+def test_wrong_settings_name_file_key_found_and_expected(line: str, message: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        CampaignSettings.parse(f"[search]\n{line}\n", "case.toml")
+
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["", "search = 3"])
+def test_a_file_without_its_table_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match=r"has no table \[search\]"):
+        CampaignSettings.parse(text, "case.toml")
+
+
+def test_a_wrong_override_is_refused() -> None:
+    with pytest.raises(UsageError, match="option seed: found 'x'"):
+        CampaignSettings.parse(CASE, "case.toml", seed="x")
+
+
+def test_a_missing_or_unreadable_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "latin.toml").write_bytes(b"[search]\n# \xe9\n")
+
+    for name in ("none.toml", "latin.toml"):
+        with pytest.raises(UsageError, match="cannot be read"):
+            CampaignSettings.load(tmp_path / name)
+
+
+def test_a_name_that_no_table_has_is_refused() -> None:
+    settings = CampaignSettings(algorithm="magic", source="case.toml")
+
+    with pytest.raises(UsageError, match=r"algorithm: found 'magic'; expected one of 'a', 'b'"):
+        settings.chosen("algorithm", {"a": 1, "b": 2})

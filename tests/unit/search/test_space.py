@@ -1,0 +1,84 @@
+from collections import Counter
+from random import Random
+
+import pytest
+
+from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.faults import FaultPool, TimedFault
+from mrsfi_runtime.search.space import SearchSpace, random_window
+from mrsfi_runtime.search.specifications import fault_ticks, random_specification
+from support_search import paper_mission, paper_space
+
+
+def test_free_windows_lie_between_conflicting_faults_only() -> None:
+    space = paper_space(100)
+    others = [
+        TimedFault("f27", 50, 99),
+        TimedFault("f4", 10, 19, (10.0,)),
+        TimedFault("f26", 0, 99),
+    ]
+
+    assert space.free_windows("f10", others) == [(0, 9), (20, 49)]
+    assert space.free_windows("f26", others) == []
+    assert space.free_windows("f1", others) == [(0, 99)]
+
+
+def test_random_windows_are_those_of_two_ticks_drawn_until_they_are_free() -> None:
+    rng = Random(3)
+    n_draws = 20_000
+
+    drawn = Counter(random_window([(0, 0), (5, 6)], rng) for _ in range(n_draws))
+
+    shares = {window: round(count / n_draws, 1) for window, count in drawn.items()}
+    assert shares == {(0, 0): 0.2, (5, 5): 0.2, (6, 6): 0.2, (5, 6): 0.4}
+
+
+def test_the_same_set_of_timed_faults_has_one_order() -> None:
+    space = paper_space(100)
+    faults = [
+        TimedFault("f10", 5, 9, (1.0,)),
+        TimedFault("f9", 5, 9, (0.0, 0.0, 1.0)),
+        TimedFault("f30", 5, 8),
+        TimedFault("f1", 0, 99),
+    ]
+
+    assert [timed.fault for timed in space.ordered(faults)] == ["f1", "f30", "f9", "f10"]
+    assert space.ordered(reversed(faults)) == space.ordered(faults)
+
+
+def test_an_empty_pool_is_refused() -> None:
+    with pytest.raises(SpecificationError, match="fault pool 'fs' is empty"):
+        SearchSpace.of(paper_mission(), FaultPool("fs", ()))
+
+
+def test_individuals_of_the_paper_have_20_faults_with_the_pools_values() -> None:
+    space, rng = paper_space(), Random(1)
+
+    for _ in range(50):
+        specification = random_specification(space, 20, rng)
+        assert len(specification) == 20
+        for timed in specification:
+            assert timed.values == space.candidates[timed.fault].values
+
+
+@pytest.mark.parametrize(("duration", "n_faults"), [(1, 1), (7, 7), (20, 20), (30, 20)])
+def test_a_pool_of_one_fault_fills_the_mission_as_far_as_wanted(
+    duration: int, n_faults: int
+) -> None:
+    specification = random_specification(paper_space(duration, "f9"), 20, Random(1))
+
+    assert len(specification) == n_faults
+
+
+def test_every_fault_of_the_pool_is_drawn() -> None:
+    space, rng = paper_space(), Random(1)
+
+    drawn = {t.fault for _ in range(50) for t in random_specification(space, 20, rng)}
+
+    assert drawn == set(space.candidates)
+
+
+def test_fault_ticks_count_what_lies_inside_the_mission() -> None:
+    specification = (TimedFault("f1", 0, 9), TimedFault("f3", 95, 120), TimedFault("f9", 200, 300))
+
+    assert fault_ticks(specification, 100) == 10 + 5
