@@ -1,0 +1,213 @@
+# Generated from mission tight_margins by collective_intelligence.py.j2.
+# Edit inside protected regions only.
+"""The collective intelligence: one check and one reaction per goal, in model order."""
+
+from mrsfi_runtime.api import State, kernel, reactions, tasks
+
+# protected region imports on begin
+from mrsfi_runtime.api import commands
+# protected region imports end
+
+CLEAR = 0
+WITHIN = 1
+ENERGY = 2
+DEPTHS = 3
+PRESSURES = 4
+BUOY = 5
+MOOR = 6
+P1 = 0  # ANN
+P2 = 1  # BEA
+P3 = 2  # CAY
+P1_GPS = 0
+P1_DEPTH = 1
+P2_GPS = 2
+P2_PRESSURE = 3
+P3_GPS = 4
+P3_TEMPERATURE = 5
+ROCK = 0
+
+
+# protected region helpers on begin
+# protected region helpers end
+
+
+@kernel
+def check_clear(ci: State) -> bool:
+    """Return whether goal clear (AvoidCollision) is violated now.
+
+    Members: p1, p2, p3.
+    """
+    # protected region clear.check on begin
+    return tasks.avoid_collision_violated(ci, CLEAR)
+    # protected region clear.check end
+
+
+@kernel
+def react_clear(ci: State) -> None:
+    """Command the members of goal clear (AvoidCollision).
+
+    Members: p1, p2, p3.
+    """
+    # protected region clear.react on begin
+    reactions.avoid_collision(ci, CLEAR)
+    # protected region clear.react end
+
+
+@kernel
+def check_within(ci: State) -> bool:
+    """Return whether goal within (StayWithinMissionArea) is violated now.
+
+    Members: p1, p2, p3.
+    """
+    # protected region within.check on begin
+    return tasks.stay_within_mission_area_violated(ci, WITHIN)
+    # protected region within.check end
+
+
+@kernel
+def react_within(ci: State) -> None:
+    """Command the members of goal within (StayWithinMissionArea).
+
+    Members: p1, p2, p3.
+    """
+    # protected region within.react on begin
+    reactions.stay_within_mission_area(ci, WITHIN)
+    # protected region within.react end
+
+
+@kernel
+def check_energy(ci: State) -> bool:
+    """Return whether goal energy (SufficientEnergy) is violated now.
+
+    Members: p1, p2.
+    """
+    # protected region energy.check on begin
+    return tasks.sufficient_energy_violated(ci, ENERGY)
+    # protected region energy.check end
+
+
+@kernel
+def react_energy(ci: State) -> None:
+    """Command the members of goal energy (SufficientEnergy).
+
+    Members: p1, p2.
+    """
+    # protected region energy.react on begin
+    # Hurry: up to half as fast again, as long as two per cent of the energy stay in reserve.
+    left = max(tasks.ticks_left(ci), 1)
+    for index in (P1, P2):
+        robot = ci.robots[index]
+        spare = 0.98 * robot.energy / left - tasks.sensor_power(ci, index)
+        affordable = max(spare / robot.energy_per_distance, 0.0)
+        wanted = min(1.5 * robot.nominal_speed, affordable)
+        commands.set_speed(ci, index, ci.commands[index].speed + wanted - robot.speed)
+    # protected region energy.react end
+
+
+@kernel
+def check_depths(ci: State) -> bool:
+    """Return whether goal depths (GatherSamples) is violated now.
+
+    Members: p1.
+    """
+    # protected region depths.check on begin
+    return tasks.gather_samples_violated(ci, DEPTHS)
+    # protected region depths.check end
+
+
+@kernel
+def react_depths(ci: State) -> None:
+    """Command the members of goal depths (GatherSamples).
+
+    Members: p1.
+    """
+    # protected region depths.react on begin
+    reactions.gather_samples(ci, DEPTHS)
+    # protected region depths.react end
+
+
+@kernel
+def check_pressures(ci: State) -> bool:
+    """Return whether goal pressures (GatherSamples) is violated now.
+
+    Members: p2.
+    """
+    # protected region pressures.check on begin
+    return tasks.gather_samples_violated(ci, PRESSURES)
+    # protected region pressures.check end
+
+
+@kernel
+def react_pressures(ci: State) -> None:
+    """Command the members of goal pressures (GatherSamples).
+
+    Members: p2.
+    """
+    # protected region pressures.react on begin
+    reactions.gather_samples(ci, PRESSURES)
+    # protected region pressures.react end
+
+
+@kernel
+def check_buoy(ci: State) -> bool:
+    """Return whether goal buoy (Visit) is violated now.
+
+    Members: p3.
+    """
+    # protected region buoy.check on begin
+    return tasks.visit_violated(ci, BUOY)
+    # protected region buoy.check end
+
+
+@kernel
+def react_buoy(ci: State) -> None:
+    """Command the members of goal buoy (Visit).
+
+    Members: p3.
+    """
+    # protected region buoy.react on begin
+    reactions.visit(ci, BUOY)
+    # protected region buoy.react end
+
+
+@kernel
+def check_moor(ci: State) -> bool:
+    """Return whether goal moor (Stay) is violated now.
+
+    Members: p3.
+    """
+    # protected region moor.check on begin
+    return tasks.stay_violated(ci, MOOR)
+    # protected region moor.check end
+
+
+@kernel
+def react_moor(ci: State) -> None:
+    """Command the members of goal moor (Stay).
+
+    Members: p3.
+    """
+    # protected region moor.react on begin
+    reactions.stay(ci, MOOR)
+    # protected region moor.react end
+
+
+CHECKS = (
+    check_clear,
+    check_within,
+    check_energy,
+    check_depths,
+    check_pressures,
+    check_buoy,
+    check_moor,
+)
+
+REACTIONS = (
+    react_clear,
+    react_within,
+    react_energy,
+    react_depths,
+    react_pressures,
+    react_buoy,
+    react_moor,
+)
