@@ -1,0 +1,157 @@
+"""Pareto fronts over the believed violations of chosen goals, and the pick by a ratio.
+
+References
+----------
+Source paper, section III-D, equation (3), and section V, RQ3.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import atan2
+
+import numpy as np
+
+from mrsfi_runtime.analysis.ranking import distinct
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.campaign import Evaluation
+
+_NUMBER = r"(\d+(?:\.\d+)?)"
+_RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NUMBER}\s*")
+
+
+@dataclass(frozen=True, slots=True)
+class FrontPoint:
+    """A non-dominated specification: its evaluation and its violations of the chosen goals."""
+
+    evaluation: int
+    violations: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Front:
+    """The non-dominated points over chosen goals (IDs), each vector of violations once.
+
+    The points run from few violations of the first goal to many.
+    """
+
+    goals: tuple[str, ...]
+    points: tuple[FrontPoint, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Ratio:
+    """The wish that violations of two goals (IDs) stand as ``parts[0]`` to ``parts[1]``."""
+
+    goals: tuple[str, str]
+    parts: tuple[float, float]
+
+    def __str__(self) -> str:
+        return "{}:{}={:g}:{:g}".format(*self.goals, *self.parts)
+
+
+def goal_columns(mission: Mission, goals: Sequence[str]) -> tuple[int, ...]:
+    """Return the position of each goal in an outcome's counts.
+
+    Raises
+    ------
+    UsageError
+        If the mission has no such goal.
+    """
+    for goal in goals:
+        if goal not in mission.goal_ids:
+            known = ", ".join(mission.goal_ids)
+            message = f"found goal '{goal}'; expected a goal of mission '{mission.name}': {known}"
+            raise UsageError(message)
+    return tuple(mission.goal_ids.index(goal) for goal in goals)
+
+
+def violations(evaluation: Evaluation, columns: Sequence[int]) -> tuple[int, ...]:
+    """Return the believed violations of the goals in the given columns: equation (3)."""
+    return tuple(evaluation.outcome.believed[column] for column in columns)
+
+
+def non_dominated(vectors: Iterable[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
+    """Return the distinct vectors that no other dominates, in ascending order; more is better."""
+    members: list[tuple[int, ...]] = []
+    # A vector can only be dominated by one that comes later in ascending order, and then also
+    # by one of the front so far, because domination is transitive.
+    for vector in sorted(set(vectors), reverse=True):
+        if not members or not (np.array(members) >= vector).all(axis=1).any():
+            members.append(vector)
+    return tuple(reversed(members))
+
+
+def find_front(mission: Mission, evaluations: Iterable[Evaluation], goals: Sequence[str]) -> Front:
+    """Return the front of some evaluations; of equal vectors the earliest evaluation stands.
+
+    Raises
+    ------
+    UsageError
+        If the mission lacks one of the goals.
+    """
+    columns = goal_columns(mission, goals)
+    earliest: dict[tuple[int, ...], int] = {}
+    for evaluation in distinct(evaluations):
+        vector = violations(evaluation, columns)
+        earliest[vector] = min(evaluation.index, earliest.get(vector, evaluation.index))
+    points = tuple(FrontPoint(earliest[vector], vector) for vector in non_dominated(earliest))
+    return Front(tuple(goals), points)
+
+
+def parse_ratio(text: str) -> Ratio:
+    """Return the ratio that ``g3:g1=2:1`` asks for.
+
+    Raises
+    ------
+    UsageError
+        If the text says something else.
+    """
+    match = _RATIO.fullmatch(text)
+    if match is not None:
+        first, second = match[1], match[2]
+        parts = (float(match[3]), float(match[4]))
+        if first != second and any(parts):
+            return Ratio((first, second), parts)
+    message = (
+        f"found ratio '{text}'; expected two goals and two numbers, not both 0, such as 'g3:g1=2:1'"
+    )
+    raise UsageError(message)
+
+
+def nearest_ratio(front: Front, wanted: str | Ratio) -> FrontPoint | None:
+    """Return the point of the front whose violations come nearest to a ratio.
+
+    Nearest is the smallest angle between the two goals' violations and the two parts of the
+    ratio, as vectors; of equal angles the point with more violations of the two goals.
+    Points that violate neither goal have no ratio.
+
+    Returns
+    -------
+    FrontPoint or None
+        ``None`` if no point violates either goal.
+
+    Raises
+    ------
+    UsageError
+        If the ratio makes no sense or the front is not over its goals.
+
+    References
+    ----------
+    Source paper, section V, RQ3.
+    """
+    ratio = parse_ratio(wanted) if isinstance(wanted, str) else wanted
+    if not set(ratio.goals) <= set(front.goals):
+        chosen = ", ".join(front.goals) or "none"
+        message = f"found ratio '{ratio}'; expected two of the front's goals: {chosen}"
+        raise UsageError(message)
+    first, second = (front.goals.index(goal) for goal in ratio.goals)
+    direction = atan2(ratio.parts[1], ratio.parts[0])
+
+    def distance(point: FrontPoint) -> tuple[float, int, int]:
+        along, across = point.violations[first], point.violations[second]
+        return abs(atan2(across, along) - direction), -(along + across), point.evaluation
+
+    candidates = [p for p in front.points if p.violations[first] or p.violations[second]]
+    return min(candidates, key=distance, default=None)

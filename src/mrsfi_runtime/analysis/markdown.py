@@ -1,0 +1,155 @@
+"""The report of a campaign as Markdown: what a person reads first."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from mrsfi_runtime.analysis.fronts import Front
+from mrsfi_runtime.analysis.ranking import score
+from mrsfi_runtime.analysis.summary import RatioPick, Summary
+from mrsfi_runtime.analysis.trend import Trend
+
+_SIGNIFICANT = 0.05
+_FEW_GENERATIONS = 3
+
+
+def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
+    """Return the report, which links the figures that ``captions`` names."""
+    sections = [
+        f"# Campaign {_plain(summary.folder.name)} on mission {_plain(summary.mission)}",
+        _extent(summary),
+        "## Settings",
+        _table(("setting", "value"), sorted(_flat(summary.settings))),
+        "## Fitness over the generations",
+        trend_in_words(summary.trend),
+        *_linked(captions, "fitness"),
+        f"## The {len(summary.top)} most critical specifications",
+        _top(summary),
+        "## Fault types among them",
+        _patterns(summary),
+        *_linked(captions, "fault_types"),
+    ]
+    if summary.front is not None:
+        sections += ["## Pareto front", _front(summary.front), *_linked(captions, "front")]
+    if summary.pick is not None:
+        sections += ["## Pick by ratio", pick_in_words(summary.pick)]
+    sections += ["## Mission", *_linked(captions, "mission_map")]
+    return "\n\n".join(sections) + "\n"
+
+
+def trend_in_words(trend: Trend) -> str:
+    """Return one sentence on whether mean fitness rises."""
+    rows = trend.generations
+    if len(rows) < _FEW_GENERATIONS:
+        return f"{len(rows)} finished generations: too few to speak of a trend."
+    direction = "rising" if trend.tau > 0 else "falling"
+    verdict = f"a {direction} trend" if trend.p_value < _SIGNIFICANT else "no clear trend"
+    p_value = "p < 0.001" if trend.p_value < 0.001 else f"p = {trend.p_value:.3f}"
+    return (
+        f"Mean fitness goes from {rows[0].mean:,.4g} in generation {rows[0].generation} to "
+        f"{rows[-1].mean:,.4g} in generation {rows[-1].generation}, {trend.slope:+.3g} per "
+        f"generation: {verdict} (Kendall's tau {trend.tau:.2f}, {p_value}). "
+        f"The best specification of all generations has {max(row.best for row in rows):,.6g}."
+    )
+
+
+def pick_in_words(pick: RatioPick) -> str:
+    """Return one sentence on the specification that comes nearest to a ratio."""
+    if pick.point is None:
+        goals = " nor ".join(pick.ratio.goals)
+        return f"No specification comes near {pick.ratio}: none violates {goals}."
+    found = ", ".join(
+        f"{goal} {count}" for goal, count in zip(pick.goals, pick.point.violations, strict=True)
+    )
+    return (
+        f"Nearest to {pick.ratio} on the front comes evaluation {pick.point.evaluation} with "
+        f"believed violations {found}; `mrsfi replay` flies it again."
+    )
+
+
+def _extent(summary: Summary) -> str:
+    return (
+        f"{summary.n_evaluations} evaluations of {summary.n_distinct} distinct specifications in "
+        f"{summary.n_generations} finished generations; {summary.n_failures} evaluations failed. "
+        f"Digest over all evaluations: `{summary.digest}`."
+    )
+
+
+def _flat(settings: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, str]]:
+    for name, value in settings.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{name}.")
+        elif isinstance(value, list | tuple):
+            yield f"{prefix}{name}", " ".join(map(str, value)) or "none named"
+        elif value is not None:
+            yield f"{prefix}{name}", str(value)
+
+
+def _top(summary: Summary) -> str:
+    if not summary.top:
+        return "No evaluation is recorded yet."
+    header = ("", "evaluation", "generation", "fitness", "fault-ticks", *summary.goals)
+    rows = [
+        (
+            f"[{rank}](critical/{rank:02d}.xmi)",
+            evaluation.index,
+            evaluation.generation,
+            f"{score(evaluation):,.6g}",
+            evaluation.fault_ticks,
+            *(
+                f"{believed} / {true}"
+                for believed, true in zip(
+                    evaluation.outcome.believed, evaluation.outcome.true, strict=True
+                )
+            ),
+        )
+        for rank, evaluation in enumerate(summary.top, start=1)
+    ]
+    return (
+        "Violations per goal in ticks, believed by the collective intelligence / true in the "
+        f"simulation.\n\n{_table(header, rows)}"
+    )
+
+
+def _patterns(summary: Summary) -> str:
+    header = ("fault type", "occurrences", "specifications", "by pool", "by campaign")
+    rows = [
+        (
+            pattern.type,
+            pattern.n_occurrences,
+            pattern.n_specifications,
+            f"{pattern.pool_expected:.1f}",
+            f"{pattern.campaign_expected:.1f}",
+        )
+        for pattern in summary.patterns
+        if pattern.n_occurrences
+    ]
+    return (
+        "Popular is not guilty: compare the occurrences of a type with what its share in the pool, "
+        "and in everything the campaign tried, would give by chance. A type may also ride along "
+        f"with the one that does the harm.\n\n{_table(header, rows)}"
+    )
+
+
+def _front(front: Front) -> str:
+    rows = [(point.evaluation, *point.violations) for point in front.points]
+    goals = ", ".join(front.goals)
+    return (
+        f"{len(rows)} non-dominated specifications over the believed violations of {goals} (of "
+        f"equal ones the earliest).\n\n{_table(('evaluation', *front.goals), rows)}"
+    )
+
+
+def _linked(captions: Mapping[str, str], part: str) -> list[str]:
+    return [
+        f"![{caption}](figures/{name}.png)" for name, caption in captions.items() if part in name
+    ]
+
+
+def _table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(_plain(str(cell)) for cell in line) + " |" for line in lines)
+
+
+def _plain(text: str) -> str:
+    """Return text that cannot break out of its line or cell."""
+    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")

@@ -1,0 +1,386 @@
+"""Draws figures 5 to 12 of the paper; the only module that knows matplotlib.
+
+Figures are plain objects, never the global state of pyplot. The same input gives the same
+bytes: no dates, no random identifiers, no version numbers in the files.
+
+References
+----------
+Source paper, section V, figures 5 to 12.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch, Rectangle
+from matplotlib.ticker import MaxNLocator
+
+from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
+from mrsfi_runtime.analysis.patterns import TypePattern
+from mrsfi_runtime.analysis.places import goal_places, working_window
+from mrsfi_runtime.analysis.trend import Trend
+from mrsfi_runtime.model.mission import Mission
+
+Drawing: TypeAlias = Figure
+"""What this module draws and ``save`` writes."""
+
+INK, SOFT, GRID, PAPER = "#1f2933", "#66737f", "#e3e8ec", "#ffffff"
+BLUE, ORANGE, GREEN, ROCK, SAND = "#1b6ca8", "#d9622b", "#2a8c6a", "#6b7681", "#a9b4bd"
+SERIES = (BLUE, ORANGE, GREEN, "#8a5aa8", "#b8902a", "#c2476f", "#3a8fb7", "#5b6b2f")
+AGES = ("#b9d3e6", "#7fb0d2", "#4189b9", "#1b5e93", "#0b2f52")  # early to late generations
+
+_STYLE: dict[Any, Any] = {
+    "axes.axisbelow": True,
+    "axes.edgecolor": SAND,
+    "axes.grid": True,
+    "axes.labelcolor": INK,
+    "axes.labelsize": 11,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 12,
+    "axes.titlesize": 13,
+    "axes.titleweight": "bold",
+    "figure.constrained_layout.h_pad": 0.12,
+    "figure.constrained_layout.use": True,
+    "figure.constrained_layout.w_pad": 0.12,
+    "figure.facecolor": PAPER,
+    "font.family": ["DejaVu Sans"],
+    "font.size": 10.5,
+    "grid.color": GRID,
+    "grid.linewidth": 0.8,
+    "legend.fontsize": 10,
+    "legend.frameon": False,
+    "path.simplify": False,
+    "savefig.dpi": 150,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "mrsfi",
+    "text.color": INK,
+    "text.parse_math": False,  # a dollar in a robot's name is a dollar
+    "xtick.color": SOFT,
+    "ytick.color": SOFT,
+}
+
+_MANY_POINTS = 4000  # beyond, the cloud of an SVG is a picture inside it
+_MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """A point of the front to mark, and the ratio that it was picked by."""
+
+    ratio: Ratio
+    point: FrontPoint
+
+
+def save(figure: Figure, stem: Path) -> tuple[Path, Path]:
+    """Write a figure as PNG and SVG and return both paths."""
+    png, svg = stem.with_suffix(".png"), stem.with_suffix(".svg")
+    with rc_context(_STYLE):
+        figure.savefig(png, metadata={"Software": None})
+        figure.savefig(svg, metadata={"Date": None, "Creator": None})
+    return png, svg
+
+
+def mission_map(mission: Mission) -> Figure:
+    """Draw the working area of a mission beside its whole mission area (figure 5)."""
+    with _drawing((11.0, 7.4)) as figure:
+        grid = figure.add_gridspec(2, 2, width_ratios=(2.3, 1), height_ratios=(1, 1.1))
+        colours = {
+            robot.id: SERIES[index % len(SERIES)] for index, robot in enumerate(mission.robots)
+        }
+        near = figure.add_subplot(grid[:, 0])
+        _draw_places(near, mission, colours, is_labelled=True)
+        x, y, half = working_window(mission)
+        near.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
+        near.set_anchor("N")
+        near.set(xlabel="x (distance units)", ylabel="y (distance units)")
+        near.set_title(f"Mission {mission.name}: working area")
+
+        far = figure.add_subplot(grid[0, 1])
+        _draw_places(far, mission, colours, is_labelled=False)
+        centre, radius = mission.area.center, mission.area.radius
+        far.add_patch(
+            Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, ec=INK, lw=1.2)
+        )
+        reach = radius * 1.08
+        far.set(xlim=(centre.x - reach, centre.x + reach), aspect="equal")
+        far.set(ylim=(centre.y - reach, centre.y + reach))
+        far.set_anchor("NW")
+        far.grid(visible=False)
+        far.set_title("Whole mission area", fontsize=11)
+        far.xaxis.set_major_locator(_whole_numbers(4))
+        far.yaxis.set_major_locator(_whole_numbers(4))
+
+        key = figure.add_subplot(grid[1, 1])
+        key.set_axis_off()
+        key.legend(handles=_map_legend(mission, colours), loc="upper left", borderaxespad=0)
+    return figure
+
+
+def mean_fitness(trend: Trend, label: str) -> Figure:
+    """Draw mean fitness per generation with its deviation and trend (figures 6 and 8)."""
+    with _drawing((8.4, 4.8)) as figure:
+        axes = _fitness_axes(figure, "Mean fitness of each generation", label)
+        xs = [row.generation for row in trend.generations]
+        means = [row.mean for row in trend.generations]
+        low = [row.mean - row.std for row in trend.generations]
+        high = [row.mean + row.std for row in trend.generations]
+        axes.fill_between(xs, low, high, color=BLUE, alpha=0.16, lw=0, label="± 1 std")
+        axes.plot(xs, means, color=BLUE, marker="o", ms=4, lw=1.8, label="mean")
+        line = [trend.intercept + trend.slope * x for x in xs]
+        words = f"trend: {trend.slope:+.3g} per generation"
+        axes.plot(xs, line, color=ORANGE, ls=(0, (5, 3)), lw=1.5, label=words)
+        _legend_below(figure)
+    return figure
+
+
+def best_fitness(trend: Trend, label: str) -> Figure:
+    """Draw the best fitness per generation, and so far (figures 7 and 9)."""
+    with _drawing((8.4, 4.8)) as figure:
+        axes = _fitness_axes(figure, "Best fitness of each generation", label)
+        xs = [row.generation for row in trend.generations]
+        best = [row.best for row in trend.generations]
+        so_far = [max(best[: i + 1]) for i in range(len(best))]
+        axes.step(xs, so_far, where="post", color=SAND, lw=1.8, label="best so far")
+        axes.plot(xs, best, color=BLUE, marker="o", ms=4, lw=1.8, label="best of the generation")
+        _legend_below(figure)
+    return figure
+
+
+def generation_fronts(fronts: Mapping[int, Front]) -> Figure:
+    """Draw the fronts of some generations' populations over two goals (figure 10)."""
+    with _drawing((7.6, 6.0)) as figure:
+        goals = next(iter(fronts.values())).goals
+        axes = _goal_axes(figure, "Pareto points of some generations", goals)
+        for index, (generation, front) in enumerate(fronts.items()):
+            colour = AGES[round(index * (len(AGES) - 1) / max(len(fronts) - 1, 1))]
+            marker = "osD^v"[index % 5]
+            _staircase(axes, front, colour)
+            n_points = len(front.points)
+            words = f"generation {generation} ({n_points} point{'' if n_points == 1 else 's'})"
+            xs, ys = zip(*(point.violations for point in front.points), strict=True)
+            axes.scatter(
+                xs, ys, s=48, color=colour, marker=marker, ec=PAPER, lw=0.7, label=words, zorder=3
+            )
+        _legend_below(figure, ncols=3)
+    return figure
+
+
+def whole_front(front: Front, cloud: Sequence[tuple[int, ...]], pick: Pick | None) -> Figure:
+    """Draw the front of a campaign over the cloud of all its evaluations (figure 11).
+
+    ``cloud`` holds the violations of the front's two goals, shape ``(n_evaluations, 2)``.
+    """
+    with _drawing((7.6, 6.0)) as figure:
+        axes = _goal_axes(figure, "Non-dominated specifications of the campaign", front.goals)
+        points = sorted(set(cloud))
+        axes.scatter(
+            [x for x, _ in points],
+            [y for _, y in points],
+            s=14,
+            color=SAND,
+            alpha=0.6,
+            lw=0,
+            label="evaluated",
+            rasterized=len(points) > _MANY_POINTS,
+        )
+        _staircase(axes, front, BLUE)
+        xs, ys = zip(*(point.violations for point in front.points), strict=True)
+        words = f"non-dominated ({len(front.points)})"
+        axes.scatter(xs, ys, s=52, color=BLUE, ec=PAPER, lw=0.7, label=words, zorder=3)
+        if pick is not None:
+            _draw_pick(axes, front, pick)
+        _legend_below(figure, ncols=3)
+    return figure
+
+
+def fault_types(patterns: Sequence[TypePattern], n_top: int) -> Figure:
+    """Draw how often each fault type occurs in the top, beside its base share (figure 12)."""
+    with _drawing((9.4, 1.9 + 0.27 * max(len(patterns), 4))) as figure:
+        axes = figure.add_subplot()
+        names = [pattern.type for pattern in patterns]
+        counts = [pattern.n_occurrences for pattern in patterns]
+        places = range(len(names))
+        keys: list[Any] = [
+            axes.barh(places, counts, height=0.66, color="#6fa8d0", label="occurrences")
+        ]
+        for marker, colour, size, words, expected in (
+            ("|", ORANGE, 190, "expected from share in pool", "pool_expected"),
+            ("D", INK, 20, "expected from share in campaign", "campaign_expected"),
+        ):
+            values = [getattr(pattern, expected) for pattern in patterns]
+            keys.append(
+                axes.scatter(
+                    values,
+                    places,
+                    marker=marker,
+                    s=size,
+                    color=colour,
+                    lw=2.2,
+                    label=words,
+                    zorder=3,
+                )
+            )
+        reach = max(
+            [1.0, *counts, *(p.pool_expected for p in patterns)]
+            + [p.campaign_expected for p in patterns]
+        )
+        for count, place in zip(counts, places, strict=True):
+            axes.text(
+                1.01,
+                place,
+                str(count),
+                transform=axes.get_yaxis_transform(),
+                va="center",
+                color=INK,
+            )
+        axes.set(xlim=(0, reach * 1.04), ylim=(len(names) - 0.4, -0.6))
+        axes.set(xlabel="occurrences (timed faults)", yticks=places, yticklabels=names)
+        axes.xaxis.set_major_locator(_whole_numbers())
+        axes.tick_params(axis="y", length=0, labelcolor=INK)
+        axes.grid(visible=False, axis="y")
+        axes.set_title(f"Fault types in the {n_top} most critical specifications")
+        _legend_below(figure, handles=keys)
+    return figure
+
+
+@contextmanager
+def _drawing(size: tuple[float, float]) -> Iterator[Figure]:
+    """Yield an empty figure in our style, and fix its layout for every file format."""
+    with rc_context(_STYLE):
+        figure = Figure(figsize=size)
+        yield figure
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+
+
+def _fitness_axes(figure: Figure, title: str, label: str) -> Axes:
+    axes = figure.add_subplot()
+    axes.set_title(title)
+    axes.set(xlabel="generation", ylabel=label)
+    axes.xaxis.set_major_locator(_whole_numbers())
+    axes.margins(x=0.02)
+    return axes
+
+
+def _goal_axes(figure: Figure, title: str, goals: Sequence[str]) -> Axes:
+    axes = figure.add_subplot()
+    axes.set_title(title)
+    first, second = goals
+    axes.set(xlabel=f"violations of {first} (ticks)", ylabel=f"violations of {second} (ticks)")
+    axes.xaxis.set_major_locator(_whole_numbers())
+    axes.yaxis.set_major_locator(_whole_numbers())
+    return axes
+
+
+def _legend_below(figure: Figure, *, ncols: int = 4, **keys: Any) -> None:
+    figure.legend(loc="outside lower left", ncols=ncols, borderpad=0.2, columnspacing=1.6, **keys)
+
+
+def _whole_numbers(n_ticks: int = 8) -> MaxNLocator:
+    return MaxNLocator(n_ticks, integer=True, steps=[1, 2, 5, 10])
+
+
+def _staircase(axes: Axes, front: Front, colour: str) -> None:
+    """Draw the border of what a front dominates."""
+    corners = sorted(point.violations for point in front.points)
+    xs = [0, *(x for x, _ in corners), corners[-1][0]]
+    ys = [corners[0][1], *(y for _, y in corners), 0]
+    axes.step(xs, ys, where="pre", color=colour, lw=1.2, alpha=0.75, zorder=2)
+
+
+def _draw_pick(axes: Axes, front: Front, pick: Pick) -> None:
+    order = [pick.ratio.goals.index(goal) for goal in front.goals]
+    parts = [pick.ratio.parts[index] for index in order]
+    x, y = pick.point.violations
+    scale = min(end / part for end, part in zip((x, y), parts, strict=True) if part)
+    axes.plot(
+        [0, parts[0] * scale], [0, parts[1] * scale], color=ORANGE, ls=(0, (5, 3)), lw=1.3, zorder=2
+    )
+    words = f"nearest to {pick.ratio}: evaluation {pick.point.evaluation}"
+    axes.scatter([x], [y], s=150, fc="none", ec=ORANGE, lw=2.2, label=words, zorder=4)
+
+
+def _draw_places(
+    axes: Axes, mission: Mission, colours: Mapping[str, str], *, is_labelled: bool
+) -> None:
+    centre = mission.area.center
+    axes.add_patch(
+        Circle((centre.x, centre.y), mission.area.radius, fc="#f1f6fa", ec=BLUE, lw=1.4, zorder=0)
+    )
+    for place in goal_places(mission):
+        colour = colours.get(place.goal.members[0], SOFT)
+        axes.add_patch(
+            Circle((place.x, place.y), place.radius, fc=colour, alpha=0.14, lw=0, zorder=1)
+        )
+        axes.add_patch(
+            Circle((place.x, place.y), place.radius, fill=False, ec=colour, lw=1.2, zorder=1.1)
+        )
+        if is_labelled:
+            words = f"{place.goal.id} {place.goal.name}"
+            axes.annotate(
+                words,
+                (place.x, place.y + place.radius),
+                (0, 5),
+                textcoords="offset points",
+                ha="center",
+                color=colour,
+            )
+    for obstacle in mission.obstacles:
+        spot = (obstacle.area.center.x, obstacle.area.center.y)
+        axes.add_patch(Circle(spot, obstacle.area.radius, fc=ROCK, ec=INK, lw=0.8, zorder=2))
+        if is_labelled and len(mission.obstacles) <= _MANY_OBSTACLES:
+            below = (spot[0], spot[1] - obstacle.area.radius)
+            axes.annotate(
+                obstacle.id, below, (0, -13), textcoords="offset points", ha="center", color=SOFT
+            )
+    for robot in mission.robots:
+        spot = (robot.position.x, robot.position.y)
+        axes.scatter(
+            *spot,
+            s=95 if is_labelled else 14,
+            marker="^",
+            color=colours[robot.id],
+            ec=PAPER,
+            lw=0.8 if is_labelled else 0.2,
+            zorder=3,
+        )
+        if is_labelled:
+            axes.annotate(
+                robot.name or robot.id,
+                spot,
+                (0, -18),
+                textcoords="offset points",
+                ha="center",
+                weight="bold",
+                zorder=4,
+            )
+
+
+def _map_legend(mission: Mission, colours: Mapping[str, str]) -> list[Line2D | Patch]:
+    starts: list[Line2D | Patch] = [
+        Line2D(
+            [],
+            [],
+            ls="none",
+            marker="^",
+            ms=9,
+            color=colours[robot.id],
+            label=f"start of {robot.name or robot.id} ({robot.id})",
+        )
+        for robot in mission.robots[:_MANY_OBSTACLES]
+    ]
+    return [
+        *starts,
+        Patch(fc="#e4e9ed", ec=SOFT, label="goal area, in its robot's colour"),
+        Patch(fc=ROCK, ec=INK, label="obstacle"),
+        Patch(fc="#f1f6fa", ec=BLUE, label=f"mission area, radius {mission.area.radius:g}"),
+        Patch(fill=False, ec=INK, label="working area (left)"),
+    ]

@@ -1,0 +1,137 @@
+"""Writes what a campaign found into its folder: specifications, figures, tables, report."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Protocol, TypeAlias
+
+from mrsfi_runtime.analysis import plots, tables
+from mrsfi_runtime.analysis.figures import illustrate
+from mrsfi_runtime.analysis.markdown import report_text
+from mrsfi_runtime.analysis.summary import Summary, as_json, parameter_values, summarise
+from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
+from mrsfi_runtime.record.folder import CampaignFolder
+
+SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
+"""Pool fault ID, start, finish, and values by parameter name."""
+
+SpecificationWriter: TypeAlias = Callable[[Sequence[SpecificationRow], Path, str], None]
+"""Writes rows as a fault specification to a path, under an identifier."""
+
+
+class FlownCode(Protocol):
+    """What a report needs to know about the mission that a campaign flew."""
+
+    @property
+    def mission(self) -> Mission:
+        """The mission."""
+        ...
+
+    @property
+    def pool(self) -> FaultPool:
+        """The pool that search chose from."""
+        ...
+
+
+def write_report(
+    folder: Path,
+    code: FlownCode,
+    write_specification: SpecificationWriter,
+    *,
+    ratio: str | None = None,
+) -> Summary:
+    """Write everything a person or a script wants from a campaign, finished or interrupted.
+
+    Parameters
+    ----------
+    folder
+        Campaign folder. Of an earlier report there, every file is replaced or removed.
+    code
+        Mission and pool that the campaign ran on.
+    write_specification
+        Writes one critical specification as XMI.
+    ratio
+        Ratio of violations to pick by, such as ``g3:g1=2:1``.
+
+    Returns
+    -------
+    Summary
+        What the report says.
+
+    Raises
+    ------
+    RecordError
+        If the campaign cannot be read, or its folder not be written.
+    UsageError
+        If the ratio makes no sense.
+    """
+    with CampaignStore.open(folder) as store:
+        summary = summarise(folder, store, code.mission, code.pool, ratio)
+        evaluations, generations = store.evaluations(), store.generations()
+    places = CampaignFolder(folder)
+    try:
+        _write_critical(places, summary, code.pool, write_specification)
+        captions = _write_figures(places, summary, code.mission, evaluations, generations)
+        content = json.dumps(as_json(summary, code.pool), indent=2, ensure_ascii=False)
+        places.summary.write_text(content + "\n", encoding="utf-8")
+        places.report.write_text(report_text(summary, captions), encoding="utf-8")
+    except OSError as error:
+        message = f"{folder}: cannot write the report: {error}; expected a folder to write to"
+        raise RecordError(message) from error
+    return summary
+
+
+def critical_name(rank: int) -> str:
+    """Return the file name of the specification at a rank, from 1."""
+    return f"{rank:02d}.xmi"
+
+
+def specification_rows(
+    pool: FaultPool, specification: Specification
+) -> tuple[SpecificationRow, ...]:
+    """Return a specification with its values by name."""
+    return tuple(
+        (timed.fault, timed.start, timed.finish, parameter_values(pool, timed))
+        for timed in specification
+    )
+
+
+def _write_critical(
+    places: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
+) -> None:
+    _emptied(places.critical, "[0-9][0-9].xmi")
+    for rank, evaluation in enumerate(summary.top, start=1):
+        rows = specification_rows(pool, evaluation.specification)
+        write(rows, places.critical / critical_name(rank), f"evaluation_{evaluation.index}")
+
+
+def _write_figures(
+    places: CampaignFolder,
+    summary: Summary,
+    mission: Mission,
+    evaluations: Sequence[Evaluation],
+    generations: Sequence[Generation],
+) -> dict[str, str]:
+    """Write figures and tables, and return the figures' captions by name."""
+    _emptied(places.figures, "figure_*.*")
+    _emptied(places.tables, "*.csv")
+    captions = {}
+    for name, caption, figure, rows in illustrate(summary, mission, evaluations, generations):
+        plots.save(figure, places.figures / name)
+        tables.write_table(places.tables / f"{name}.csv", rows)
+        captions[name] = caption
+    tables.write_table(
+        places.tables / "evaluations.csv",
+        tables.evaluations_table(evaluations, mission.goal_ids),
+    )
+    return captions
+
+
+def _emptied(folder: Path, pattern: str) -> None:
+    """Make a folder, or remove from it what an earlier report left."""
+    folder.mkdir(exist_ok=True)
+    for file in sorted(folder.glob(pattern)):
+        file.unlink()

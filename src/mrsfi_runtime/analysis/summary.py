@@ -1,0 +1,216 @@
+"""What a campaign found, as one value and as JSON."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from mrsfi_runtime.analysis.fronts import (
+    Front,
+    FrontPoint,
+    Ratio,
+    find_front,
+    nearest_ratio,
+    parse_ratio,
+)
+from mrsfi_runtime.analysis.patterns import TypePattern, find_patterns
+from mrsfi_runtime.analysis.ranking import distinct, score, top
+from mrsfi_runtime.analysis.trend import Trend, find_trend
+from mrsfi_runtime.model.faults import FaultPool, TimedFault
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
+
+SCHEMA = 1
+"""Version of ``summary.json``."""
+
+N_TOP = 10
+
+
+@dataclass(frozen=True, slots=True)
+class RatioPick:
+    """The specification of a front that comes nearest to a wanted ratio.
+
+    Attributes
+    ----------
+    point
+        ``None`` if no specification violates a goal of the ratio.
+    goals
+        Goals of the front, in the order of the point's violations.
+    """
+
+    ratio: Ratio
+    point: FrontPoint | None
+    goals: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """What a campaign found.
+
+    Attributes
+    ----------
+    goals
+        IDs of the mission's goals, in the order of an outcome's counts.
+    top
+        The most critical distinct specifications, at most ten, the worst for the mission first.
+    front
+        Over the goals that the settings choose, or else those of the ratio; ``None`` if fewer
+        than two are chosen.
+    pick
+        ``None`` if no ratio was asked for.
+    """
+
+    folder: Path
+    mission: str
+    settings: Mapping[str, Any]
+    goals: tuple[str, ...]
+    n_generations: int
+    n_evaluations: int
+    n_distinct: int
+    n_failures: int
+    digest: str
+    top: tuple[Evaluation, ...]
+    front: Front | None
+    pick: RatioPick | None
+    trend: Trend
+    patterns: tuple[TypePattern, ...]
+
+
+def summarise(
+    folder: Path, store: CampaignStore, mission: Mission, pool: FaultPool, ratio: str | None
+) -> Summary:
+    """Return what the campaign in a folder found so far.
+
+    Raises
+    ------
+    UsageError
+        If the ratio, or a goal of the ratio or the settings, makes no sense.
+    """
+    evaluations = store.evaluations()
+    different = distinct(evaluations)
+    best = top(different, N_TOP)
+    wanted = None if ratio is None else parse_ratio(ratio)
+    goals = _front_goals(store.settings, wanted)
+    front = find_front(mission, different, goals) if goals else None
+    generations = store.generations()
+    return Summary(
+        folder=folder,
+        mission=mission.name,
+        settings=store.settings,
+        goals=mission.goal_ids,
+        n_generations=len(generations),
+        n_evaluations=len(evaluations),
+        n_distinct=len(different),
+        n_failures=len(store.failures()),
+        digest=store.digest(),
+        top=best,
+        front=front,
+        pick=None if wanted is None else _pick(mission, different, front, wanted),
+        trend=find_trend(generations),
+        patterns=find_patterns(
+            [evaluation.specification for evaluation in best],
+            (evaluation.specification for evaluation in different),
+            pool,
+        ),
+    )
+
+
+def chosen_goals(settings: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the IDs of the goals that a campaign's settings name, in their order."""
+    return tuple(settings.get("goals") or ())
+
+
+def parameter_values(pool: FaultPool, timed: TimedFault) -> dict[str, float]:
+    """Return the values of a timed fault by the names of its type's parameters."""
+    names = (parameter.name for parameter in pool[timed.fault].kind.parameters)
+    return dict(zip(names, timed.values, strict=True))
+
+
+def as_json(summary: Summary, pool: FaultPool) -> dict[str, Any]:
+    """Return a summary as plain values, whose keys always stand in the same order."""
+    ranked = [_ranked(summary, pool, evaluation) for evaluation in summary.top]
+    return {
+        "schema": SCHEMA,
+        "campaign": summary.folder.name,
+        "mission": summary.mission,
+        "settings": dict(summary.settings),
+        "n_generations": summary.n_generations,
+        "n_evaluations": summary.n_evaluations,
+        "n_distinct": summary.n_distinct,
+        "n_failures": summary.n_failures,
+        "digest": summary.digest,
+        "best": ranked[0] if ranked else None,
+        "top": ranked,
+        "front": _front(summary.front),
+        "pick": _picked(summary.pick),
+        "trend": asdict(summary.trend),
+        "patterns": [asdict(pattern) for pattern in summary.patterns],
+    }
+
+
+def _front_goals(settings: Mapping[str, Any], wanted: Ratio | None) -> tuple[str, ...]:
+    chosen = chosen_goals(settings)
+    if len(chosen) >= 2:
+        return chosen
+    return () if wanted is None else wanted.goals
+
+
+def _pick(
+    mission: Mission, evaluations: tuple[Evaluation, ...], front: Front | None, wanted: Ratio
+) -> RatioPick:
+    """Pick from the campaign's front, or from one over the ratio's own goals if that lacks them."""
+    if front is None or not set(wanted.goals) <= set(front.goals):
+        front = find_front(mission, evaluations, wanted.goals)
+    return RatioPick(wanted, nearest_ratio(front, wanted), front.goals)
+
+
+def _ranked(summary: Summary, pool: FaultPool, evaluation: Evaluation) -> dict[str, Any]:
+    outcome = evaluation.outcome
+    return {
+        "evaluation": evaluation.index,
+        "generation": evaluation.generation,
+        "fitness": score(evaluation),
+        "fault_ticks": evaluation.fault_ticks,
+        **{
+            kind: dict(zip(summary.goals, getattr(outcome, kind), strict=True))
+            for kind in ("believed", "true", "phantom", "masked")
+        },
+        "digest": outcome.digest,
+        "specification": [
+            {
+                "fault": timed.fault,
+                "type": pool[timed.fault].type,
+                "start": timed.start,
+                "finish": timed.finish,
+                "values": parameter_values(pool, timed),
+            }
+            for timed in evaluation.specification
+        ],
+    }
+
+
+def _front(front: Front | None) -> dict[str, Any] | None:
+    if front is None:
+        return None
+    return {
+        "goals": list(front.goals),
+        "points": [
+            {
+                "evaluation": point.evaluation,
+                "violations": dict(zip(front.goals, point.violations, strict=True)),
+            }
+            for point in front.points
+        ],
+    }
+
+
+def _picked(pick: RatioPick | None) -> dict[str, Any] | None:
+    if pick is None:
+        return None
+    return {
+        "ratio": str(pick.ratio),
+        "evaluation": None if pick.point is None else pick.point.evaluation,
+        "violations": None
+        if pick.point is None
+        else dict(zip(pick.goals, pick.point.violations, strict=True)),
+    }

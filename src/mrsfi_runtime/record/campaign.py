@@ -1,0 +1,306 @@
+"""The store of a campaign: every evaluation, failure and generation, in one SQLite file.
+
+Each append is one transaction with a rollback journal, so a run that is killed at any
+moment loses at most the append it was in, and whoever opens the folder next finds every
+earlier one.
+"""
+
+import hashlib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from sqlite3 import Connection
+from types import MappingProxyType, TracebackType
+from typing import Any, Self, TypeVar
+
+from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record import database, encoding
+from mrsfi_runtime.record.encoding import JSON
+from mrsfi_runtime.record.folder import CampaignFolder
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """A fault specification, and what flying it gave.
+
+    Attributes
+    ----------
+    index
+        Place in the campaign, from 0, without gaps.
+    generation
+        Generation that asked for it, from 0.
+    fitness
+        Shape ``(n_objectives,)``; more is more critical.
+    fault_ticks
+        Ticks at which faults were active, summed over the timed faults.
+    """
+
+    index: int
+    generation: int
+    specification: Specification
+    outcome: Outcome
+    fitness: tuple[float, ...]
+    fault_ticks: int
+
+
+@dataclass(frozen=True, slots=True)
+class Generation:
+    """A finished generation.
+
+    Attributes
+    ----------
+    statistics
+        ``n_evaluations``, and ``mean``, ``std``, ``min``, ``max`` of the population's fitness.
+    population
+        Evaluation index of each individual, shape ``(n_individuals,)``.
+    random_state
+        State of the search's random generator after it, as JSON text.
+    """
+
+    index: int
+    statistics: Mapping[str, float]
+    population: tuple[int, ...]
+    random_state: str
+
+
+@dataclass(frozen=True, slots=True)
+class FailedEvaluation:
+    """A specification whose evaluation raised an error in the mission's own code."""
+
+    generation: int
+    specification: Specification
+    traceback: str
+
+
+class CampaignStore:
+    """Read and extend one campaign; use ``create`` or ``open``, and close it.
+
+    Attributes
+    ----------
+    settings, manifest
+        What the campaign was started with; tuples given to ``create`` have become lists.
+    """
+
+    def __init__(self, path: Path, connection: Connection) -> None:
+        self.path = path
+        self._connection = connection
+        rows = dict(self._select("SELECT key, value FROM meta"))
+        self.settings: Mapping[str, Any] = MappingProxyType(
+            self._decoded(encoding.object_from_text, rows.get("settings"))
+        )
+        self.manifest: Mapping[str, Any] = MappingProxyType(
+            self._decoded(encoding.object_from_text, rows.get("manifest"))
+        )
+
+    @classmethod
+    def create(
+        cls, folder: Path, settings: Mapping[str, JSON], manifest: Mapping[str, JSON]
+    ) -> Self:
+        """Start the store of a new campaign in a folder, which is made if it is missing.
+
+        Raises
+        ------
+        RecordError
+            If the folder holds a campaign already or cannot be written.
+        """
+        path = CampaignFolder(folder).database
+        meta = {
+            "settings": encoding.canonical(settings),
+            "manifest": encoding.canonical(manifest),
+        }
+        connection = database.create(path, meta)
+        with _closed_on_error(connection):
+            return cls(path, connection)
+
+    @classmethod
+    def open(cls, folder: Path) -> Self:
+        """Open a campaign, finished or interrupted, also while it is still running.
+
+        Raises
+        ------
+        RecordError
+            If the folder holds no campaign, a damaged one, or one of a newer version.
+        """
+        path = CampaignFolder(folder).database
+        connection = database.open_existing(path)
+        with _closed_on_error(connection):
+            return cls(path, connection)
+
+    def close(self) -> None:
+        """Close the file; everything appended stays."""
+        self._connection.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def append(self, evaluations: Iterable[Evaluation]) -> None:
+        """Store evaluations, whose indexes follow those stored, in one transaction.
+
+        Raises
+        ------
+        ValueError
+            If an index leaves a gap or is taken, or a number is not finite.
+        RecordError
+            If the file cannot be written. In both cases nothing of this append is stored.
+        """
+        rows = [_row(evaluation) for evaluation in evaluations]
+        with database.transaction(self.path, self._connection) as connection:
+            for expected, row in enumerate(rows, self._count()):
+                if row[0] != expected:
+                    message = f"found evaluation {row[0]}; expected {expected} next"
+                    raise ValueError(message)
+            connection.executemany(database.INSERT_EVALUATION, rows)
+
+    def add_failure(self, specification: Specification, generation: int, traceback: str) -> None:
+        """Store a specification whose evaluation failed."""
+        row = (int(generation), encoding.specification_text(specification), traceback)
+        with database.transaction(self.path, self._connection) as connection:
+            connection.execute(database.INSERT_FAILURE, row)
+
+    def close_generation(self, generation: Generation) -> None:
+        """Store a finished generation, whose index follows those stored.
+
+        Raises
+        ------
+        ValueError
+            If the index leaves a gap or is taken, or a statistic is not finite.
+        RecordError
+            If the file cannot be written.
+        """
+        row = (
+            int(generation.index),
+            encoding.statistics_text(generation.statistics),
+            encoding.counts_text(generation.population),
+            generation.random_state,
+        )
+        with database.transaction(self.path, self._connection) as connection:
+            ((expected,),) = connection.execute("SELECT count(*) FROM generation").fetchall()
+            if row[0] != expected:
+                message = f"found generation {row[0]}; expected {expected} next"
+                raise ValueError(message)
+            connection.execute(database.INSERT_GENERATION, row)
+
+    @property
+    def n_evaluations(self) -> int:
+        """How many evaluations are stored."""
+        return self._count()
+
+    def evaluations(self) -> tuple[Evaluation, ...]:
+        """Return all evaluations in index order."""
+        rows = self._select(f"{database.SELECT_EVALUATION} ORDER BY idx")
+        return tuple(self._decoded(_evaluation, row) for row in rows)
+
+    def evaluation(self, index: int) -> Evaluation:
+        """Return one evaluation.
+
+        Raises
+        ------
+        RecordError
+            If the campaign has none of that index.
+        """
+        rows = self._select(f"{database.SELECT_EVALUATION} WHERE idx = ?", (int(index),))
+        if not rows:
+            n_found = self._count()
+            expected = f"0 to {n_found - 1}" if n_found else "no number: it holds none yet"
+            message = f"{self.path}: found no evaluation {index}; expected {expected}"
+            raise RecordError(message)
+        return self._decoded(_evaluation, rows[0])
+
+    def generations(self) -> tuple[Generation, ...]:
+        """Return all finished generations in order."""
+        rows = self._select(f"{database.SELECT_GENERATION} ORDER BY idx")
+        return tuple(self._decoded(_generation, row) for row in rows)
+
+    def failures(self) -> tuple[FailedEvaluation, ...]:
+        """Return the failed evaluations in the order in which they failed."""
+        rows = self._select(f"{database.SELECT_FAILURE} ORDER BY idx")
+        return tuple(self._decoded(_failure, row) for row in rows)
+
+    def digest(self) -> str:
+        """Return SHA-256 over specification, outcome and fitness of all evaluations in order.
+
+        Two campaigns with the same digest found the same, bit for bit, however their
+        evaluations were divided into appends.
+        """
+        digest = hashlib.sha256()
+        for row in self._select(f"{database.SELECT_DIGESTED} ORDER BY idx"):
+            digest.update(encoding.canonical(row).encode())
+            digest.update(b"\n")
+        return digest.hexdigest()
+
+    def _count(self) -> int:
+        ((n_evaluations,),) = self._select("SELECT count(*) FROM evaluation")
+        return int(n_evaluations)
+
+    def _select(self, query: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+        with database.translated(self.path):
+            return self._connection.execute(query, values).fetchall()
+
+    def _decoded(self, decode: Callable[[Any], T], stored: Any) -> T:
+        try:
+            return decode(stored)
+        except (ValueError, TypeError) as error:
+            raise RecordError(database.damaged(self.path, str(error))) from error
+
+
+@contextmanager
+def _closed_on_error(connection: Connection) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        connection.close()
+        raise
+
+
+def _row(evaluation: Evaluation) -> tuple[Any, ...]:
+    outcome = evaluation.outcome
+    return (
+        int(evaluation.index),
+        int(evaluation.generation),
+        encoding.specification_text(evaluation.specification),
+        encoding.numbers_text(evaluation.fitness),
+        int(evaluation.fault_ticks),
+        *(encoding.counts_text(getattr(outcome, name)) for name in encoding.COUNTS),
+        outcome.digest,
+    )
+
+
+def _evaluation(row: tuple[Any, ...]) -> Evaluation:
+    index, generation, specification, fitness, fault_ticks, *texts, digest = row
+    counts = dict(zip(encoding.COUNTS, map(encoding.counts_from_text, texts), strict=True))
+    return Evaluation(
+        index=index,
+        generation=generation,
+        specification=encoding.specification_from_text(specification),
+        outcome=Outcome(**counts, digest=digest),
+        fitness=encoding.numbers_from_text(fitness),
+        fault_ticks=fault_ticks,
+    )
+
+
+def _generation(row: tuple[Any, ...]) -> Generation:
+    index, statistics, population, random_state = row
+    return Generation(
+        index=index,
+        statistics=encoding.object_from_text(statistics),
+        population=encoding.counts_from_text(population),
+        random_state=random_state,
+    )
+
+
+def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
+    generation, specification, traceback = row
+    return FailedEvaluation(generation, encoding.specification_from_text(specification), traceback)

@@ -1,0 +1,138 @@
+from math import atan2
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mrsfi_runtime.analysis.fronts import (
+    Front,
+    FrontPoint,
+    Ratio,
+    find_front,
+    nearest_ratio,
+    non_dominated,
+    parse_ratio,
+)
+from mrsfi_runtime.errors import UsageError
+from support_record import evaluation, mission
+
+VECTORS = st.integers(1, 4).flatmap(
+    lambda n: st.lists(st.tuples(*[st.integers(0, 6)] * n), max_size=30)
+)
+
+
+def dominates(a: tuple[int, ...], b: tuple[int, ...]) -> bool:
+    return a != b and all(x >= y for x, y in zip(a, b, strict=True))
+
+
+@given(VECTORS)
+def test_no_member_is_dominated_and_every_other_vector_is(
+    vectors: list[tuple[int, ...]],
+) -> None:
+    members = non_dominated(vectors)
+
+    assert len(set(members)) == len(members)
+    assert set(members) <= set(vectors)
+    assert not any(dominates(a, b) for a in members for b in members)
+    for vector in set(vectors) - set(members):
+        assert any(dominates(member, vector) for member in members)
+
+
+def front_of(*believed: tuple[int, ...], goals: tuple[str, ...] = ("g1", "g3")) -> Front:
+    found = [evaluation(i, counts + (0,) * (6 - len(counts))) for i, counts in enumerate(believed)]
+    return find_front(mission(), found, goals)
+
+
+def test_a_front_reads_the_chosen_goals_of_the_belief_in_the_chosen_order() -> None:
+    front = front_of((1, 9, 5), (3, 9, 2), (1, 9, 2), goals=("g3", "g1"))
+
+    assert front == Front(("g3", "g1"), (FrontPoint(1, (2, 3)), FrontPoint(0, (5, 1))))
+
+
+def test_of_equal_violations_the_earliest_evaluation_stands() -> None:
+    found = [evaluation(i, (4, 0, 4, 0, 0, 0)) for i in (7, 3, 5)]
+
+    assert find_front(mission(), found, ("g1", "g3")).points == (FrontPoint(3, (4, 4)),)
+
+
+def test_no_evaluations_have_an_empty_front() -> None:
+    assert front_of().points == ()
+
+
+def test_an_unknown_goal_is_refused_with_those_there_are() -> None:
+    with pytest.raises(UsageError, match=r"found goal 'g9'; .* g1, g2, g3, g4, g5, g6"):
+        front_of((1,), goals=("g1", "g9"))
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("g3:g1=2:1", Ratio(("g3", "g1"), (2.0, 1.0))),
+        (" g3 : g1 = 0.5 : 1 ", Ratio(("g3", "g1"), (0.5, 1.0))),
+        ("a-b:c.d=0:7", Ratio(("a-b", "c.d"), (0.0, 7.0))),
+    ],
+)
+def test_a_ratio_is_read(text: str, expected: Ratio) -> None:
+    assert parse_ratio(text) == expected
+    assert parse_ratio(str(expected)) == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "2:1",
+        "g3:g1",
+        "g3:g1=2",
+        "g3:g1=-2:1",
+        "g3:g1=2:x",
+        "g3:g1=0:0",
+        "g3:g3=2:1",
+        "g3:g1:g2=2:1:1",
+        "g3:g1=nan:1",
+        "g3=2:1",
+    ],
+)
+def test_a_ratio_that_makes_no_sense_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="expected two goals and two numbers"):
+        parse_ratio(text)
+
+
+def test_the_ratio_picks_by_the_quotient_of_the_named_goals() -> None:
+    front = front_of((10, 0, 1), (5, 0, 11), (7, 0, 8), (1, 0, 12))
+
+    assert nearest_ratio(front, "g3:g1=2:1") == FrontPoint(1, (5, 11))
+    assert nearest_ratio(front, "g1:g3=1:1") == FrontPoint(2, (7, 8))
+    assert nearest_ratio(front, "g1:g3=1:0") == FrontPoint(0, (10, 1))
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 50), st.integers(0, 50)), min_size=1, max_size=12),
+    st.integers(0, 9),
+    st.integers(1, 9),
+)
+def test_no_other_point_is_nearer_in_angle(
+    vectors: list[tuple[int, int]], first: int, second: int
+) -> None:
+    points = tuple(FrontPoint(i, vector) for i, vector in enumerate(vectors))
+
+    picked = nearest_ratio(Front(("a", "b"), points), Ratio(("a", "b"), (first, second)))
+
+    def angle(vector: tuple[int, int]) -> float:
+        return abs(atan2(vector[1], vector[0]) - atan2(second, first))
+
+    candidates = [vector for vector in vectors if vector != (0, 0)]
+    if picked is None:
+        assert not candidates
+    else:
+        assert angle(picked.violations) == min(map(angle, candidates))
+
+
+def test_a_front_without_violations_has_nothing_near() -> None:
+    assert nearest_ratio(front_of((0, 0, 0)), "g3:g1=2:1") is None
+    assert nearest_ratio(front_of(), "g3:g1=2:1") is None
+
+
+def test_a_ratio_over_other_goals_than_the_front_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"found ratio 'g4:g1=2:1'.*front's goals: g1, g3"):
+        nearest_ratio(front_of((1,)), "g4:g1=2:1")

@@ -1,0 +1,45 @@
+from dataclasses import replace
+
+from mrsfi_runtime.analysis.places import goal_places, working_window
+from mrsfi_runtime.model.mission import Coordinates, Goal, Patrol, Stay, Visit
+from support_record import area, mission
+
+
+def test_only_areas_that_a_task_reads_are_places() -> None:
+    waters = mission()
+    unread = replace(waters.goals[0], area=area("a9", 600, -200, 4))
+    waters = replace(waters, goals=(unread, *waters.goals[1:]))
+
+    assert [(p.goal.id, p.x, p.y, p.radius) for p in goal_places(waters)] == [
+        ("g4", 250, -250, 150),
+        ("g5", -250, 250, 150),
+        ("g6", 250, 250, 150),
+    ]
+
+
+def test_areas_and_points_of_other_tasks_are_places_too() -> None:
+    goals = (
+        Goal("g1", "Patrol", ("r1",), Patrol(area("a1", 1, 2, 3), 10)),
+        Goal("g2", "Stay", ("r1",), Stay(area("a2", 4, 5, 6))),
+        Goal("g3", "Visit", ("r1",), Visit(Coordinates(7, 8), 9, 10)),
+    )
+
+    places = goal_places(replace(mission(), goals=goals))
+
+    assert [(p.x, p.y, p.radius) for p in places] == [(1, 2, 3), (4, 5, 6), (7, 8, 9)]
+
+
+def test_the_window_holds_every_start_obstacle_and_goal_area() -> None:
+    x, y, half = working_window(mission())
+
+    assert x - half < -545 < 545 < x + half
+    assert y - half < -530 < 550 < y + half
+    assert half < 700
+
+
+def test_a_mission_at_one_point_still_has_a_window() -> None:
+    waters = replace(
+        mission(), obstacles=(), goals=mission().goals[:1], robots=mission().robots[:1]
+    )
+
+    assert working_window(waters) == (250, -250, 20.0)

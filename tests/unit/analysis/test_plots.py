@@ -1,0 +1,192 @@
+import re
+import struct
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+from matplotlib.figure import Figure
+
+from mrsfi_runtime.analysis import plots
+from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
+from mrsfi_runtime.analysis.patterns import find_patterns
+from mrsfi_runtime.analysis.trend import GenerationFitness, Trend
+from support_record import mission, pool, random_specification
+
+TREND = Trend(
+    tuple(GenerationFitness(i, 10.0 * i, 5.0, 10.0 * i + 9, 0.0) for i in range(6)), 10.0, 0.0, 1, 0
+)
+FRONT = Front(("g1", "g3"), tuple(FrontPoint(i, (10 * i, 90 - i * i)) for i in range(5)))
+CLOUD = [(i % 40, i % 17) for i in range(100)]
+PICK = plots.Pick(Ratio(("g3", "g1"), (2.0, 1.0)), FRONT.points[4])
+
+
+def types_figure() -> Figure:
+    from random import Random
+
+    top = [random_specification(Random(i)) for i in range(3)]
+    return plots.fault_types(find_patterns(top, top, pool()), 3)
+
+
+FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
+    "map": (
+        lambda: plots.mission_map(mission()),
+        {
+            "Mission waters: working area",
+            "Whole mission area",
+            "LEN",
+            "JEN",
+            "KAL",
+            "o1",
+            "o8",
+            "g4 GatherSamples",
+            "start of LEN (r1)",
+            "obstacle",
+            "mission area, radius 2000",
+            "x (distance units)",
+            "y (distance units)",
+        },
+    ),
+    "mean": (
+        lambda: plots.mean_fitness(TREND, "fitness (ticks)"),
+        {
+            "Mean fitness of each generation",
+            "generation",
+            "fitness (ticks)",
+            "mean",
+            "± 1 std",
+            "trend: +10 per generation",
+        },
+    ),
+    "best": (
+        lambda: plots.best_fitness(TREND, "fitness (ticks)"),
+        {"Best fitness of each generation", "best so far", "best of the generation"},
+    ),
+    "by_generation": (
+        lambda: plots.generation_fronts({0: FRONT, 7: Front(FRONT.goals, FRONT.points[:1])}),
+        {
+            "Pareto points of some generations",
+            "violations of g1 (ticks)",
+            "violations of g3 (ticks)",
+            "generation 0 (5 points)",
+            "generation 7 (1 point)",
+        },
+    ),
+    "front": (
+        lambda: plots.whole_front(FRONT, CLOUD, PICK),
+        {
+            "Non-dominated specifications of the campaign",
+            "evaluated",
+            "non-dominated (5)",
+            "nearest to g3:g1=2:1: evaluation 4",
+        },
+    ),
+    "types": (
+        types_figure,
+        {
+            "Fault types in the 3 most critical specifications",
+            "occurrences (timed faults)",
+            "IncrementRemainingEnergyCapacityReport",
+            "expected from share in pool",
+            "expected from share in campaign",
+        },
+    ),
+}
+
+
+def texts(svg: Path) -> list[str]:
+    root = ET.fromstring(svg.read_bytes())
+    return [
+        "".join(node.itertext()).strip() for node in root.iter("{http://www.w3.org/2000/svg}text")
+    ]
+
+
+@pytest.fixture(scope="module", params=FIGURES)
+def drawn(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> "Drawn":
+    """Name, figure and files of each kind of figure."""
+    figure = FIGURES[request.param][0]()
+    return request.param, figure, plots.save(figure, tmp_path_factory.mktemp("drawn") / "figure")
+
+
+Drawn = tuple[str, Figure, tuple[Path, Path]]
+
+
+def test_a_figure_says_what_it_shows(drawn: Drawn) -> None:
+    name, _, (_, svg) = drawn
+
+    assert FIGURES[name][1] - set(texts(svg)) == set()
+
+
+def test_the_same_input_gives_the_same_bytes_without_dates(drawn: Drawn, tmp_path: Path) -> None:
+    name, _, first = drawn
+
+    second = plots.save(FIGURES[name][0](), tmp_path / "second")
+
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
+    assert not re.search(rb"dc:date|Matplotlib v", first[1].read_bytes())
+
+
+def test_nothing_leaves_the_picture(drawn: Drawn) -> None:
+    _, figure, _ = drawn
+
+    extent = figure.get_tightbbox()
+
+    width, height = figure.get_size_inches()
+    assert extent.x0 >= 0
+    assert extent.y0 >= 0
+    assert extent.x1 <= width
+    assert extent.y1 <= height
+
+
+def test_a_png_has_the_size_of_its_figure(tmp_path: Path) -> None:
+    png, _ = plots.save(plots.best_fitness(TREND, "fitness"), tmp_path / "best")
+
+    content = png.read_bytes()
+
+    assert content[:8] == b"\x89PNG\r\n\x1a\n"
+    assert struct.unpack(">II", content[16:24]) == (1260, 720)
+
+
+def test_a_dollar_in_a_name_is_a_dollar(tmp_path: Path) -> None:
+    waters = mission()
+    robot = replace(waters.robots[0], name="a$x^2$<&")
+
+    _, svg = plots.save(
+        plots.mission_map(replace(waters, robots=(robot, *waters.robots[1:]))), tmp_path / "map"
+    )
+
+    assert "a$x^2$<&" in texts(svg)
+
+
+def test_the_map_is_true_to_scale() -> None:
+    figure = plots.mission_map(mission())
+
+    assert [axes.get_aspect() for axes in figure.axes[:2]] == [1.0, 1.0]
+    near, far = figure.axes[:2]
+    assert far.get_xlim() == (-2160.0, 2160.0)
+    assert near.get_xlim()[0] > -700
+
+
+def test_one_generation_and_one_point_can_be_drawn(tmp_path: Path) -> None:
+    trend = Trend(TREND.generations[:1], 0.0, 0.0, 0.0, 1.0)
+    zero = Front(("g1", "g3"), (FrontPoint(0, (0, 0)),))
+
+    for name, figure in {
+        "mean": plots.mean_fitness(trend, "fitness"),
+        "best": plots.best_fitness(trend, "fitness"),
+        "by_generation": plots.generation_fronts({0: zero}),
+        "front": plots.whole_front(zero, [(0, 0)], None),
+        "types": plots.fault_types(find_patterns([()], [()], pool()), 1),
+    }.items():
+        png, svg = plots.save(figure, tmp_path / name)
+        assert png.stat().st_size > 0
+        assert texts(svg)
+
+
+def test_a_large_cloud_stays_a_small_file(tmp_path: Path) -> None:
+    cloud = [(i % 101, i // 101) for i in range(9_000)]
+
+    _, svg = plots.save(plots.whole_front(FRONT, cloud, None), tmp_path / "front")
+
+    assert svg.stat().st_size < 400_000

@@ -1,0 +1,299 @@
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.analysis.figures import evenly_spaced, illustrate
+from mrsfi_runtime.analysis.report import specification_rows, write_report
+from mrsfi_runtime.analysis.summary import summarise
+from mrsfi_runtime.errors import RecordError, UsageError
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.campaign import CampaignStore, Generation
+from support_record import (
+    Code,
+    evaluation,
+    generations_of_evaluations,
+    mission,
+    pool,
+    statistics,
+    write_campaign,
+)
+
+CODE = Code(mission(), pool())
+SINGLE = ["figure_05_mission_map", "figure_06_mean_fitness", "figure_07_best_fitness"]
+FOCUSED = ["figure_05_mission_map", "figure_08_mean_fitness", "figure_09_best_fitness"]
+FRONTS = ["figure_10_front_by_generation", "figure_11_front"]
+TYPES = ["figure_12_fault_types"]
+FOCUS = {"fitness": "focused", "goals": ["g1", "g3"]}
+
+
+def write(rows: Sequence[tuple[str, int, int, Mapping[str, float]]], path: Path, name: str) -> None:
+    """Stand in for the writer of XMI, which lives in another room."""
+    path.write_text(json.dumps([name, rows]))
+
+
+def stems(folder: Path, suffix: str) -> list[str]:
+    return sorted(path.stem for path in folder.glob(f"*{suffix}"))
+
+
+def table(folder: Path, name: str) -> list[list[str]]:
+    with (folder / "tables" / f"{name}.csv").open(newline="") as file:
+        return list(csv.reader(file))
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ({"fitness": "weighted", "goals": []}, SINGLE + TYPES),
+        ({"fitness": "weighted", "goals": ["g1", "g3"]}, SINGLE + FRONTS + TYPES),
+        (FOCUS, FOCUSED + FRONTS + TYPES),
+        ({"fitness": "focused", "goals": ["g1"]}, FOCUSED + TYPES),
+    ],
+)
+def test_a_campaign_gets_the_figures_of_its_case(
+    settings: dict[str, object], expected: list[str], tmp_path: Path
+) -> None:
+    folder = write_campaign(tmp_path / "run", settings=settings, n_generations=2, n_individuals=3)
+
+    with CampaignStore.open(folder) as store:
+        summary = summarise(folder, store, CODE.mission, CODE.pool, ratio=None)
+        drawn = illustrate(summary, CODE.mission, store.evaluations(), store.generations())
+
+    assert [illustration.name for illustration in drawn] == expected
+
+
+def test_each_figure_has_its_files_and_its_link(focused: Path) -> None:
+    expected = FOCUSED + FRONTS + TYPES
+
+    assert stems(focused / "figures", ".png") == expected
+    assert stems(focused / "figures", ".svg") == expected
+    assert stems(focused / "tables", ".csv") == ["evaluations", *expected]
+    report = (focused / "report.md").read_text()
+    assert all(f"(figures/{name}.png)" in report for name in expected)
+
+
+@pytest.fixture(scope="module")
+def focused(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("runs") / "focused"
+    write_campaign(folder, settings=FOCUS)
+    write_report(folder, CODE, write, ratio="g3:g1=2:1")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("n", "expected"), [(0, ()), (1, (0,)), (5, (0, 1, 2, 3, 4)), (51, (0, 12, 25, 37, 50))]
+)
+def test_generations_are_evenly_spaced(n: int, expected: tuple[int, ...]) -> None:
+    assert evenly_spaced(n, 5) == expected
+
+
+def evaluations_of(folder: Path) -> list:
+    with CampaignStore.open(folder) as store:
+        return list(store.evaluations())
+
+
+def test_the_ten_most_critical_specifications_are_written(focused: Path) -> None:
+    ranked = sorted(evaluations_of(focused), key=lambda e: -e.fitness[0])[:10]
+
+    files = sorted((focused / "critical").iterdir())
+
+    assert [file.name for file in files] == [f"{i:02d}.xmi" for i in range(1, 11)]
+    for file, best in zip(files, ranked, strict=True):
+        name, rows = json.loads(file.read_text())
+        assert name == f"evaluation_{best.index}"
+        assert [tuple(row[:3]) for row in rows] == [timed[:3] for timed in best.specification]
+        assert [tuple(row[3].values()) for row in rows] == [t.values for t in best.specification]
+
+
+def test_values_are_written_by_the_names_of_their_parameters() -> None:
+    rows = specification_rows(
+        pool(), (TimedFault("f1", 0, 5, (7.0,)), TimedFault("f23", 1, 2, (1.0, 2.0, 3.0)))
+    )
+
+    assert rows == (
+        ("f1", 0, 5, {"DELAY": 7.0}),
+        ("f23", 1, 2, {"NEW_X": 1.0, "NEW_Y": 2.0, "NEW_Z": 3.0}),
+    )
+
+
+def test_the_summary_says_what_was_found(focused: Path) -> None:
+    evaluations = evaluations_of(focused)
+    best = max(evaluations, key=lambda e: e.fitness[0])
+
+    summary = json.loads((focused / "summary.json").read_text())
+
+    assert list(summary) == [
+        "schema",
+        "campaign",
+        "mission",
+        "settings",
+        "n_generations",
+        "n_evaluations",
+        "n_distinct",
+        "n_failures",
+        "digest",
+        "best",
+        "top",
+        "front",
+        "pick",
+        "trend",
+        "patterns",
+    ]
+    assert (summary["n_generations"], summary["n_evaluations"]) == (12, 120)
+    assert summary["settings"] == FOCUS
+    with CampaignStore.open(focused) as store:
+        assert summary["digest"] == store.digest()
+    assert summary["best"] == summary["top"][0]
+    assert summary["best"]["evaluation"] == best.index
+    assert list(summary["best"]["believed"].values()) == list(best.outcome.believed)
+    assert list(summary["best"]["true"]) == ["g1", "g2", "g3", "g4", "g5", "g6"]
+    assert list(summary["best"]["true"].values()) == list(best.outcome.true)
+    assert summary["best"]["fault_ticks"] == best.fault_ticks
+    assert [row["fault"] for row in summary["best"]["specification"]] == [
+        timed.fault for timed in best.specification
+    ]
+    assert summary["pick"].pop("ratio") == "g3:g1=2:1"
+    assert summary["pick"] in summary["front"]["points"]
+    assert len(summary["patterns"]) == 30
+
+
+def test_the_tables_hold_the_numbers_of_the_figures(focused: Path) -> None:
+    evaluations = evaluations_of(focused)
+
+    mean = table(focused, "figure_08_mean_fitness")
+    best = table(focused, "figure_09_best_fitness")
+    by_generation = table(focused, "figure_10_front_by_generation")
+    all_evaluations = table(focused, "evaluations")
+    places = table(focused, "figure_05_mission_map")
+
+    first = statistics([e for e in evaluations if e.generation == 0])
+    assert mean[0] == ["generation", "mean", "std"]
+    assert [float(cell) for cell in mean[1]] == [0, first["mean"], first["std"]]
+    assert [float(cell) for cell in best[1]] == [0, first["max"]]
+    assert sorted({int(row[0]) for row in by_generation[1:]}) == [0, 2, 5, 8, 11]
+    assert len(all_evaluations) == 121
+    assert all_evaluations[0][5:8] == ["believed_g1", "believed_g2", "believed_g3"]
+    assert [int(cell) for cell in all_evaluations[1][5:11]] == list(evaluations[0].outcome.believed)
+    assert ["robot", "r1", "LEN", "250.0", "-250.0", "1.0"] in places
+
+
+def test_the_report_warns_that_popular_is_not_guilty(focused: Path) -> None:
+    report = (focused / "report.md").read_text()
+
+    assert "Popular is not guilty" in report
+    assert "a rising trend" in report
+    assert "Nearest to g3:g1=2:1" in report
+    assert "critical/10.xmi" in report
+
+
+def test_a_second_report_writes_the_same_bytes(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    with CampaignStore.create(folder, {"fitness": "weighted"}, {}) as store:
+        store.append([evaluation(0, (1, 0, 1, 0, 0, 0))])
+
+    def written() -> dict[str, bytes]:
+        write_report(folder, CODE, write, ratio="g1:g3=1:1")
+        return {str(p): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+    assert written() == written()
+
+
+def test_a_ratio_over_goals_that_nobody_chose_has_its_own_front(tmp_path: Path) -> None:
+    single = write_campaign(tmp_path / "a", n_generations=3)
+    other = write_campaign(tmp_path / "b", settings=FOCUS, n_generations=3)
+
+    summaries = []
+    for folder in (single, other):
+        with CampaignStore.open(folder) as store:
+            summaries.append(summarise(folder, store, CODE.mission, CODE.pool, "g4:g5=1:1"))
+
+    of_single, of_other = summaries
+    assert of_single.front is not None
+    assert of_single.front.goals == ("g4", "g5")
+    assert of_other.front is not None
+    assert of_other.front.goals == ("g1", "g3")
+    assert of_single.pick is not None
+    assert of_single.pick == of_other.pick
+
+
+@pytest.mark.parametrize("ratio", ["2:1", "g1:g9=1:1"])
+def test_a_ratio_that_makes_no_sense_leaves_the_folder_alone(ratio: str, tmp_path: Path) -> None:
+    folder = write_campaign(tmp_path / "run", n_generations=1)
+
+    with pytest.raises(UsageError):
+        write_report(folder, CODE, write, ratio=ratio)
+
+    assert [path.name for path in folder.iterdir()] == ["campaign.sqlite"]
+
+
+def test_a_campaign_interrupted_in_its_first_generation_has_a_report(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    ((first, second, third, *_),) = generations_of_evaluations(1, 10)
+    with CampaignStore.create(folder, FOCUS, {}) as store:
+        store.append([first, second, third])
+
+    summary = write_report(folder, CODE, write, ratio="g3:g1=2:1")
+
+    assert len(summary.top) == 3
+    assert stems(folder / "critical", ".xmi") == ["01", "02", "03"]
+    assert stems(folder / "figures", ".png") == [SINGLE[0], FRONTS[1], *TYPES]
+    assert "too few to speak of a trend" in (folder / "report.md").read_text()
+
+
+def test_a_campaign_interrupted_before_its_first_evaluation_has_a_report(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    CampaignStore.create(folder, FOCUS, {}).close()
+
+    summary = write_report(folder, CODE, write, ratio="g3:g1=2:1")
+
+    assert summary.top == ()
+    assert stems(folder / "figures", ".png") == SINGLE[:1]
+    report = (folder / "report.md").read_text()
+    assert "No evaluation is recorded yet" in report
+    assert "No specification comes near g3:g1=2:1" in report
+    assert json.loads((folder / "summary.json").read_text())["best"] is None
+
+
+def test_a_generation_without_survivors_is_left_out_of_the_fronts(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    with CampaignStore.create(folder, FOCUS, {}) as store:
+        found = evaluation(0, (1, 0, 1, 0, 0, 0))
+        store.append([found])
+        store.close_generation(Generation(0, statistics([found]), (0,), "[]"))
+        store.close_generation(Generation(1, statistics([found]), (), "[]"))
+
+    write_report(folder, CODE, write)
+
+    assert table(folder, FRONTS[0]) == [
+        ["generation", "evaluation", "g1", "g3"],
+        ["0", "0", "1", "1"],
+    ]
+
+
+def test_what_an_earlier_longer_report_left_is_removed(tmp_path: Path) -> None:
+    folder = write_campaign(tmp_path / "run", n_generations=1, n_individuals=3)
+    for name in ("critical/09.xmi", "figures/figure_10_front.png", "tables/old.csv"):
+        (folder / name).parent.mkdir()
+        (folder / name).write_text("old")
+    (folder / "figures" / "mine.png").write_text("mine")
+
+    write_report(folder, CODE, write)
+
+    assert stems(folder / "critical", ".xmi") == ["01", "02", "03"]
+    assert stems(folder / "figures", ".png") == [*SINGLE, *TYPES, "mine"]
+    assert "old" not in stems(folder / "tables", ".csv")
+
+
+def test_a_folder_without_a_campaign_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordError, match="expected the folder of a campaign"):
+        write_report(tmp_path, CODE, write)
+
+
+def test_a_report_that_cannot_be_written_is_a_record_error(tmp_path: Path) -> None:
+    folder = write_campaign(tmp_path / "run", n_generations=1)
+    (folder / "figures").write_text("a file where a folder should be")
+
+    with pytest.raises(RecordError, match="cannot write the report"):
+        write_report(folder, CODE, write)

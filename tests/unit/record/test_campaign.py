@@ -1,0 +1,384 @@
+import math
+import os
+import signal
+import sqlite3
+import struct
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.campaign import CampaignStore, FailedEvaluation, Generation
+from mrsfi_runtime.record.encoding import specification_from_text, specification_text
+from support_record import evaluation, outcome
+
+SETTINGS = {"fitness": "weighted", "seed": 7, "rates": {"crossover": 0.7}}
+STATISTICS = {"n_evaluations": 2, "mean": 0.1 + 0.2, "std": 1e-300, "min": -0.0, "max": 5.0}
+NOBODY = 65534
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[CampaignStore]:
+    with CampaignStore.create(tmp_path / "run", SETTINGS, {"version": "1"}) as opened:
+        yield opened
+
+
+@pytest.fixture
+def guest_folder() -> Iterator[Path]:
+    """A folder that every user may enter, as pytest's own are not when root runs it."""
+    with tempfile.TemporaryDirectory(dir="/tmp") as name:
+        Path(name).chmod(0o755)
+        yield Path(name)
+        Path(name).chmod(0o755)
+
+
+@pytest.fixture
+def as_guest() -> Iterator[None]:
+    """Run the rest of the test without root's right to write anywhere."""
+    if os.geteuid() != 0:
+        yield
+        return
+    os.seteuid(NOBODY)
+    yield
+    os.seteuid(0)
+
+
+def bits(number: float) -> bytes:
+    return struct.pack("<d", number)
+
+
+def test_what_was_appended_is_read_back_after_reopening(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    written = [evaluation(i, (i, 2, 3), generation=i // 2) for i in range(4)]
+    generation = Generation(0, STATISTICS, (0, 1, 1), '{"state":[3,[1,2],null]}')
+    failed = FailedEvaluation(1, (TimedFault("f2", 0, 5, (1.5,)),), "Traceback …\nZeroDivision")
+
+    with CampaignStore.create(folder, SETTINGS, {"version": "1"}) as store:
+        store.append(written[:3])
+        store.append(iter(written[3:]))
+        store.add_failure(failed.specification, failed.generation, failed.traceback)
+        store.close_generation(generation)
+
+    with CampaignStore.open(folder) as store:
+        assert store.evaluations() == tuple(written)
+        assert store.evaluation(2) == written[2]
+        assert store.n_evaluations == 4
+        assert store.generations() == (generation,)
+        assert store.failures() == (failed,)
+        assert dict(store.settings) == SETTINGS
+        assert list(store.settings) == list(SETTINGS)
+        assert dict(store.manifest) == {"version": "1"}
+
+
+def test_a_specification_is_stored_as_canonical_json() -> None:
+    specification = (TimedFault("f9", 100, 900, (200, -450.0)), TimedFault("f1", 0, 1))
+
+    assert specification_text(specification) == '[["f9",100,900,[200.0,-450.0]],["f1",0,1,[]]]'
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=4))
+def test_floats_survive_bit_for_bit(values: list[float]) -> None:
+    specification = (TimedFault("f9", 1, 2, tuple(values)),)
+
+    ((*_, back),) = specification_from_text(specification_text(specification))
+
+    assert [bits(value) for value in back] == [bits(value) for value in values]
+
+
+def test_fitness_survives_bit_for_bit(store: CampaignStore) -> None:
+    fitness = (0.1 + 0.2, -0.0, 5e-324, 1.7976931348623157e308)
+    store.append([replace(evaluation(0, (1,)), fitness=fitness)])
+
+    read = store.evaluation(0).fitness
+
+    assert [bits(value) for value in read] == [bits(value) for value in fitness]
+
+
+def test_numpy_numbers_become_plain_ones(store: CampaignStore) -> None:
+    plain = evaluation(0, (3, 4))
+    store.append(
+        [
+            replace(
+                plain,
+                index=np.int64(0),
+                fitness=tuple(np.array(plain.fitness)),
+                outcome=replace(plain.outcome, believed=tuple(np.array([3, 4]))),
+            )
+        ]
+    )
+    numpy_statistics = {"n_evaluations": np.int64(2), "mean": np.float64(0.5)}
+    store.close_generation(Generation(0, numpy_statistics, tuple(np.array([0, 0])), "[]"))
+
+    assert store.evaluation(0) == plain
+    assert store.generations()[0].statistics == {"n_evaluations": 2, "mean": 0.5}
+    assert type(store.generations()[0].statistics["n_evaluations"]) is int
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_number_that_is_not_finite_is_refused_and_nothing_is_stored(
+    store: CampaignStore, value: float
+) -> None:
+    with pytest.raises(ValueError, match="JSON compliant"):
+        store.append([evaluation(0, (1,)), evaluation(1, (1,), fitness=value)])
+
+    assert store.evaluations() == ()
+
+
+@pytest.mark.parametrize("index", [0, 3])
+def test_an_index_that_does_not_follow_is_refused_and_nothing_is_stored(
+    store: CampaignStore, index: int
+) -> None:
+    store.append([evaluation(0, (1,))])
+
+    with pytest.raises(ValueError, match=f"found evaluation {index}; expected 2 next"):
+        store.append([evaluation(1, (1,)), evaluation(index, (1,))])
+
+    assert store.n_evaluations == 1
+
+
+def test_a_generation_is_closed_once(store: CampaignStore) -> None:
+    generation = Generation(0, STATISTICS, (), "[]")
+    store.close_generation(generation)
+
+    with pytest.raises(ValueError, match="found generation 0; expected 1 next"):
+        store.close_generation(generation)
+
+
+def test_an_unknown_evaluation_is_named_with_those_there_are(store: CampaignStore) -> None:
+    with pytest.raises(RecordError, match=r"found no evaluation 0; expected .* none yet"):
+        store.evaluation(0)
+
+    store.append([evaluation(i, (1,)) for i in range(3)])
+
+    with pytest.raises(RecordError, match="found no evaluation 9; expected 0 to 2"):
+        store.evaluation(9)
+
+
+def digest_of(folder: Path, *chunks: list) -> str:
+    with CampaignStore.create(folder, SETTINGS, {}) as store:
+        for chunk in chunks:
+            store.append(chunk)
+        return store.digest()
+
+
+def test_the_digest_does_not_depend_on_chunks(tmp_path: Path) -> None:
+    found = [evaluation(i, (i, i)) for i in range(3)]
+
+    whole = digest_of(tmp_path / "a", found)
+    parts = digest_of(tmp_path / "b", found[:1], [], found[1:])
+
+    assert whole == parts
+    assert len(whole) == 64
+
+
+FOUND = evaluation(1, (4, 5))
+(TIMED,) = FOUND.specification
+CHANGES = {
+    "fault": replace(FOUND, specification=(TIMED._replace(fault="f2"),)),
+    "start": replace(FOUND, specification=(TIMED._replace(start=0),)),
+    "finish": replace(FOUND, specification=(TIMED._replace(finish=12),)),
+    "value": replace(FOUND, specification=(TIMED._replace(values=(math.nextafter(1, 2),)),)),
+    "fitness": replace(FOUND, fitness=(math.nextafter(9.0, 0),)),
+    **{
+        name: replace(FOUND, outcome=replace(FOUND.outcome, **{name: (9, 9)}))
+        for name in ("believed", "true", "phantom", "masked", "samples", "applied", "changed")
+    },
+    "digest": replace(FOUND, outcome=replace(FOUND.outcome, digest="f" * 64)),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_the_digest_changes_with(name: str, tmp_path: Path) -> None:
+    first = evaluation(0, (1, 2))
+
+    before = digest_of(tmp_path / "a", [first, FOUND])
+    after = digest_of(tmp_path / "b", [first, CHANGES[name]])
+
+    assert before != after
+
+
+def test_the_digest_changes_with_the_order_of_evaluations(tmp_path: Path) -> None:
+    first, second = evaluation(0, (1, 2)), evaluation(1, (4, 5))
+    swapped = [replace(second, index=0), replace(first, index=1)]
+
+    assert digest_of(tmp_path / "a", [first, second]) != digest_of(tmp_path / "b", swapped)
+
+
+WRITER = """
+import os, signal, sys
+from dataclasses import replace
+from pathlib import Path
+sys.path[:0] = {path!r}
+from mrsfi_runtime.record import database
+from mrsfi_runtime.record.campaign import CampaignStore
+from support_record import evaluation
+store = CampaignStore.create(Path({folder!r}), {{}}, {{}})
+for first in range(0, 30, 10):
+    store.append([evaluation(i, (i,)) for i in range(first, first + 10)])
+with database.transaction(store.path, store._connection) as connection:
+    connection.execute("PRAGMA cache_spill = 1")
+    connection.execute("PRAGMA cache_size = 1")
+    row = connection.execute("SELECT * FROM evaluation WHERE idx = 29").fetchone()
+    rows = [(i, row[1], row[2] * 2000, *row[3:]) for i in range(30, 60)]
+    connection.executemany(database.INSERT_EVALUATION, rows)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_kill_in_the_middle_of_an_append_loses_that_append_only(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    script = WRITER.format(folder=str(folder), path=sys.path)
+
+    killed = subprocess.run([sys.executable, "-c", script], check=False)
+
+    assert killed.returncode == -signal.SIGKILL
+    assert Path(f"{folder / 'campaign.sqlite'}-journal").stat().st_size > 0
+    with CampaignStore.open(folder) as store:
+        assert store.evaluations() == tuple(evaluation(i, (i,)) for i in range(30))
+        store.append([evaluation(30, (30,))])
+        assert store.n_evaluations == 31
+
+
+def test_a_running_campaign_can_be_read(store: CampaignStore, tmp_path: Path) -> None:
+    store.append([evaluation(0, (1,))])
+
+    with CampaignStore.open(tmp_path / "run") as reader:
+        assert reader.n_evaluations == 1
+        store.append([evaluation(1, (1,))])
+        assert reader.n_evaluations == 2
+
+
+def test_a_second_campaign_in_one_folder_is_refused(store: CampaignStore, tmp_path: Path) -> None:
+    store.append([evaluation(0, (1,))])
+
+    with pytest.raises(RecordError, match=r"run.campaign\.sqlite: found a campaign there already"):
+        CampaignStore.create(tmp_path / "run", {}, {})
+
+    assert store.n_evaluations == 1
+
+
+def test_a_folder_without_a_campaign_is_refused_and_left_alone(tmp_path: Path) -> None:
+    with pytest.raises(RecordError, match=r"found no campaign\.sqlite; expected the folder"):
+        CampaignStore.open(tmp_path)
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_another_programs_database_is_refused(tmp_path: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
+        other.execute("CREATE TABLE meta (key, value)")
+
+    with pytest.raises(RecordError, match="SQLite file that is not a campaign"):
+        CampaignStore.open(tmp_path)
+
+
+def test_a_newer_version_is_refused_with_both_numbers(tmp_path: Path) -> None:
+    CampaignStore.create(tmp_path, {}, {}).close()
+    with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as newer:
+        newer.execute("PRAGMA user_version = 2")
+
+    with pytest.raises(RecordError, match=r"found a campaign of version 2; expected at most 1"):
+        CampaignStore.open(tmp_path)
+
+
+def test_a_file_of_noise_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "campaign.sqlite").write_bytes(b"no database at all, " * 100)
+
+    with pytest.raises(RecordError, match=r"campaign\.sqlite: the record is damaged"):
+        CampaignStore.open(tmp_path)
+
+
+def test_a_truncated_file_is_refused(tmp_path: Path) -> None:
+    with CampaignStore.create(tmp_path, {}, {}) as store:
+        store.append([evaluation(i, (i,) * 50) for i in range(200)])
+    path = tmp_path / "campaign.sqlite"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+    with pytest.raises(RecordError, match="the record is damaged"):
+        CampaignStore.open(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("column", "text"),
+    [
+        ("specification", '[["f1",1]]'),
+        ("specification", "[3]"),
+        ("fitness", "[null]"),
+        ("believed", "[1.5]"),
+        ("believed", "{}"),
+        ("samples", "[1,"),
+    ],
+)
+def test_a_damaged_row_is_refused(tmp_path: Path, column: str, text: str) -> None:
+    with CampaignStore.create(tmp_path, {}, {}) as store:
+        store.append([evaluation(0, (1,))])
+    with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
+        other.execute(f"UPDATE evaluation SET {column} = ?", (text,))
+        other.commit()
+
+    with (
+        CampaignStore.open(tmp_path) as store,
+        pytest.raises(RecordError, match="the record is damaged"),
+    ):
+        store.evaluations()
+
+
+def test_missing_settings_are_refused(tmp_path: Path) -> None:
+    CampaignStore.create(tmp_path, {}, {}).close()
+    with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
+        other.execute("DELETE FROM meta WHERE key = 'settings'")
+        other.commit()
+
+    with pytest.raises(RecordError, match="the record is damaged"):
+        CampaignStore.open(tmp_path)
+
+
+def test_a_folder_that_cannot_be_written_is_refused(
+    guest_folder: Path, request: pytest.FixtureRequest
+) -> None:
+    guest_folder.chmod(0o555)
+    request.getfixturevalue("as_guest")
+
+    for folder in (guest_folder, guest_folder / "run"):
+        with pytest.raises(RecordError, match=r"campaign\.sqlite: cannot be opened or written"):
+            CampaignStore.create(folder, {}, {})
+
+
+def test_a_folder_that_cannot_be_written_can_be_read(
+    guest_folder: Path, request: pytest.FixtureRequest
+) -> None:
+    with CampaignStore.create(guest_folder, {}, {}) as store:
+        store.append([evaluation(0, (1,))])
+    (guest_folder / "campaign.sqlite").chmod(0o444)
+    guest_folder.chmod(0o555)
+    request.getfixturevalue("as_guest")
+
+    with CampaignStore.open(guest_folder) as store:
+        assert store.evaluations() == (evaluation(0, (1,)),)
+        with pytest.raises(RecordError, match="cannot be opened or written"):
+            store.append([evaluation(1, (1,))])
+
+
+def test_an_outcome_keeps_each_count_in_its_place(store: CampaignStore) -> None:
+    distinct = replace(
+        outcome((1, 2)),
+        true=(3, 4),
+        phantom=(5, 6),
+        masked=(7, 8),
+        samples=(9, 10),
+        applied=(11,),
+        changed=(12,),
+    )
+    store.append([replace(evaluation(0, (1, 2)), outcome=distinct)])
+
+    assert store.evaluation(0).outcome == distinct

@@ -1,0 +1,88 @@
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.record.folder import CampaignFolder
+
+
+@pytest.fixture
+def sources(tmp_path: Path) -> tuple[Path, Path]:
+    models, generated = tmp_path / "models", tmp_path / "generated"
+    (generated / "__pycache__").mkdir(parents=True)
+    models.mkdir()
+    (models / "mission.xmi").write_bytes(b"<mission/>\r\n")
+    (models / "case_a.toml").write_text("seed = 1\n")
+    (generated / "simulation.py").write_text("x = 1\n")
+    (generated / "__pycache__" / "simulation.pyc").write_bytes(b"old")
+    return models, generated
+
+
+def test_models_and_generated_code_are_copied_byte_for_byte_without_caches(
+    sources: tuple[Path, Path], tmp_path: Path
+) -> None:
+    folder = CampaignFolder.create(tmp_path / "runs" / "first", *sources)
+
+    files = {
+        file.relative_to(folder.path).as_posix(): file.read_bytes()
+        for file in folder.path.rglob("*")
+        if file.is_file()
+    }
+    assert files == {
+        "model/mission.xmi": b"<mission/>\r\n",
+        "model/case_a.toml": b"seed = 1\n",
+        "generated/simulation.py": b"x = 1\n",
+    }
+
+
+def test_an_empty_folder_is_used(sources: tuple[Path, Path], tmp_path: Path) -> None:
+    (tmp_path / "run").mkdir()
+
+    folder = CampaignFolder.create(tmp_path / "run", *sources)
+
+    assert folder.model.is_dir()
+
+
+@pytest.mark.parametrize("name", ["run/note.txt", "run"])
+def test_what_is_there_already_is_refused_and_left_alone(
+    sources: tuple[Path, Path], tmp_path: Path, name: str
+) -> None:
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text("mine")
+
+    with pytest.raises(RecordError, match=r"run: found something there .* another name"):
+        CampaignFolder.create(tmp_path / "run", *sources)
+
+    assert (tmp_path / name).read_text() == "mine"
+
+
+def test_missing_models_are_refused_with_the_path(tmp_path: Path) -> None:
+    with pytest.raises(RecordError, match=r"cannot make the campaign folder.*nowhere"):
+        CampaignFolder.create(tmp_path / "run", tmp_path / "nowhere", tmp_path)
+
+
+def test_every_part_has_a_place_of_its_own(tmp_path: Path) -> None:
+    folder = CampaignFolder(tmp_path)
+
+    places = [
+        folder.model,
+        folder.generated,
+        folder.database,
+        folder.critical,
+        folder.figures,
+        folder.tables,
+        folder.summary,
+        folder.report,
+    ]
+
+    assert [place.name for place in places] == [
+        "model",
+        "generated",
+        "campaign.sqlite",
+        "critical",
+        "figures",
+        "tables",
+        "summary.json",
+        "report.md",
+    ]
+    assert {place.parent for place in places} == {tmp_path}
