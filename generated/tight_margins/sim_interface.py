@@ -69,29 +69,6 @@ class SimInterface:
         for topic in TOPICS:
             transport.subscribe(topic, partial(self.receive, topic.name))
         self.publishers = {topic.name: transport.advertise(topic) for topic in COMMANDS}
-        self.readers = (
-            self.read_p1_position,
-            self.read_p1_speed,
-            self.read_p1_energy,
-            self.read_p1_gps_samples,
-            self.read_p1_gps_active,
-            self.read_p1_depth_samples,
-            self.read_p1_depth_active,
-            self.read_p2_position,
-            self.read_p2_speed,
-            self.read_p2_energy,
-            self.read_p2_gps_samples,
-            self.read_p2_gps_active,
-            self.read_p2_pressure_samples,
-            self.read_p2_pressure_active,
-            self.read_p3_position,
-            self.read_p3_speed,
-            self.read_p3_energy,
-            self.read_p3_gps_samples,
-            self.read_p3_gps_active,
-            self.read_p3_temperature_samples,
-            self.read_p3_temperature_active,
-        )
         self.set_heading = (
             self.set_p1_heading,
             self.set_p2_heading,
@@ -120,10 +97,16 @@ class SimInterface:
         self.latest[topic] = payload
 
     def read(self, inbox: State) -> None:
-        """Copy the newest message of every topic into the inbox; what never came stays."""
-        for topic, read in zip(TOPICS, self.readers, strict=True):
-            if topic.name in self.latest:
-                read(inbox)
+        """Copy the newest message of every topic into the inbox."""
+        self.read_p1(inbox)
+        self.read_p1_gps(inbox)
+        self.read_p1_depth(inbox)
+        self.read_p2(inbox)
+        self.read_p2_gps(inbox)
+        self.read_p2_pressure(inbox)
+        self.read_p3(inbox)
+        self.read_p3_gps(inbox)
+        self.read_p3_temperature(inbox)
 
     def get_p1_position(self) -> tuple[float, float, float]:
         """Return where robot p1 says it is."""
@@ -138,18 +121,13 @@ class SimInterface:
         """Return the energy that robot p1 has left."""
         return float(self.latest["/p1/energy"]["data"])
 
-    def read_p1_position(self, inbox: State) -> None:
-        """Copy the position of robot p1."""
+    def read_p1(self, inbox: State) -> None:
+        """Copy robot p1; a position that it never told stays as it was."""
         robot = inbox.robots[P1]
-        robot.x, robot.y, robot.z = self.get_p1_position()
-
-    def read_p1_speed(self, inbox: State) -> None:
-        """Copy the speed of robot p1."""
-        inbox.robots[P1].speed = self.get_p1_speed()
-
-    def read_p1_energy(self, inbox: State) -> None:
-        """Copy the energy of robot p1."""
-        inbox.robots[P1].energy = self.get_p1_energy()
+        if "/p1/position" in self.latest:
+            robot.x, robot.y, robot.z = self.get_p1_position()
+        robot.speed = self.get_p1_speed()
+        robot.energy = self.get_p1_energy()
 
     def set_p1_heading(self, x: float, y: float) -> None:
         """Turn robot p1 to a unit heading."""
@@ -168,13 +146,11 @@ class SimInterface:
         """Return whether sensor p1_gps is active."""
         return bool(self.latest["/p1/p1_gps/active"]["data"])
 
-    def read_p1_gps_samples(self, inbox: State) -> None:
-        """Copy the samples of sensor p1_gps."""
-        inbox.sensors[P1_GPS].count = self.get_p1_gps_samples()
-
-    def read_p1_gps_active(self, inbox: State) -> None:
-        """Copy the activation of sensor p1_gps."""
-        inbox.sensors[P1_GPS].active = int(self.get_p1_gps_active())
+    def read_p1_gps(self, inbox: State) -> None:
+        """Copy sensor p1_gps."""
+        sensor = inbox.sensors[P1_GPS]
+        sensor.count = self.get_p1_gps_samples()
+        sensor.active = int(self.get_p1_gps_active())
 
     def set_p1_gps_active(self, active: bool) -> None:
         """Switch sensor p1_gps on or off."""
@@ -188,13 +164,11 @@ class SimInterface:
         """Return whether sensor p1_depth is active."""
         return bool(self.latest["/p1/p1_depth/active"]["data"])
 
-    def read_p1_depth_samples(self, inbox: State) -> None:
-        """Copy the samples of sensor p1_depth."""
-        inbox.sensors[P1_DEPTH].count = self.get_p1_depth_samples()
-
-    def read_p1_depth_active(self, inbox: State) -> None:
-        """Copy the activation of sensor p1_depth."""
-        inbox.sensors[P1_DEPTH].active = int(self.get_p1_depth_active())
+    def read_p1_depth(self, inbox: State) -> None:
+        """Copy sensor p1_depth."""
+        sensor = inbox.sensors[P1_DEPTH]
+        sensor.count = self.get_p1_depth_samples()
+        sensor.active = int(self.get_p1_depth_active())
 
     def set_p1_depth_active(self, active: bool) -> None:
         """Switch sensor p1_depth on or off."""
@@ -213,18 +187,13 @@ class SimInterface:
         """Return the energy that robot p2 has left."""
         return float(self.latest["/p2/energy"]["data"])
 
-    def read_p2_position(self, inbox: State) -> None:
-        """Copy the position of robot p2."""
+    def read_p2(self, inbox: State) -> None:
+        """Copy robot p2; a position that it never told stays as it was."""
         robot = inbox.robots[P2]
-        robot.x, robot.y, robot.z = self.get_p2_position()
-
-    def read_p2_speed(self, inbox: State) -> None:
-        """Copy the speed of robot p2."""
-        inbox.robots[P2].speed = self.get_p2_speed()
-
-    def read_p2_energy(self, inbox: State) -> None:
-        """Copy the energy of robot p2."""
-        inbox.robots[P2].energy = self.get_p2_energy()
+        if "/p2/position" in self.latest:
+            robot.x, robot.y, robot.z = self.get_p2_position()
+        robot.speed = self.get_p2_speed()
+        robot.energy = self.get_p2_energy()
 
     def set_p2_heading(self, x: float, y: float) -> None:
         """Turn robot p2 to a unit heading."""
@@ -243,13 +212,11 @@ class SimInterface:
         """Return whether sensor p2_gps is active."""
         return bool(self.latest["/p2/p2_gps/active"]["data"])
 
-    def read_p2_gps_samples(self, inbox: State) -> None:
-        """Copy the samples of sensor p2_gps."""
-        inbox.sensors[P2_GPS].count = self.get_p2_gps_samples()
-
-    def read_p2_gps_active(self, inbox: State) -> None:
-        """Copy the activation of sensor p2_gps."""
-        inbox.sensors[P2_GPS].active = int(self.get_p2_gps_active())
+    def read_p2_gps(self, inbox: State) -> None:
+        """Copy sensor p2_gps."""
+        sensor = inbox.sensors[P2_GPS]
+        sensor.count = self.get_p2_gps_samples()
+        sensor.active = int(self.get_p2_gps_active())
 
     def set_p2_gps_active(self, active: bool) -> None:
         """Switch sensor p2_gps on or off."""
@@ -263,13 +230,11 @@ class SimInterface:
         """Return whether sensor p2_pressure is active."""
         return bool(self.latest["/p2/p2_pressure/active"]["data"])
 
-    def read_p2_pressure_samples(self, inbox: State) -> None:
-        """Copy the samples of sensor p2_pressure."""
-        inbox.sensors[P2_PRESSURE].count = self.get_p2_pressure_samples()
-
-    def read_p2_pressure_active(self, inbox: State) -> None:
-        """Copy the activation of sensor p2_pressure."""
-        inbox.sensors[P2_PRESSURE].active = int(self.get_p2_pressure_active())
+    def read_p2_pressure(self, inbox: State) -> None:
+        """Copy sensor p2_pressure."""
+        sensor = inbox.sensors[P2_PRESSURE]
+        sensor.count = self.get_p2_pressure_samples()
+        sensor.active = int(self.get_p2_pressure_active())
 
     def set_p2_pressure_active(self, active: bool) -> None:
         """Switch sensor p2_pressure on or off."""
@@ -288,18 +253,13 @@ class SimInterface:
         """Return the energy that robot p3 has left."""
         return float(self.latest["/p3/energy"]["data"])
 
-    def read_p3_position(self, inbox: State) -> None:
-        """Copy the position of robot p3."""
+    def read_p3(self, inbox: State) -> None:
+        """Copy robot p3; a position that it never told stays as it was."""
         robot = inbox.robots[P3]
-        robot.x, robot.y, robot.z = self.get_p3_position()
-
-    def read_p3_speed(self, inbox: State) -> None:
-        """Copy the speed of robot p3."""
-        inbox.robots[P3].speed = self.get_p3_speed()
-
-    def read_p3_energy(self, inbox: State) -> None:
-        """Copy the energy of robot p3."""
-        inbox.robots[P3].energy = self.get_p3_energy()
+        if "/p3/position" in self.latest:
+            robot.x, robot.y, robot.z = self.get_p3_position()
+        robot.speed = self.get_p3_speed()
+        robot.energy = self.get_p3_energy()
 
     def set_p3_heading(self, x: float, y: float) -> None:
         """Turn robot p3 to a unit heading."""
@@ -318,13 +278,11 @@ class SimInterface:
         """Return whether sensor p3_gps is active."""
         return bool(self.latest["/p3/p3_gps/active"]["data"])
 
-    def read_p3_gps_samples(self, inbox: State) -> None:
-        """Copy the samples of sensor p3_gps."""
-        inbox.sensors[P3_GPS].count = self.get_p3_gps_samples()
-
-    def read_p3_gps_active(self, inbox: State) -> None:
-        """Copy the activation of sensor p3_gps."""
-        inbox.sensors[P3_GPS].active = int(self.get_p3_gps_active())
+    def read_p3_gps(self, inbox: State) -> None:
+        """Copy sensor p3_gps."""
+        sensor = inbox.sensors[P3_GPS]
+        sensor.count = self.get_p3_gps_samples()
+        sensor.active = int(self.get_p3_gps_active())
 
     def set_p3_gps_active(self, active: bool) -> None:
         """Switch sensor p3_gps on or off."""
@@ -338,13 +296,11 @@ class SimInterface:
         """Return whether sensor p3_temperature is active."""
         return bool(self.latest["/p3/p3_temperature/active"]["data"])
 
-    def read_p3_temperature_samples(self, inbox: State) -> None:
-        """Copy the samples of sensor p3_temperature."""
-        inbox.sensors[P3_TEMPERATURE].count = self.get_p3_temperature_samples()
-
-    def read_p3_temperature_active(self, inbox: State) -> None:
-        """Copy the activation of sensor p3_temperature."""
-        inbox.sensors[P3_TEMPERATURE].active = int(self.get_p3_temperature_active())
+    def read_p3_temperature(self, inbox: State) -> None:
+        """Copy sensor p3_temperature."""
+        sensor = inbox.sensors[P3_TEMPERATURE]
+        sensor.count = self.get_p3_temperature_samples()
+        sensor.active = int(self.get_p3_temperature_active())
 
     def set_p3_temperature_active(self, active: bool) -> None:
         """Switch sensor p3_temperature on or off."""

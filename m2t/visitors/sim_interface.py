@@ -19,11 +19,7 @@ class SimInterfaceVisitor(TopicVisitor):
         robots = context["robots"]
         return {
             **context,
-            "readers": methods(
-                robots,
-                ("read_{}_position", "read_{}_speed", "read_{}_energy"),
-                ("read_{}_samples", "read_{}_active"),
-            ),
+            "readers": methods(robots, ("read_{}",), ("read_{}",)),
             "heading_setters": methods(robots, ("set_{}_heading",), ()),
             "speed_setters": methods(robots, ("set_{}_speed",), ()),
             "active_setters": methods(robots, (), ("set_{}_active",)),

@@ -276,9 +276,9 @@ def test_reset_forgets_what_was_received(models, target):
 
     interface.reset()
 
-    inbox = initial_state(code.mission, 99)
-    interface.read(inbox)
-    assert inbox == initial_state(code.mission, 99)
+    assert interface.latest == {}
+    with pytest.raises(KeyError, match="/r1/speed"):
+        interface.read(initial_state(code.mission, 99))
 
 
 def test_diff_shows_the_line_that_means_the_change(models, target):

@@ -1,0 +1,187 @@
+# Generated from mission uuv_sampling by collective_intelligence.py.j2.
+# Edit inside protected regions only.
+"""The collective intelligence: one check and one reaction per goal, in model order."""
+
+from mrsfi_runtime.api import State, kernel, reactions, tasks
+
+# protected region imports on begin
+# protected region imports end
+
+G1 = 0
+G2 = 1
+G3 = 2
+G4 = 3
+G5 = 4
+G6 = 5
+R1 = 0  # LEN
+R2 = 1  # JEN
+R3 = 2  # KAL
+S1 = 0
+S2 = 1
+S3 = 2
+S4 = 3
+S5 = 4
+S6 = 5
+O1 = 0
+O2 = 1
+O3 = 2
+O4 = 3
+O5 = 4
+O6 = 5
+O7 = 6
+O8 = 7
+
+
+# protected region helpers on begin
+# protected region helpers end
+
+
+@kernel
+def check_g1(ci: State) -> bool:
+    """Return whether goal g1 (AvoidCollision) is violated now.
+
+    Members: r2, r3, r1.
+    """
+    # protected region g1.check on begin
+    return tasks.avoid_collision_violated(ci, G1)
+    # protected region g1.check end
+
+
+@kernel
+def react_g1(ci: State) -> None:
+    """Command the members of goal g1 (AvoidCollision).
+
+    Members: r2, r3, r1.
+    """
+    # protected region g1.react on begin
+    reactions.avoid_collision(ci, G1)
+    # protected region g1.react end
+
+
+@kernel
+def check_g2(ci: State) -> bool:
+    """Return whether goal g2 (StayWithinMissionArea) is violated now.
+
+    Members: r2, r3, r1.
+    """
+    # protected region g2.check on begin
+    return tasks.stay_within_mission_area_violated(ci, G2)
+    # protected region g2.check end
+
+
+@kernel
+def react_g2(ci: State) -> None:
+    """Command the members of goal g2 (StayWithinMissionArea).
+
+    Members: r2, r3, r1.
+    """
+    # protected region g2.react on begin
+    reactions.stay_within_mission_area(ci, G2)
+    # protected region g2.react end
+
+
+@kernel
+def check_g3(ci: State) -> bool:
+    """Return whether goal g3 (SufficientEnergy) is violated now.
+
+    Members: r2, r3, r1.
+    """
+    # protected region g3.check on begin
+    return tasks.sufficient_energy_violated(ci, G3)
+    # protected region g3.check end
+
+
+@kernel
+def react_g3(ci: State) -> None:
+    """Command the members of goal g3 (SufficientEnergy).
+
+    Members: r2, r3, r1.
+    """
+    # protected region g3.react on begin
+    reactions.sufficient_energy(ci, G3)
+    # protected region g3.react end
+
+
+@kernel
+def check_g4(ci: State) -> bool:
+    """Return whether goal g4 (GatherSamples) is violated now.
+
+    Members: r2.
+    """
+    # protected region g4.check on begin
+    return tasks.gather_samples_violated(ci, G4)
+    # protected region g4.check end
+
+
+@kernel
+def react_g4(ci: State) -> None:
+    """Command the members of goal g4 (GatherSamples).
+
+    Members: r2.
+    """
+    # protected region g4.react on begin
+    reactions.gather_samples(ci, G4)
+    # protected region g4.react end
+
+
+@kernel
+def check_g5(ci: State) -> bool:
+    """Return whether goal g5 (GatherSamples) is violated now.
+
+    Members: r3.
+    """
+    # protected region g5.check on begin
+    return tasks.gather_samples_violated(ci, G5)
+    # protected region g5.check end
+
+
+@kernel
+def react_g5(ci: State) -> None:
+    """Command the members of goal g5 (GatherSamples).
+
+    Members: r3.
+    """
+    # protected region g5.react on begin
+    reactions.gather_samples(ci, G5)
+    # protected region g5.react end
+
+
+@kernel
+def check_g6(ci: State) -> bool:
+    """Return whether goal g6 (GatherSamples) is violated now.
+
+    Members: r1.
+    """
+    # protected region g6.check on begin
+    return tasks.gather_samples_violated(ci, G6)
+    # protected region g6.check end
+
+
+@kernel
+def react_g6(ci: State) -> None:
+    """Command the members of goal g6 (GatherSamples).
+
+    Members: r1.
+    """
+    # protected region g6.react on begin
+    reactions.gather_samples(ci, G6)
+    # protected region g6.react end
+
+
+CHECKS = (
+    check_g1,
+    check_g2,
+    check_g3,
+    check_g4,
+    check_g5,
+    check_g6,
+)
+
+REACTIONS = (
+    react_g1,
+    react_g2,
+    react_g3,
+    react_g4,
+    react_g5,
+    react_g6,
+)
