@@ -1,0 +1,144 @@
+"""Constraints on faults that no metamodel can state.
+
+References
+----------
+Source paper, section III-B b).
+"""
+
+from typing import Any
+
+from m2t.constraints.findings import Findings
+from m2t.metamodels import features, is_contained
+
+_FIELD_OF_TYPE = {
+    "RemainingEnergyCapacityReport": "ENERGY",
+    "Speed": "SPEED",
+    "RobotCoordinates": "POSITION",
+}
+"""What a fault type falsifies, by the end of its name; rates and costs travel in no message."""
+
+_TICKS = ("DELAY", "BLOCK_DURATION")
+
+
+def check_faults(specification: Any, duration: int, findings: Findings) -> None:
+    """Check a fault specification whose structure is sound.
+
+    Parameters
+    ----------
+    specification
+        Root of the fault model.
+    duration
+        Duration of the mission in ticks.
+    findings
+        Takes the diagnostics.
+    """
+    for fault in specification.faults:
+        _check_window(fault, duration, findings)
+        kinds = fault_types(fault)
+        if len(kinds) == 1:
+            _check_parameters(kinds[0], findings)
+            _check_field(kinds[0], findings)
+            continue
+        found = ", ".join(kind.eClass.name for kind in kinds) or "none"
+        findings.add(
+            fault,
+            "ExactlyOneFaultType",
+            f"contains {len(kinds)} fault types ({found}); expected exactly one; "
+            + ("delete the others" if kinds else "add one"),
+        )
+
+
+def fault_types(fault: Any) -> tuple[Any, ...]:
+    """Return the fault types that a fault contains; a sound fault contains one."""
+    values = (fault.eGet(feature) for feature in features(fault.eClass) if is_contained(feature))
+    return tuple(value for value in values if value is not None)
+
+
+def is_set(element: Any, name: str) -> bool:
+    """Return whether the model gives an optional feature that the element's class has."""
+    feature = element.eClass.findEStructuralFeature(name)
+    return feature is not None and element.eIsSet(feature)
+
+
+def _check_window(fault: Any, duration: int, findings: Findings) -> None:
+    has_start, has_finish = is_set(fault, "start"), is_set(fault, "finish")
+    if has_start != has_finish:
+        given, missing = ("start", "finish") if has_start else ("finish", "start")
+        findings.add(
+            fault,
+            "WindowComplete",
+            f"has {given} but no {missing}; expected both, or neither in a pool; add {missing}",
+        )
+    if not (has_start and has_finish):
+        return
+    if fault.start > fault.finish:
+        findings.add(
+            fault,
+            "WindowOrdered",
+            f"starts at {fault.start} and finishes at {fault.finish}; expected start <= finish; "
+            "exchange them",
+        )
+    elif fault.start >= duration:
+        findings.add(
+            fault,
+            "WindowInsideMission",
+            f"starts at {fault.start} in a mission of {duration} ticks and never acts; expected "
+            "an earlier start; correct one of them",
+        )
+
+
+def _check_parameters(kind: Any, findings: Findings) -> None:
+    names = [feature.name for feature in features(kind.eClass)]
+    if "LOWER_BOUND" in names and kind.LOWER_BOUND > kind.UPPER_BOUND:
+        findings.add(
+            kind,
+            "RandomBoundsOrdered",
+            f"has LOWER_BOUND {kind.LOWER_BOUND} above UPPER_BOUND {kind.UPPER_BOUND}; expected "
+            "the lower one first; exchange them",
+        )
+    for name in names:
+        lowest, highest = f"{name}_MIN", f"{name}_MAX"
+        if is_set(kind, lowest) and is_set(kind, highest):
+            _check_search_bounds(kind, name, findings)
+    for name in _TICKS:
+        for suffix in ("", "_MIN", "_MAX"):
+            if is_set(kind, name + suffix):
+                _check_whole_ticks(kind, name + suffix, findings)
+
+
+def _check_search_bounds(kind: Any, name: str, findings: Findings) -> None:
+    lowest, highest = getattr(kind, f"{name}_MIN"), getattr(kind, f"{name}_MAX")
+    if lowest > highest:
+        findings.add(
+            kind,
+            "SearchBoundsOrdered",
+            f"has {name}_MIN {lowest} above {name}_MAX {highest}; expected the lower one first; "
+            "exchange them",
+        )
+
+
+def _check_whole_ticks(kind: Any, name: str, findings: Findings) -> None:
+    value = getattr(kind, name)
+    if value != int(value):
+        findings.add(
+            kind,
+            "WholeTicks",
+            f"has {name} {value}; expected a whole number of ticks; round it",
+        )
+
+
+def _check_field(kind: Any, findings: Findings) -> None:
+    """Check that the affected message carries what the fault falsifies."""
+    type_name = kind.eClass.name
+    wanted = next((name for end, name in _FIELD_OF_TYPE.items() if type_name.endswith(end)), None)
+    if wanted is None:
+        return
+    message = kind.affectedMessage
+    carried = [entry.name for entry in message.body]
+    if wanted not in carried:
+        findings.add(
+            kind,
+            "FaultFieldCarried",
+            f"falsifies {wanted}, but message '{message.ID}' carries {', '.join(carried)}, so "
+            f"that the fault has no effect; expected a message with {wanted}; choose another",
+        )

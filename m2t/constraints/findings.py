@@ -1,0 +1,33 @@
+"""How constraints report: by object of the model, not by node of the file."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from m2t.document import Node, Report
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """Places findings about objects at their lines."""
+
+    nodes: Mapping[Any, Node]
+    report: Report
+
+    def add(self, element: Any, constraint: str, finding: str) -> None:
+        """Add a finding that completes a sentence which begins with the element."""
+        self.report.add(self.nodes[element], constraint, finding)
+
+    def describe(self, element: Any) -> str:
+        """Return the name of an element in messages."""
+        return self.nodes[element].description
+
+    def line(self, element: Any) -> int:
+        """Return the line of an element."""
+        return self.nodes[element].line
+
+
+def identities(elements: Any) -> str:
+    """Return the IDs of elements, for messages."""
+    ids = [str(element.ID) for element in elements]
+    return ", ".join(ids[:12]) + (", ..." if len(ids) > 12 else "") if ids else "none"

@@ -1,0 +1,243 @@
+"""Constraints on missions that no metamodel can state.
+
+References
+----------
+Source paper, section III-B a).
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from m2t.constraints.findings import Findings, identities
+from m2t.diagnostics import shown
+
+ROBOT_RADIUS = 1.0
+
+ROBOT_FIELDS = ("POSITION", "SPEED", "ENERGY")
+FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
+
+
+def check_mission(mission: Any, findings: Findings) -> None:
+    """Check a mission whose structure is sound.
+
+    Parameters
+    ----------
+    mission
+        Root of the mission model.
+    findings
+        Takes the diagnostics.
+    """
+    for robot in mission.robots:
+        _check_robot(mission, robot, findings)
+    for station in (*mission.robots, *mission.servers):
+        _check_property_names(station, findings)
+    for area in areas(mission):
+        _check_area(mission, area, findings)
+    _check_starts(mission, findings)
+    for goal in mission.goals:
+        _check_goal(mission, goal, findings)
+
+
+def point(coordinates: Any) -> tuple[float, float]:
+    """Return a point in the plane; the origin stands for an absent one."""
+    return (0.0, 0.0) if coordinates is None else (coordinates.x, coordinates.y)
+
+
+def areas(mission: Any) -> Iterator[Any]:
+    """Return all areas but the mission's own, in model order."""
+    for obstacle in mission.obstacles:
+        yield obstacle.area
+    for goal in mission.goals:
+        if goal.area is not None:
+            yield goal.area
+        if goal.task.eClass.findEStructuralFeature("area") is not None:
+            yield goal.task.area
+
+
+def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:
+    area = mission.missionArea
+    if math.dist(point(robot.position), point(area.center)) > area.radius:
+        findings.add(
+            robot,
+            "RobotInsideMission",
+            f"starts outside the mission area (radius {area.radius:g}); expected a position "
+            "inside it; correct the position or the area",
+        )
+    if sum(battery.totalEnergy for battery in robot.batteries) <= 0:
+        findings.add(
+            robot,
+            "RobotHasBattery",
+            "has no energy to begin with and will never move; expected a battery; add one",
+        )
+
+
+def _check_property_names(station: Any, findings: Findings) -> None:
+    seen: set[str] = set()
+    for entries in (station.intProperties, station.stringProperties, station.doubleProperties):
+        for entry in entries:
+            if entry.name in seen:
+                findings.add(
+                    entry,
+                    "UniquePropertyName",
+                    f"is a property of {findings.describe(station)} for the second time; "
+                    "expected different names; rename one",
+                )
+            seen.add(entry.name)
+
+
+def _check_area(mission: Any, area: Any, findings: Findings) -> None:
+    outer = mission.missionArea
+    if math.dist(point(area.center), point(outer.center)) + area.radius > outer.radius:
+        findings.add(
+            area,
+            "AreaInsideMission",
+            f"reaches beyond the mission area (radius {outer.radius:g}); expected an area "
+            "inside it; correct one of them",
+        )
+
+
+def _check_starts(mission: Any, findings: Findings) -> None:
+    """Check that no robot starts in contact with something."""
+    others = [
+        (obstacle, point(obstacle.area.center), obstacle.area.radius)
+        for obstacle in mission.obstacles
+    ]
+    for robot in mission.robots:
+        place = point(robot.position)
+        for other, center, radius in others:
+            if math.dist(place, center) < radius + ROBOT_RADIUS:
+                findings.add(
+                    robot,
+                    "RobotStartsClear",
+                    f"starts in contact with {findings.describe(other)}; expected some distance; "
+                    "correct its position",
+                )
+                break
+        others.append((robot, place, ROBOT_RADIUS))
+
+
+def _check_goal(mission: Any, goal: Any, findings: Findings) -> None:
+    if goal in goal.dependentGoals:
+        findings.add(
+            goal,
+            "GoalDependsOnOthers",
+            "depends on itself; expected other goals; delete it from dependentGoals",
+        )
+    check = _TASK_CHECKS.get(goal.task.eClass.name)
+    if check is not None:
+        check(mission, goal, findings)
+    for message in goal.messages:
+        _check_message(goal, message, findings)
+
+
+def _check_gather_samples(_: Any, goal: Any, findings: Findings) -> None:
+    if goal.area is None:
+        findings.add(
+            goal,
+            "GatherSamplesArea",
+            "has no area to gather samples in; expected one; add <area ID=... radius=...>",
+        )
+    sensor = goal.task.sensor
+    if sensor.eContainer() not in goal.members:
+        findings.add(
+            goal.task,
+            "SensorOfMember",
+            f"uses sensor '{sensor.ID}' of robot '{sensor.eContainer().ID}'; expected a sensor of "
+            f"a member ({identities(goal.members)}); correct the sensor or the members",
+        )
+
+
+def _check_avoid_collision(_: Any, goal: Any, findings: Findings) -> None:
+    strangers = [robot for robot in goal.task.robots if robot not in goal.members]
+    if strangers:
+        findings.add(
+            goal.task,
+            "AvoidCollisionMembers",
+            f"names {identities(strangers)}; expected members of the goal "
+            f"({identities(goal.members)}); correct the robots or the members",
+        )
+
+
+def _check_visit(mission: Any, goal: Any, findings: Findings) -> None:
+    if goal.task.deadline >= mission.duration:
+        findings.add(
+            goal.task,
+            "DeadlineInsideMission",
+            f"has deadline {goal.task.deadline} in a mission of {mission.duration} ticks, so that "
+            "it can never be violated; expected an earlier one; correct one of them",
+        )
+
+
+def _check_fixed_distance(_: Any, goal: Any, findings: Findings) -> None:
+    if len(goal.members) < 2:
+        findings.add(
+            goal,
+            "PairOfMembers",
+            "keeps a distance between robots but has one member; expected two or more; add one",
+        )
+
+
+_TASK_CHECKS: dict[str, Callable[[Any, Any, Findings], None]] = {
+    "GatherSamples": _check_gather_samples,
+    "AvoidCollision": _check_avoid_collision,
+    "Visit": _check_visit,
+    "FixedDistanceBetweenRobots": _check_fixed_distance,
+}
+
+
+def _check_message(goal: Any, message: Any, findings: Findings) -> None:
+    sender = message.sender
+    if sender is message.receiver:
+        findings.add(
+            message,
+            "SenderIsNotReceiver",
+            f"is sent by '{sender.ID}' to itself; expected somebody else; correct the receiver",
+        )
+    if sender not in goal.members:
+        findings.add(
+            message,
+            "SenderIsMember",
+            f"is sent by '{sender.ID}'; expected a member of the goal "
+            f"({identities(goal.members)}); correct the sender or the members",
+        )
+    seen: set[str] = set()
+    for entry in message.body:
+        _check_field(sender, entry, findings)
+        if entry.name in seen:
+            findings.add(
+                entry,
+                "UniqueMessageField",
+                "is reported twice by the same message; expected it once; delete one",
+            )
+        seen.add(entry.name)
+
+
+def _check_field(sender: Any, entry: Any, findings: Findings) -> None:
+    carried = [sensor.type.name for sensor in getattr(sender, "sensors", ())]
+    sensor_types = [literal.name for literal in _sensor_type(sender).eLiterals]
+    if entry.name not in (*ROBOT_FIELDS, *sensor_types):
+        findings.add(
+            entry,
+            "MessageFieldName",
+            f"is no field of a message; expected one of "
+            f"{', '.join((*ROBOT_FIELDS, *sensor_types))}; correct the name",
+        )
+    elif entry.name in sensor_types and entry.name not in carried:
+        findings.add(
+            entry,
+            "FieldOfSender",
+            f"is a sensor type of which '{sender.ID}' has no sensor; expected one of "
+            f"{', '.join(dict.fromkeys(carried)) or 'none'}; correct the field or the sender",
+        )
+    if entry.type not in FIELD_TYPES:
+        findings.add(
+            entry,
+            "MessageFieldType",
+            f"has type {shown(entry.type)}; expected one of {', '.join(FIELD_TYPES)}; "
+            "correct the type",
+        )
+
+
+def _sensor_type(element: Any) -> Any:
+    return element.eClass.ePackage.getEClassifier("SensorType")

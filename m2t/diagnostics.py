@@ -1,0 +1,137 @@
+"""What is wrong with a model: where, which constraint, how bad, and what to do about it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Literal, TypeAlias
+
+Severity: TypeAlias = Literal["error", "warning"]
+
+_SHOWN = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One defect of a model.
+
+    Attributes
+    ----------
+    path
+        File that has the defect.
+    line
+        Line of the element, counted from 1.
+    element
+        The element, such as ``robots 'r1'``.
+    constraint
+        Name of the constraint in ``CONSTRAINTS``.
+    severity
+        An error stops loading, a warning does not.
+    message
+        What was found at the element, what was expected, and the next step.
+    """
+
+    path: Path
+    line: int
+    element: str
+    constraint: str
+    severity: Severity
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: {self.message} [{self.constraint}]"
+
+
+@dataclass(frozen=True, slots=True)
+class Constraint:
+    """A rule that models keep: how bad it is to break it, and what it asks for."""
+
+    severity: Severity
+    meaning: str
+
+
+def _errors(**meanings: str) -> dict[str, Constraint]:
+    return {name: Constraint("error", meaning) for name, meaning in meanings.items()}
+
+
+def _warnings(**meanings: str) -> dict[str, Constraint]:
+    return {name: Constraint("warning", meaning) for name, meaning in meanings.items()}
+
+
+CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
+    {
+        **_errors(
+            ReadableFile="the file exists and can be read",
+            FileSize="the file stays within the limits on bytes, elements and nesting",
+            WellFormedXml="the file is well-formed XML",
+            NoDocumentType="the file declares no document type and no entities",
+            RootElement="the root is the class that the file is for, in its namespace",
+            KnownFeature="every attribute and element is a feature of its class",
+            NoText="text stands in attributes only",
+            RequiredFeature="what the metamodel requires is there",
+            SingleValue="a single-valued feature is given once",
+            ConcreteType="xsi:type names a concrete class that fits the feature",
+            ContainedElement="what the metamodel contains stands in place, what it refers to "
+            "does not",
+            NumberSyntax="numbers are written as numbers of their type",
+            FiniteNumber="numbers are finite",
+            NumberMagnitude="numbers are no larger than the simulation can reckon with",
+            EnumLiteral="enumerations have one of their literals",
+            StringLength="texts stay within their limits",
+            IdSyntax="IDs begin with a letter and hold letters, digits, _ - . and spaces",
+            ReservedId="IDs of a mission become names that Python and generated code leave free",
+            UniqueId="IDs are unique over all classes of a file",
+            IdClash="IDs of a mission become different names in Python",
+            ResolvedReference="references lead to an element",
+            ReferenceType="references lead to an element of the declared class",
+            UniqueReference="a list of references names each element once",
+            LocalReference="references between files lead to the mission's own file",
+            DurationInRange="a mission lasts 1 to 10,000,000 ticks",
+            RadiusPositive="an area has a radius above 0",
+            SpeedNotNegative="a speed is not below 0",
+            EnergyNotNegative="energies and energy costs are not below 0",
+            SamplesPerSecondPositive="a sensor takes at least 1 sample a tick",
+            TargetSampleNumberNotNegative="a number of samples is not below 0",
+            PeriodPositive="a patrol period is at least 1 tick",
+            DeadlinePositive="a deadline is at least tick 1",
+            TolerancePositive="a tolerance is above 0",
+            FixedDistancePositive="a fixed distance is above 0",
+            DelayNotNegative="delays and block durations are not below 0",
+            WindowNotNegative="the window of a fault does not begin or end before tick 0",
+            MessageFieldName="a message reports POSITION, SPEED, ENERGY or a sensor type",
+            MessageFieldType="a message field is of type Coordinates, Int, Double or String",
+            SenderIsNotReceiver="a message goes to somebody else than its sender",
+            UniquePropertyName="user-defined properties of one station have different names",
+            GoalDependsOnOthers="a goal does not depend on itself",
+            GatherSamplesArea="a goal that gathers samples has an area",
+            SensorOfMember="the sensor of a goal belongs to one of its members",
+            PairOfMembers="a distance between robots has at least two members to be between",
+            ExactlyOneFaultType="a fault contains exactly one fault type",
+            RandomBoundsOrdered="LOWER_BOUND is not above UPPER_BOUND",
+            SearchBoundsOrdered="the lowest value of a parameter is not above its highest",
+            WholeTicks="delays and block durations are whole numbers of ticks",
+            WindowComplete="a fault has both start and finish, or neither",
+            WindowOrdered="a fault does not finish before it starts",
+        ),
+        **_warnings(
+            IdWithoutSpaces="IDs hold no spaces, so that an attribute can refer to them",
+            AreaInsideMission="areas lie inside the mission area",
+            RobotInsideMission="robots start inside the mission area",
+            RobotStartsClear="robots start clear of obstacles and of each other",
+            RobotHasBattery="a robot has energy to begin with",
+            SenderIsMember="the messages of a goal are sent by its members",
+            UniqueMessageField="a message reports a field once",
+            FieldOfSender="a message reports what its sender has",
+            AvoidCollisionMembers="robots that avoid collisions are members of their goal",
+            DeadlineInsideMission="a deadline lies inside the mission",
+            FaultFieldCarried="the message of a fault carries the field that the fault falsifies",
+            WindowInsideMission="a fault starts before the mission ends",
+        ),
+    }
+)
+"""All constraints by name, in the order in which they are checked; no other name is reported."""
+
+
+def shown(text: str) -> str:
+    """Return a text of a model for use in a message: quoted, on one line, never long."""
+    return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "...")

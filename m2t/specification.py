@@ -1,0 +1,108 @@
+"""Write a fault specification that search found as a model that Eclipse opens.
+
+References
+----------
+Source paper, section III-A, step 6, and section III-B b).
+"""
+
+import math
+import os
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
+from urllib.parse import quote
+
+from m2t.constraints.faults import fault_types, is_set
+from m2t.load import load_mission_folder
+from m2t.metamodels import features, is_contained, load_metamodels
+from m2t.xmi import dumps, write_atomically
+from mrsfi_runtime.errors import SpecificationError
+
+SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
+"""ID of a pool fault, first tick, last tick, and values by parameter name."""
+
+
+def write_specification(
+    models_folder: Path, rows: Sequence[SpecificationRow], path: Path, *, identifier: str
+) -> None:
+    """Write timed faults as XMI.
+
+    Parameters
+    ----------
+    models_folder
+        Mission folder; its ``faults.xmi`` is the pool.
+    rows
+        The timed faults, in the order in which they are written.
+    path
+        File to write, replaced as a whole.
+    identifier
+        ID of the fault specification.
+
+    Raises
+    ------
+    ModelError
+        If the models of the folder cannot be used.
+    SpecificationError
+        If a row names a fault or a parameter that the pool does not have, or gives a value
+        that the parameter cannot hold.
+
+    Notes
+    -----
+    The copies of pool fault ``f9`` have the IDs ``f9.1``, ``f9.2`` and so on, and its name.
+    """
+    models = load_mission_folder(models_folder)
+    pool = {} if models.faults is None else {fault.ID: fault for fault in models.faults.faults}
+    package = load_metamodels().faults
+    specification = package.getEClassifier("FaultSpecification")()
+    specification.ID = identifier
+    copies: Counter[str] = Counter()
+    for fault_id, start, finish, values in rows:
+        if fault_id not in pool:
+            known = ", ".join(pool) or "none"
+            raise SpecificationError(
+                f"fault '{fault_id}' is not in the pool of {models_folder}; it has: {known}"
+            )
+        if not 0 <= start <= finish:
+            raise SpecificationError(
+                f"fault '{fault_id}' has window {start} ... {finish}; expected 0 <= start <= finish"
+            )
+        copies[fault_id] += 1
+        fault = _copy(pool[fault_id])
+        fault.ID = f"{fault_id}.{copies[fault_id]}"
+        fault.start, fault.finish = start, finish
+        _set_values(fault, values)
+        specification.faults.append(fault)
+    mission = os.path.relpath(models.mission_path.resolve(), path.parent.resolve())
+    href = quote(Path(mission).as_posix())
+    write_atomically(path, dumps(specification, hrefs={models.mission: href}))
+
+
+def _copy(element: Any) -> Any:
+    """Return a copy of an element and all that it contains; references stay as they are."""
+    copy = element.eClass()
+    for feature in features(element.eClass):
+        value = element.eGet(feature)
+        if feature.many:
+            copies = [_copy(entry) for entry in value] if is_contained(feature) else list(value)
+            copy.eGet(feature).extend(copies)
+        elif value is not None and is_set(element, feature.name):
+            copy.eSet(feature, _copy(value) if is_contained(feature) else value)
+    return copy
+
+
+def _set_values(fault: Any, values: Mapping[str, float]) -> None:
+    """Set the parameters of a fault."""
+    (kind,) = fault_types(fault)
+    for name, value in values.items():
+        feature = kind.eClass.findEStructuralFeature(name)
+        if feature is None:
+            raise SpecificationError(
+                f"fault '{fault.ID}' ({kind.eClass.name}) has no parameter '{name}'; "
+                "give only those of its type"
+            )
+        is_integer = feature.eType.name == "EInt"
+        if not math.isfinite(value) or (is_integer and value != int(value)):
+            expected = "a whole number" if is_integer else "a finite number"
+            raise SpecificationError(f"fault '{fault.ID}' has {name} {value}; expected {expected}")
+        setattr(kind, name, int(value) if is_integer else float(value))

@@ -1,0 +1,175 @@
+"""Turn attribute texts into values of their Ecore type, strictly.
+
+Numbers are read as Java reads them, without the spellings that only Python knows, so that
+a model that loads here loads in Eclipse.
+"""
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+from pyecore.ecore import EEnum
+
+from m2t.diagnostics import shown
+from mrsfi_runtime.errors import ModelError
+
+MAX_MAGNITUDE = 1e12
+MAX_NAME_LENGTH = 200
+MAX_TEXT_LENGTH = 2_000
+
+_INT_RANGE = range(-(2**31), 2**31)
+_INTEGER = re.compile(r"[+-]?[0-9]{1,20}", re.ASCII)
+_DOUBLE = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
+
+Value: TypeAlias = Any
+
+
+class BadValueError(Exception):
+    """A text is no value of its feature; carries the constraint and the finding."""
+
+    def __init__(self, constraint: str, finding: str) -> None:
+        super().__init__(finding)
+        self.constraint = constraint
+        self.finding = finding
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Which numbers a feature allows, and the constraint that says so."""
+
+    constraint: str
+    lowest: float
+    highest: float = math.inf
+    is_open: bool = False
+
+    def __contains__(self, value: float) -> bool:
+        above = value > self.lowest if self.is_open else value >= self.lowest
+        return above and value <= self.highest
+
+    def __str__(self) -> str:
+        if self.highest < math.inf:
+            return f"{self.lowest:,} to {self.highest:,}"
+        return f"a number above {self.lowest}" if self.is_open else f"{self.lowest} or more"
+
+
+_ENERGY = Range("EnergyNotNegative", 0)
+_TICKS = Range("DelayNotNegative", 0)
+_WINDOW = Range("WindowNotNegative", 0)
+
+RANGES: Mapping[str, Range] = MappingProxyType(
+    {
+        "duration": Range("DurationInRange", 1, 10_000_000),
+        "radius": Range("RadiusPositive", 0, is_open=True),
+        "speed": Range("SpeedNotNegative", 0),
+        "energyPerSample": _ENERGY,
+        "totalEnergy": _ENERGY,
+        "energyPerDistanceUnit": _ENERGY,
+        "samplesPerSecond": Range("SamplesPerSecondPositive", 1),
+        "targetSampleNumber": Range("TargetSampleNumberNotNegative", 0),
+        "period": Range("PeriodPositive", 1),
+        "deadline": Range("DeadlinePositive", 1),
+        "tolerance": Range("TolerancePositive", 0, is_open=True),
+        "fixedDistance": Range("FixedDistancePositive", 0, is_open=True),
+        "start": _WINDOW,
+        "finish": _WINDOW,
+        **{
+            f"{name}{suffix}": _TICKS
+            for name in ("DELAY", "BLOCK_DURATION")
+            for suffix in ("", "_MIN", "_MAX")
+        },
+    }
+)
+"""Allowed numbers by feature name; a feature of that name means the same in every class."""
+
+
+def value_of(feature: Any, text: str) -> Value:
+    """Return the value that a text stands for.
+
+    Parameters
+    ----------
+    feature
+        The attribute of the metamodel.
+    text
+        Its text in the model.
+
+    Returns
+    -------
+    str, int, float or EEnumLiteral
+
+    Raises
+    ------
+    BadValueError
+        If the text is no such value, or one outside the feature's range.
+    """
+    if isinstance(feature.eType, EEnum):
+        return _literal(feature, text)
+    reader = _READERS.get(feature.eType.name)
+    if reader is None:
+        raise ModelError(
+            f"attribute '{feature.name}' has type {feature.eType.name}; the metamodels may "
+            f"use {', '.join(_READERS)} and enumerations"
+        )
+    value = reader(feature, text)
+    allowed = RANGES.get(feature.name)
+    if allowed is not None and value not in allowed:
+        raise BadValueError(
+            allowed.constraint,
+            f"has {feature.name} {shown(text)}; expected {allowed}; correct it",
+        )
+    return value
+
+
+def _literal(feature: Any, text: str) -> Value:
+    for literal in feature.eType.eLiterals:
+        if literal.name == text:
+            return literal
+    known = ", ".join(literal.name for literal in feature.eType.eLiterals)
+    raise BadValueError(
+        "EnumLiteral",
+        f"has {feature.name} {shown(text)}; expected one of {known}; correct the spelling",
+    )
+
+
+def _text(feature: Any, text: str) -> str:
+    limit = MAX_NAME_LENGTH if feature.name in ("ID", "name") else MAX_TEXT_LENGTH
+    if len(text) > limit:
+        raise BadValueError(
+            "StringLength",
+            f"has a {feature.name} of {len(text):,} characters; expected at most {limit:,}; "
+            "shorten it",
+        )
+    return text
+
+
+def _integer(feature: Any, text: str) -> int:
+    if not _INTEGER.fullmatch(text) or int(text) not in _INT_RANGE:
+        raise BadValueError(
+            "NumberSyntax",
+            f"has {feature.name} {shown(text)}; expected a whole number of 32 bits, such as 20; "
+            "correct it",
+        )
+    return int(text)
+
+
+def _double(feature: Any, text: str) -> float:
+    what = f"has {feature.name} {shown(text)}"
+    if _NOT_FINITE.fullmatch(text):
+        raise BadValueError("FiniteNumber", f"{what}; expected a finite number; correct it")
+    if not _DOUBLE.fullmatch(text):
+        raise BadValueError("NumberSyntax", f"{what}; expected a number such as 2.5; correct it")
+    value = float(text)
+    if abs(value) > MAX_MAGNITUDE:
+        raise BadValueError(
+            "NumberMagnitude",
+            f"{what}; expected a number between -1.0E12 and 1.0E12; correct it",
+        )
+    return value
+
+
+_READERS: Mapping[str, Callable[[Any, str], Value]] = MappingProxyType(
+    {"EString": _text, "EInt": _integer, "EDouble": _double}
+)

@@ -1,0 +1,124 @@
+"""Specifications that search found are written as models that load and validate again."""
+
+from pathlib import Path
+
+import pytest
+
+from m2t.load import load_specification
+from m2t.specification import SpecificationRow, write_specification
+from m2t.validate import validate_specification
+from mrsfi_runtime.errors import SpecificationError
+from support_model import FAULTS, copy_models, edit
+
+ROWS: list[SpecificationRow] = [
+    ("f9", 0, 10, {"NEW_X": 1.5, "NEW_Y": -3.0}),
+    ("f14", 5, 999, {"FIXED_VAL": 12.0}),
+    ("f9", 20, 20, {}),
+    ("f25", 3, 4, {}),
+]
+
+WRITTEN = """<?xml version="1.0" encoding="ASCII"?>
+<faults:FaultSpecification xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" \
+xmlns:faults="http://mrsfi.org/faults/1.0" ID="critical_1">
+  <faults ID="f9.1" name="f9" start="0" finish="10">
+    <fixedObstacleCoordinates NEW_X="1.5" NEW_Y="-3.0" NEW_Z="1.0">
+      <affectedObstacle href="../models/uuv/mission.xmi#o5"/>
+    </fixedObstacleCoordinates>
+  </faults>
+  <faults ID="f14.1" name="f14" start="5" finish="999">
+    <fixedSpeed FIXED_VAL="12">
+      <affectedMessage href="../models/uuv/mission.xmi#m7"/>
+    </fixedSpeed>
+  </faults>
+  <faults ID="f9.2" name="f9" start="20" finish="20">
+    <fixedObstacleCoordinates NEW_X="200.0" NEW_Y="-450.0" NEW_Z="1.0">
+      <affectedObstacle href="../models/uuv/mission.xmi#o5"/>
+    </fixedObstacleCoordinates>
+  </faults>
+  <faults ID="f25.1" name="f25" start="3" finish="4">
+    <startRobot>
+      <affectedRobot href="../models/uuv/mission.xmi#r3"/>
+    </startRobot>
+  </faults>
+</faults:FaultSpecification>
+"""
+
+
+def _target(tmp_path: Path) -> Path:
+    path = tmp_path / "critical" / "01.xmi"
+    path.parent.mkdir()
+    return path
+
+
+def test_written_specification_reads_as_expected(tmp_path: Path) -> None:
+    path = _target(tmp_path)
+
+    write_specification(copy_models(tmp_path), ROWS, path, identifier="critical_1")
+
+    assert path.read_text(encoding="ascii") == WRITTEN
+
+
+def test_written_specification_loads_and_validates_again(tmp_path: Path) -> None:
+    path = _target(tmp_path)
+    write_specification(copy_models(tmp_path), ROWS, path, identifier="critical_1")
+
+    models = load_specification(path)
+
+    assert validate_specification(path) == ()
+    assert models.mission.name == "1000"
+    assert [(fault.name, fault.start, fault.finish) for fault in models.faults.faults] == [
+        ("f9", 0, 10),
+        ("f14", 5, 999),
+        ("f9", 20, 20),
+        ("f25", 3, 4),
+    ]
+
+
+def test_bounds_of_the_pool_are_copied(tmp_path: Path) -> None:
+    folder, path = copy_models(tmp_path), _target(tmp_path)
+    edit(folder / FAULTS, 'DELAY="200.0"', 'DELAY="200.0" DELAY_MAX="300.0"')
+
+    write_specification(folder, [("f8", 0, 1, {"DELAY": 7.0})], path, identifier="s")
+
+    assert '<delayMessage DELAY="7.0" DELAY_MAX="300.0">' in path.read_text(encoding="ascii")
+
+
+def test_empty_specification_loads_with_the_mission_beside_it(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+
+    write_specification(folder, [], folder / "empty.xmi", identifier="none")
+
+    models = load_specification(folder / "empty.xmi")
+    assert (models.faults.ID, list(models.faults.faults)) == ("none", [])
+
+
+def test_folder_names_with_spaces_are_referred_to(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path / "my missions # 1")
+    path = _target(tmp_path)
+
+    write_specification(folder, ROWS, path, identifier="s")
+
+    assert "../my%20missions%20%23%201/models/uuv/mission.xmi#o5" in path.read_text()
+    assert validate_specification(path) == ()
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        (("f99", 0, 1, {}), "fault 'f99' is not in the pool"),
+        (("f9", 0, 1, {"NEW_W": 1.0}), "has no parameter 'NEW_W'"),
+        (("f14", 0, 1, {"FIXED_VAL": 1.5}), "FIXED_VAL 1.5; expected a whole number"),
+        (("f9", 0, 1, {"NEW_X": float("nan")}), "NEW_X nan; expected a finite number"),
+        (("f9", 2, 1, {}), "expected 0 <= start <= finish"),
+        (("f9", -1, 1, {}), "expected 0 <= start <= finish"),
+    ],
+)
+def test_impossible_rows_are_errors_and_write_nothing(
+    tmp_path: Path, row: SpecificationRow, message: str
+) -> None:
+    path = _target(tmp_path)
+
+    with pytest.raises(SpecificationError, match=message):
+        write_specification(copy_models(tmp_path), [row], path, identifier="s")
+
+    assert not path.exists()

@@ -1,0 +1,152 @@
+"""The writer follows Eclipse's rules, and what it writes is read back unchanged."""
+
+import struct
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from m2t.load import load_mission_folder
+from m2t.metamodels import load_metamodels
+from m2t.xmi import dumps, java_double, write_atomically
+from mrsfi_runtime.errors import ModelError
+from support_model import FAULTS, MISSION, MODELS, copy_models, edit
+
+
+def test_committed_models_are_what_the_writer_writes() -> None:
+    models = load_mission_folder(MODELS)
+
+    assert dumps(models.mission) == (MODELS / MISSION).read_bytes()
+    assert dumps(models.faults, hrefs={models.mission: MISSION}) == (MODELS / FAULTS).read_bytes()
+
+
+def test_writing_is_a_fixpoint_for_every_kind_of_task(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    tasks = [
+        '<task xsi:type="mission:Patrol" period="7"><area ID="p1" radius="0.001"/></task>',
+        '<task xsi:type="mission:Visit" tolerance="1.0" deadline="9"><coordinates x="1"/></task>',
+        '<task xsi:type="mission:Track" tolerance="2"><trajectory/><trajectory y="1E-5"/></task>',
+        '<task xsi:type="mission:Stay"><area radius="12345678.9" ID="p2"/></task>',
+        '<task xsi:type="mission:FixedDistanceBetweenRobots" fixedDistance="1e7"/>',
+    ]
+    goals = "".join(
+        f'<goals name="n" ID="n{index}" members="r1 r2" dependentGoals="g1">{task}</goals>'
+        for index, task in enumerate(tasks)
+    )
+    edit(folder / MISSION, "</mission:Mission>", f"{goals}</mission:Mission>")
+    edit(folder / MISSION, "Offshore server", "&#x9;&lt;a&gt; &amp; &quot;b&quot;&#xA;\N{SNOWMAN}")
+    edit(folder / MISSION, '"ASCII"', '"UTF-8"')
+
+    first = dumps(load_mission_folder(folder).mission)
+    (folder / MISSION).write_bytes(first)
+    second = dumps(load_mission_folder(folder).mission)
+
+    assert second == first
+    lines = first.decode("ascii").splitlines()
+    start = next(index for index, line in enumerate(lines) if 'ID="n0"' in line)
+    assert lines[start : start + 12] == [
+        '  <goals ID="n0" name="n" members="r1 r2" dependentGoals="g1">',
+        '    <task xsi:type="mission:Patrol" period="7">',
+        '      <area ID="p1" radius="0.001"/>',
+        "    </task>",
+        "  </goals>",
+        '  <goals ID="n1" name="n" members="r1 r2" dependentGoals="g1">',
+        '    <task xsi:type="mission:Visit" deadline="9">',
+        '      <coordinates x="1.0"/>',
+        "    </task>",
+        "  </goals>",
+        '  <goals ID="n2" name="n" members="r1 r2" dependentGoals="g1">',
+        '    <task xsi:type="mission:Track" tolerance="2.0">',
+    ]
+    assert '      <trajectory y="1.0E-5"/>' in lines
+    assert '      <area ID="p2" radius="1.23456789E7"/>' in lines
+    assert 'name="&#x9;&lt;a> &amp; &quot;b&quot;&#xA;&#x2603;"' in lines[29]
+
+
+def test_set_value_is_written_although_it_equals_the_type_default(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    edit(folder / MISSION, 'speed="5.0"', 'speed="0.0"')
+
+    assert b'name="LEN" speed="0.0"' in dumps(load_mission_folder(folder).mission)
+
+
+def test_encoding_keeps_the_characters_that_it_has(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    edit(folder / MISSION, '"ASCII"', '"UTF-8"')
+    edit(folder / MISSION, "LEN", "L\xe9\N{SNOWMAN}")
+    mission = load_mission_folder(folder).mission
+
+    assert b'"L&#xe9;&#x2603;"' in dumps(mission, "ASCII")
+    assert b'"L\xe9&#x2603;"' in dumps(mission, "ISO-8859-1")
+    assert '"L\xe9\N{SNOWMAN}"'.encode() in dumps(mission, "UTF-8")
+
+
+def test_id_with_a_space_is_referred_to_by_path(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    edit(folder / MISSION, 'ID="s4"', 'ID="s 4"')
+    edit(folder / MISSION, 'sensor="s4"', 'sensor="//@robots.1/@sensors.1"')
+
+    written = dumps(load_mission_folder(folder).mission)
+
+    assert b'sensor="//@robots.1/@sensors.1"' in written
+
+
+def test_reference_to_an_unknown_file_is_an_error() -> None:
+    models = load_mission_folder(MODELS)
+
+    with pytest.raises(ModelError, match="refers to 's2' of another Mission"):
+        dumps(models.faults)
+
+
+def test_character_that_xml_lacks_is_an_error() -> None:
+    specification = load_metamodels().faults.getEClassifier("FaultSpecification")()
+    specification.ID = "a\x00b"
+
+    with pytest.raises(ModelError, match="a character that XML cannot"):
+        dumps(specification)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0.0"),
+        (-0.0, "-0.0"),
+        (1.0, "1.0"),
+        (-250.0, "-250.0"),
+        (0.001, "0.001"),
+        (0.00099, "9.9E-4"),
+        (9999999.0, "9999999.0"),
+        (1e7, "1.0E7"),
+        (1.25e22, "1.25E22"),
+        (5e-324, "4.9E-324"),
+        (1.7976931348623157e308, "1.7976931348623157E308"),
+    ],
+)
+def test_doubles_are_spelled_as_in_java(value: float, text: str) -> None:
+    assert java_double(value) == text
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_spelled_doubles_are_read_back_bit_by_bit(value: float) -> None:
+    assert struct.pack("<d", float(java_double(value))) == struct.pack("<d", value)
+
+
+def test_atomic_write_replaces_a_file_and_leaves_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "a.xmi"
+
+    write_atomically(path, b"old")
+    write_atomically(path, b"new")
+
+    assert path.read_bytes() == b"new"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_failed_atomic_write_leaves_the_old_content(tmp_path: Path) -> None:
+    path = tmp_path / "folder"
+    path.mkdir()
+
+    with pytest.raises(OSError, match="folder"):
+        write_atomically(path, b"new")
+
+    assert list(tmp_path.iterdir()) == [path]
