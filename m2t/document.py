@@ -6,14 +6,15 @@ dropped, as Eclipse does.
 
 Notes
 -----
-The parser is expat, not lxml: it stops at a document type before it reads the type's
-content, and its line numbers stay right beyond line 65,535.
+The parser is expat: it stops at a document type before it reads the type's content, and
+its line numbers stay right beyond line 65,535, where those of lxml are off by one.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 from xml.parsers import expat
 
 from m2t.diagnostics import CONSTRAINTS, Diagnostic, shown
@@ -32,7 +33,8 @@ class Node:
     """An XML element.
 
     ``attributes`` are those without a namespace; ``qualified`` the others, by namespace and
-    name. ``prefixes`` are the namespaces in force, by prefix.
+    name. ``prefixes`` are the namespaces in force, by prefix. ``metaclass`` is the class of
+    the metamodel that the element is an object of, once that is known.
     """
 
     path: Path
@@ -45,6 +47,7 @@ class Node:
     qualified: dict[tuple[str, str], str] = field(default_factory=dict)
     children: list["Node"] = field(default_factory=list, repr=False)
     text: str = ""
+    metaclass: Any = field(default=None, repr=False)
 
     @property
     def description(self) -> str:

@@ -11,9 +11,10 @@ from m2t.constraints.identity import check_identities
 from m2t.constraints.mission import check_mission
 from m2t.diagnostics import Diagnostic
 from m2t.document import Node, Report, read_document
+from m2t.instances import ModelLoader
 from m2t.metamodels import load_metamodels
 from m2t.references import Neighbour, local_path, referred_files, resolve
-from m2t.structure import ModelTree, build
+from m2t.structure import ModelTree, check_structure
 from mrsfi_runtime.errors import ModelError
 
 MISSION_XMI = "mission.xmi"
@@ -95,27 +96,26 @@ def load_specification(path: Path) -> LoadedModels:
 
 def inspect_folder(folder: Path) -> Inspection:
     """Load a mission folder and return everything that was found on the way."""
-    report = Report()
+    loading = _Loading()
     mission_path, faults_path = folder / MISSION_XMI, folder / FAULTS_XMI
-    mission = _load_mission(mission_path, report)
-    if not _is_there(faults_path):
-        return _inspection(mission, None, mission_path, None, report)
-    faults = _load_faults(faults_path, report)
-    _complete_faults(faults, Neighbour(mission_path, mission), report)
-    return _inspection(mission, faults, mission_path, faults_path, report)
+    loading.read_mission(mission_path)
+    if _is_there(faults_path):
+        loading.read_faults(faults_path)
+        loading.finish_faults()
+    return loading.inspection()
 
 
 def inspect_specification(path: Path) -> Inspection:
     """Load a fault specification and its mission; return everything that was found."""
-    report = Report()
-    faults = _load_faults(path, report)
-    mission_path = path.parent / MISSION_XMI
-    if faults is not None:
-        paths = (local_path(path.parent, document) for _, document in referred_files(faults))
-        mission_path = next((found for found in paths if found is not None), mission_path)
-    mission = _load_mission(mission_path, report) if faults is not None else None
-    _complete_faults(faults, Neighbour(mission_path, mission), report)
-    return _inspection(mission, faults, mission_path, path, report)
+    loading = _Loading()
+    faults = loading.read_faults(path)
+    if faults is None:
+        return loading.inspection()
+    paths = (local_path(path.parent, document) for _, document in referred_files(faults))
+    named = next((found for found in paths if found is not None), path.parent / MISSION_XMI)
+    loading.read_mission(named)
+    loading.finish_faults()
+    return loading.inspection()
 
 
 def _models_of(inspection: Inspection) -> LoadedModels:
@@ -123,11 +123,6 @@ def _models_of(inspection: Inspection) -> LoadedModels:
         errors = [found for found in inspection.diagnostics if found.severity == "error"]
         raise ModelError("\n".join(str(found) for found in errors))
     return inspection.models
-
-
-def _read(path: Path, package: Any, class_name: str, report: Report) -> ModelTree | None:
-    root = read_document(path, report)
-    return None if root is None else build(root, package, class_name, report)
 
 
 def _is_there(path: Path) -> bool:
@@ -138,54 +133,81 @@ def _is_there(path: Path) -> bool:
         return True
 
 
-def _load_mission(path: Path, report: Report) -> ModelTree | None:
-    """Load a mission; constraints of sense are checked once its structure is sound."""
-    n_errors = report.n_errors
-    tree = _read(path, load_metamodels().mission, "Mission", report)
-    if tree is None:
-        return None
-    resolve(tree, None, report)
-    findings = Findings(tree.nodes, report)
-    check_identities(tree, findings, become_names=True)
-    tree.is_sound = report.n_errors == n_errors
-    if tree.is_sound:
-        check_mission(tree.root, findings)
-    return tree
+@dataclass(slots=True)
+class _File:
+    """A file on its way: its nodes, and the root object once pyecore has loaded it."""
+
+    path: Path
+    tree: ModelTree | None
+    root: Any = None
 
 
-def _load_faults(path: Path, report: Report) -> ModelTree | None:
-    """Load faults up to their references, which need the mission."""
-    n_errors = report.n_errors
-    tree = _read(path, load_metamodels().faults, "FaultSpecification", report)
-    if tree is not None:
-        check_identities(tree, Findings(tree.nodes, report), become_names=False)
-        tree.is_sound = report.n_errors == n_errors
-    return tree
+class _Loading:
+    """Reads a mission and its faults: nodes first, objects once the nodes are sound.
 
+    Constraints of sense are checked on objects, hence only on what is sound.
+    """
 
-def _complete_faults(tree: ModelTree | None, neighbour: Neighbour, report: Report) -> None:
-    """Resolve and check faults; constraints of sense need a sound mission and structure."""
-    if tree is None:
-        return
-    n_errors = report.n_errors
-    resolve(tree, neighbour, report)
-    tree.is_sound = tree.is_sound and report.n_errors == n_errors
-    if tree.is_sound and neighbour.tree is not None and neighbour.tree.is_sound:
-        duration = neighbour.tree.root.duration
-        check_faults(tree.root, duration, Findings(tree.nodes, report))
+    def __init__(self) -> None:
+        self._report = Report()
+        self._loader = ModelLoader()
+        self._mission: _File | None = None
+        self._faults: _File | None = None
 
+    def read_mission(self, path: Path) -> None:
+        """Read, check and load the mission."""
+        n_errors = self._report.n_errors
+        tree = self._read(path, load_metamodels().mission, "Mission")
+        self._mission = _File(path, tree)
+        if tree is None:
+            return
+        resolve(tree, None, self._report)
+        check_identities(tree, self._report, become_names=True)
+        tree.is_sound = self._report.n_errors == n_errors
+        if tree.is_sound:
+            self._mission.root = self._loader.load(tree)
+            check_mission(self._mission.root, Findings(self._loader.nodes, self._report))
 
-def _inspection(
-    mission: ModelTree | None,
-    faults: ModelTree | None,
-    mission_path: Path,
-    faults_path: Path | None,
-    report: Report,
-) -> Inspection:
-    diagnostics = tuple(report)
-    if mission is None or report.n_errors:
-        return Inspection(None, diagnostics)
-    nodes = {**mission.nodes, **(faults.nodes if faults is not None else {})}
-    fault_root = faults.root if faults is not None else None
-    models = LoadedModels(mission.root, fault_root, mission_path, faults_path, nodes)
-    return Inspection(models, diagnostics)
+    def read_faults(self, path: Path) -> ModelTree | None:
+        """Read faults up to their references, which need the mission."""
+        n_errors = self._report.n_errors
+        tree = self._read(path, load_metamodels().faults, "FaultSpecification")
+        self._faults = _File(path, tree)
+        if tree is not None:
+            check_identities(tree, self._report, become_names=False)
+            tree.is_sound = self._report.n_errors == n_errors
+        return tree
+
+    def finish_faults(self) -> None:
+        """Resolve, load and check faults beside their mission."""
+        faults, mission = self._faults, self._mission
+        if faults is None or faults.tree is None or mission is None:
+            return
+        n_errors = self._report.n_errors
+        resolve(faults.tree, Neighbour(mission.path, mission.tree), self._report)
+        is_sound = faults.tree.is_sound and self._report.n_errors == n_errors
+        if is_sound and mission.root is not None:
+            faults.root = self._loader.load(faults.tree)
+            findings = Findings(self._loader.nodes, self._report)
+            check_faults(faults.root, mission.root.duration, findings)
+
+    def inspection(self) -> Inspection:
+        """Return what was found, with the models if no error stands in the way."""
+        diagnostics = tuple(self._report)
+        mission, faults = self._mission, self._faults
+        if mission is None or self._report.n_errors:
+            return Inspection(None, diagnostics)
+        models = LoadedModels(
+            mission=mission.root,
+            faults=None if faults is None else faults.root,
+            mission_path=mission.path,
+            faults_path=None if faults is None else faults.path,
+            nodes=self._loader.nodes,
+        )
+        return Inspection(models, diagnostics)
+
+    def _read(self, path: Path, package: Any, class_name: str) -> ModelTree | None:
+        root = read_document(path, self._report)
+        if root is None:
+            return None
+        return check_structure(root, package, class_name, self._report)

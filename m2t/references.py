@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from m2t.diagnostics import shown
-from m2t.document import Report
+from m2t.document import Node, Report
 from m2t.metamodels import conforms, reference_type
 from m2t.structure import ModelTree, Reference
 
@@ -44,23 +44,28 @@ def local_path(folder: Path, document: str) -> Path | None:
 
 
 def resolve(tree: ModelTree, neighbour: Neighbour | None, report: Report) -> None:
-    """Set all references of a model on its objects.
+    """Find the nodes that all references of a model lead to.
 
     Parameters
     ----------
     tree
-        The model; its references are resolved in place.
+        The model; takes the resolved references.
     neighbour
         The mission's file, if the model may refer to it.
     report
         Takes the diagnostics.
     """
+    named: dict[tuple[Node, str], set[Node]] = {}
     for reference in tree.references:
-        _resolve_one(tree, neighbour, reference, report)
+        _resolve_one(tree, neighbour, reference, named, report)
 
 
 def _resolve_one(
-    tree: ModelTree, neighbour: Neighbour | None, reference: Reference, report: Report
+    tree: ModelTree,
+    neighbour: Neighbour | None,
+    reference: Reference,
+    named: dict[tuple[Node, str], set[Node]],
+    report: Report,
 ) -> None:
     feature = reference.feature
     if not feature.many and len(reference.targets) > 1:
@@ -75,20 +80,16 @@ def _resolve_one(
         for target in reference.targets
         if (element := _element(tree, neighbour, reference, target, report)) is not None
     ]
-    if not feature.many:
-        for element in found:
-            setattr(reference.source, feature.name, element)
-        return
-    values = getattr(reference.source, feature.name)
+    known = named.setdefault((reference.source, feature.name), set())
     for element in found:
-        if element in values:
+        if element in known and feature.many:
             report.add(
                 reference.node,
                 "UniqueReference",
                 f"names {_named(element)} twice in {feature.name}; expected each once; delete one",
             )
-        else:
-            values.append(element)
+        known.add(element)
+    tree.resolved.append((reference, tuple(found)))
 
 
 def _element(
@@ -97,7 +98,7 @@ def _element(
     reference: Reference,
     target: str,
     report: Report,
-) -> Any:
+) -> Node | None:
     """Return the element that a target means, if it exists and is of the right class."""
     document = _document(target)
     fragment = unquote(target.rpartition("#")[2])
@@ -125,44 +126,44 @@ def _element(
             "correct the reference",
         )
         return None
-    if not conforms(element.eClass, wanted_class):
+    if not conforms(element.metaclass, wanted_class):
         report.add(
             reference.node,
             "ReferenceType",
             f"refers to {shown(target)} as {reference.feature.name}, which is a "
-            f"{element.eClass.name}; expected a {wanted_class.name}{_known(tree, wanted_class)}; "
-            "correct the reference",
+            f"{element.metaclass.name}; expected a {wanted_class.name}"
+            f"{_known(tree, wanted_class)}; correct the reference",
         )
         return None
     return element
 
 
-def find(tree: ModelTree, fragment: str) -> Any:
-    """Return the element that a fragment means: by xmi:id, by ID, or by path."""
+def find(tree: ModelTree, fragment: str) -> Node | None:
+    """Return the node that a fragment means: by xmi:id, by ID, or by path."""
     if fragment.startswith("/"):
         return _find_by_path(tree, fragment)
     return tree.by_xmi_id.get(fragment) or tree.by_id.get(fragment)
 
 
-def _find_by_path(tree: ModelTree, fragment: str) -> Any:
+def _find_by_path(tree: ModelTree, fragment: str) -> Node | None:
     """Follow a path of Eclipse such as ``//@goals.0/@messages.1``."""
     _, root, *steps = fragment.split("/")
     if root not in ("", "0"):
         return None
-    element = tree.root
+    node = tree.root
     for step in steps if any(steps) else []:
         name, dot, index = step.removeprefix("@").rpartition(".")
         if not dot:
             name, index = index, "0"
-        feature = element.eClass.findEStructuralFeature(name)
-        if not step.startswith("@") or feature is None or not _INDEX.fullmatch(index):
+        if not step.startswith("@") or not _INDEX.fullmatch(index):
             return None
-        value = element.eGet(feature)
-        choices = list(value) if feature.many else [value]
-        element = choices[int(index)] if int(index) < len(choices) else None
-        if not hasattr(element, "eClass"):
+        choices = [
+            child for child in node.children if child.tag == name and child.metaclass is not None
+        ]
+        if int(index) >= len(choices):
             return None
-    return element
+        node = choices[int(index)]
+    return node
 
 
 def _document(target: str) -> str:
@@ -176,10 +177,10 @@ def _is_same_file(reference: Reference, document: str, path: Path) -> bool:
 
 def _known(tree: ModelTree, wanted: Any) -> str:
     """Return the IDs that would fit, for the message."""
-    ids = [name for name, element in tree.by_id.items() if conforms(element.eClass, wanted)]
+    ids = [name for name, element in tree.by_id.items() if conforms(element.metaclass, wanted)]
     listed = ", ".join(ids[:12]) + (", ..." if len(ids) > 12 else "")
     return f" ({listed})" if ids else ""
 
 
-def _named(element: Any) -> str:
-    return f"'{getattr(element, 'ID', element.eClass.name)}'"
+def _named(element: Node) -> str:
+    return f"'{element.attributes.get('ID', element.metaclass.name)}'"

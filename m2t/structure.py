@@ -1,7 +1,7 @@
-"""Build the objects of a model from its nodes, and report all that the metamodel forbids.
+"""Check the nodes of a file against its metamodel, and report all that it forbids.
 
-pyecore's own reader lets most defects pass and stops at the first of the others, so the
-nodes are checked one by one and only what fits is set on pyecore objects.
+pyecore's reader lets most defects pass and stops at the first of the others, so every node
+is checked before pyecore loads the file.
 """
 
 from collections import Counter
@@ -12,7 +12,7 @@ from typing import Any
 from m2t.diagnostics import shown
 from m2t.document import Node, Report
 from m2t.metamodels import conforms, features, is_contained, is_reference, reference_type
-from m2t.values import BadValueError, value_of
+from m2t.values import BadValueError, require_value
 
 XMI = "http://www.omg.org/XMI"
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
@@ -22,9 +22,13 @@ _SHOWN_ALTERNATIVES = 12
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A reference that is still a text: ``targets`` are fragments, or file and fragment."""
+    """A reference as text: ``targets`` are fragments, or file and fragment.
 
-    source: Any
+    ``source`` is the node that refers; ``node`` is that which holds the text: the same, or a
+    child with an href.
+    """
+
+    source: Node
     feature: Any
     node: Node
     targets: tuple[str, ...]
@@ -32,21 +36,22 @@ class Reference:
 
 @dataclass(slots=True)
 class ModelTree:
-    """The objects of one file, with their nodes, and the references still to be resolved.
+    """The nodes of one file, each with its metaclass, and the references between them.
 
+    ``resolved`` has the nodes that each reference leads to, once it is known to lead there.
     ``is_sound`` says whether the file keeps all constraints of structure.
     """
 
-    root: Any = None
-    nodes: dict[Any, Node] = field(default_factory=dict)
-    by_id: dict[str, Any] = field(default_factory=dict)
-    by_xmi_id: dict[str, Any] = field(default_factory=dict)
+    root: Node
+    by_id: dict[str, Node] = field(default_factory=dict)
+    by_xmi_id: dict[str, Node] = field(default_factory=dict)
     references: list[Reference] = field(default_factory=list)
+    resolved: list[tuple[Reference, tuple[Node, ...]]] = field(default_factory=list)
     is_sound: bool = False
 
 
-def build(root: Node, package: Any, class_name: str, report: Report) -> ModelTree | None:
-    """Build the objects of a model.
+def check_structure(root: Node, package: Any, class_name: str, report: Report) -> ModelTree | None:
+    """Check the nodes of a file and give each its metaclass.
 
     Parameters
     ----------
@@ -62,7 +67,7 @@ def build(root: Node, package: Any, class_name: str, report: Report) -> ModelTre
     Returns
     -------
     ModelTree or None
-        All objects that could be built; ``None`` if the root is not of that class.
+        What is known of the file; ``None`` if the root is not of that class.
     """
     if (root.namespace, root.tag) != (package.nsURI, class_name):
         found = f"{{{root.namespace}}}{root.tag}" if root.namespace else root.tag
@@ -73,44 +78,41 @@ def build(root: Node, package: Any, class_name: str, report: Report) -> ModelTre
             "correct the root or give the right file",
         )
         return None
-    builder = _Builder(package, report)
-    builder.tree.root = builder.element(root, package.getEClassifier(class_name))
-    return builder.tree
+    checker = _Checker(ModelTree(root), package, report)
+    checker.element(root, package.getEClassifier(class_name))
+    return checker.tree
 
 
 @dataclass(frozen=True, slots=True)
 class _Element:
-    """An element under construction: ``given`` counts what the file gives of each feature."""
+    """An element being checked: ``given`` counts what the file gives of each feature."""
 
     node: Node
-    instance: Any
     features: Mapping[str, Any]
     given: Counter[str] = field(default_factory=Counter)
 
 
-class _Builder:
+class _Checker:
     """Walks the nodes of one file."""
 
-    def __init__(self, package: Any, report: Report) -> None:
-        self.tree = ModelTree()
+    def __init__(self, tree: ModelTree, package: Any, report: Report) -> None:
+        self.tree = tree
         self._package = package
         self._report = report
         self._features: dict[Any, Mapping[str, Any]] = {}
 
-    def element(self, node: Node, metaclass: Any) -> Any:
-        """Build one object with everything that it contains."""
-        instance = metaclass()
-        self.tree.nodes[instance] = node
-        element = _Element(node, instance, self._features_of(metaclass))
+    def element(self, node: Node, metaclass: Any) -> None:
+        """Check one node with everything that it contains."""
+        node.metaclass = metaclass
+        element = _Element(node, self._features_of(metaclass))
         self._require_no_text(node)
         for name, text in node.attributes.items():
             self._attribute(element, name, text)
-        self._qualified(node, instance)
+        self._qualified(node)
         for child in node.children:
             self._child(element, child)
         for feature in element.features.values():
             self._require_count(node, feature, element.given[feature.name])
-        return instance
 
     def _features_of(self, metaclass: Any) -> Mapping[str, Any]:
         if metaclass not in self._features:
@@ -125,7 +127,7 @@ class _Builder:
         if is_reference(feature):
             targets = tuple(text.split())
             element.given[name] = len(targets)
-            reference = Reference(element.instance, feature, element.node, targets)
+            reference = Reference(element.node, feature, element.node, targets)
             self.tree.references.append(reference)
             return
         element.given[name] = 1
@@ -135,34 +137,32 @@ class _Builder:
             )
             self._report.add(element.node, "ContainedElement", finding)
             return
-        self._set_value(element, feature, text)
+        self._value(element, feature, text)
 
-    def _set_value(self, element: _Element, feature: Any, text: str) -> None:
+    def _value(self, element: _Element, feature: Any, text: str) -> None:
         try:
-            value = value_of(feature, text)
+            require_value(feature, text)
         except BadValueError as bad:
             self._report.add(element.node, bad.constraint, bad.finding)
             return
-        setattr(element.instance, feature.name, value)
         if feature.iD:
-            self._remember_id(element.node, element.instance, value)
+            self._remember_id(element.node, text)
 
-    def _remember_id(self, node: Node, instance: Any, identity: str) -> None:
-        first = self.tree.by_id.setdefault(identity, instance)
-        if first is not instance:
-            other = self.tree.nodes[first]
+    def _remember_id(self, node: Node, identity: str) -> None:
+        first = self.tree.by_id.setdefault(identity, node)
+        if first is not node:
             self._report.add(
                 node,
                 "UniqueId",
-                f"has the ID of {other.tag} in line {other.line}; expected IDs that are unique in "
+                f"has the ID of {first.tag} in line {first.line}; expected IDs that are unique in "
                 "the file, over all classes; rename one",
             )
 
-    def _qualified(self, node: Node, instance: Any) -> None:
+    def _qualified(self, node: Node) -> None:
         """Check attributes of other namespaces: only those of XMI itself have a place."""
         for (namespace, name), text in node.qualified.items():
             if (namespace, name) == (XMI, "id"):
-                self._remember_xmi_id(node, instance, text)
+                self._remember_xmi_id(node, text)
             elif not _is_known_qualified(node, namespace, name):
                 finding = (
                     f"has attribute {shown(f'{{{namespace}}}{name}')}, which belongs to no model; "
@@ -170,14 +170,13 @@ class _Builder:
                 )
                 self._report.add(node, "KnownFeature", finding)
 
-    def _remember_xmi_id(self, node: Node, instance: Any, identity: str) -> None:
-        first = self.tree.by_xmi_id.setdefault(identity, instance)
-        if first is not instance:
-            line = self.tree.nodes[first].line
+    def _remember_xmi_id(self, node: Node, identity: str) -> None:
+        first = self.tree.by_xmi_id.setdefault(identity, node)
+        if first is not node:
             self._report.add(
                 node,
                 "UniqueId",
-                f"has xmi:id {shown(identity)}, as has an element in line {line}; expected "
+                f"has xmi:id {shown(identity)}, as has an element in line {first.line}; expected "
                 "different ones; change one",
             )
 
@@ -189,13 +188,13 @@ class _Builder:
             return
         element.given[child.tag] += 1
         if is_contained(feature):
-            self._contain(element, feature, child)
+            self._contain(feature, child)
         elif is_reference(feature):
-            self._refer(element.instance, feature, child)
+            self._refer(element.node, feature, child)
         else:
-            self._set_value(element, feature, child.text)
+            self._value(element, feature, child.text)
 
-    def _contain(self, element: _Element, feature: Any, child: Node) -> None:
+    def _contain(self, feature: Any, child: Node) -> None:
         if "href" in child.attributes:
             finding = (
                 f"refers to {shown(child.attributes['href'])}; expected the element itself in "
@@ -204,15 +203,10 @@ class _Builder:
             self._report.add(child, "ContainedElement", finding)
             return
         metaclass = self._concrete_type(feature, child)
-        if metaclass is None:
-            return
-        value = self.element(child, metaclass)
-        if feature.many:
-            getattr(element.instance, feature.name).append(value)
-        elif element.given[feature.name] == 1:
-            setattr(element.instance, feature.name, value)
+        if metaclass is not None:
+            self.element(child, metaclass)
 
-    def _refer(self, instance: Any, feature: Any, child: Node) -> None:
+    def _refer(self, source: Node, feature: Any, child: Node) -> None:
         target = child.attributes.get("href")
         if target is None or set(child.attributes) != {"href"} or child.children:
             finding = (
@@ -221,7 +215,7 @@ class _Builder:
             )
             self._report.add(child, "ContainedElement", finding)
             return
-        self.tree.references.append(Reference(instance, feature, child, (target,)))
+        self.tree.references.append(Reference(source, feature, child, (target,)))
 
     def _concrete_type(self, feature: Any, child: Node) -> Any:
         """Return the class of a contained element; ``None`` after a report."""

@@ -1,6 +1,6 @@
-"""Turn attribute texts into values of their Ecore type, strictly.
+"""Check attribute texts as values of their Ecore type, strictly.
 
-Numbers are read as Java reads them, without the spellings that only Python knows, so that
+Numbers are accepted as Java accepts them, without the spellings that only Python knows, so that
 a model that loads here loads in Eclipse.
 """
 
@@ -86,8 +86,8 @@ RANGES: Mapping[str, Range] = MappingProxyType(
 """Allowed numbers by feature name; a feature of that name means the same in every class."""
 
 
-def value_of(feature: Any, text: str) -> Value:
-    """Return the value that a text stands for.
+def require_value(feature: Any, text: str) -> None:
+    """Refuse a text that is no value of an attribute.
 
     Parameters
     ----------
@@ -96,17 +96,14 @@ def value_of(feature: Any, text: str) -> Value:
     text
         Its text in the model.
 
-    Returns
-    -------
-    str, int, float or EEnumLiteral
-
     Raises
     ------
     BadValueError
         If the text is no such value, or one outside the feature's range.
     """
     if isinstance(feature.eType, EEnum):
-        return _literal(feature, text)
+        _require_literal(feature, text)
+        return
     reader = _READERS.get(feature.eType.name)
     if reader is None:
         raise ModelError(
@@ -120,18 +117,16 @@ def value_of(feature: Any, text: str) -> Value:
             allowed.constraint,
             f"has {feature.name} {shown(text)}; expected {allowed}; correct it",
         )
-    return value
 
 
-def _literal(feature: Any, text: str) -> Value:
-    for literal in feature.eType.eLiterals:
-        if literal.name == text:
-            return literal
-    known = ", ".join(literal.name for literal in feature.eType.eLiterals)
-    raise BadValueError(
-        "EnumLiteral",
-        f"has {feature.name} {shown(text)}; expected one of {known}; correct the spelling",
-    )
+def _require_literal(feature: Any, text: str) -> None:
+    names = [literal.name for literal in feature.eType.eLiterals]
+    if text not in names:
+        raise BadValueError(
+            "EnumLiteral",
+            f"has {feature.name} {shown(text)}; expected one of {', '.join(names)}; correct the "
+            "spelling",
+        )
 
 
 def _text(feature: Any, text: str) -> str:

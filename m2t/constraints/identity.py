@@ -1,11 +1,10 @@
 """Constraints on IDs: their syntax, and the names that they become in Python."""
 
 import re
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Mapping
 
-from m2t.constraints.findings import Findings
 from m2t.diagnostics import shown
+from m2t.document import Node, Report
 from m2t.naming import clashes, identifier
 from m2t.structure import ModelTree
 from mrsfi_runtime.errors import ModelError
@@ -13,40 +12,37 @@ from mrsfi_runtime.errors import ModelError
 _SYNTAX = re.compile(r"[A-Za-z][A-Za-z0-9_. -]*", re.ASCII)
 
 
-def check_identities(tree: ModelTree, findings: Findings, *, become_names: bool) -> None:
+def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> None:
     """Check the IDs of one file.
 
     Parameters
     ----------
     tree
         The model.
-    findings
+    report
         Takes the diagnostics.
     become_names
         Whether the IDs become names in Python, as those of a mission do and those of faults
         do not.
     """
-    sound = [
-        element for text, element in tree.by_id.items() if _has_syntax(text, element, findings)
-    ]
-    if not become_names:
-        return
-    named = [element for element in sound if _is_free(element, findings)]
-    _check_clashes(named, findings)
+    sound = {text: node for text, node in tree.by_id.items() if _has_syntax(text, node, report)}
+    if become_names:
+        free = {text: node for text, node in sound.items() if _is_free(text, node, report)}
+        _check_clashes(free, report)
 
 
-def _has_syntax(text: str, element: Any, findings: Findings) -> bool:
+def _has_syntax(text: str, node: Node, report: Report) -> bool:
     if not _SYNTAX.fullmatch(text):
-        findings.add(
-            element,
+        report.add(
+            node,
             "IdSyntax",
             f"has ID {shown(text)}; expected a letter, then letters, digits, '_', '-', '.' or "
             "spaces; rename it",
         )
         return False
     if " " in text:
-        findings.add(
-            element,
+        report.add(
+            node,
             "IdWithoutSpaces",
             f"has the ID {shown(text)} with spaces, which separate IDs in a list of references; "
             "expected none; use '_' or '-'",
@@ -54,29 +50,27 @@ def _has_syntax(text: str, element: Any, findings: Findings) -> bool:
     return True
 
 
-def _is_free(element: Any, findings: Findings) -> bool:
+def _is_free(text: str, node: Node, report: Report) -> bool:
     try:
-        identifier(element.ID)
+        identifier(text)
     except ModelError:
-        findings.add(
-            element,
+        report.add(
+            node,
             "ReservedId",
-            f"has ID {shown(element.ID)}, a name that Python or generated code uses itself; "
+            f"has ID {shown(text)}, a name that Python or generated code uses itself; "
             "expected another; rename it",
         )
         return False
     return True
 
 
-def _check_clashes(elements: Iterable[Any], findings: Findings) -> None:
-    by_id = {element.ID: element for element in elements}
-    for name, spellings in clashes(by_id):
-        first = by_id[spellings[0]]
-        for spelling in spellings[1:]:
-            element = by_id[spelling]
-            findings.add(
-                element,
+def _check_clashes(nodes: Mapping[str, Node], report: Report) -> None:
+    for name, (first_spelling, *spellings) in clashes(nodes):
+        first = nodes[first_spelling]
+        for spelling in spellings:
+            report.add(
+                nodes[spelling],
                 "IdClash",
-                f"and {findings.describe(first)} (line {findings.line(first)}) both become "
-                f"'{name}' in Python; rename one",
+                f"and {first.description} (line {first.line}) both become '{name}' in Python; "
+                "rename one",
             )
