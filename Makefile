@@ -1,0 +1,106 @@
+# Evolutionary fault injection for multi-robot systems. Plain `make` prints the targets.
+
+# Variables for the command line, all optional: make evolve CASE=b SEED=7 WORKERS=4
+MISSION ?= uuv_sampling
+CASE ?= a
+SEED ?=
+ENGINE ?= reference
+OUT ?=
+WORKERS ?=
+PYTHON ?=
+
+VENV := .venv
+BIN := $(VENV)/bin
+BASE := $(VENV)/.installed
+DEV := $(VENV)/.installed-dev
+SETUP := pyproject.toml constraints.txt
+
+mission = $(or $(MISSION),uuv_sampling)
+pythons = $(or $(PYTHON),python3 python3.13 python3.12 python3.11)
+seed = $(if $(SEED),--seed "$(SEED)")
+workers = $(if $(WORKERS),--workers "$(WORKERS)")
+engine = $(if $(ENGINE),--engine "$(ENGINE)")
+out = $(if $(OUT),--out "$(OUT)")
+
+# Pinned twice: for what is installed, and for the isolated environment that builds the package.
+export PIP_CONSTRAINT := constraints.txt
+export PIP_BUILD_CONSTRAINT := constraints.txt
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: help install generate validate simulate evolve report test check docs clean
+
+help: ## print this list
+	@echo "Targets:"
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
+	@echo
+	@echo "Variables: MISSION=$(MISSION) CASE=$(CASE) SEED=$(SEED) ENGINE=$(ENGINE) OUT=$(OUT) WORKERS=$(WORKERS) PYTHON=$(PYTHON)"
+	@echo "           CASE is a, b or a campaign file; OUT is a campaign folder; empty leaves the default."
+	@echo "Example:   make evolve CASE=b SEED=7"
+
+install: $(BASE) ## make the virtual environment .venv and install mrsfi into it
+
+generate: $(BASE) ## generate the middleware of MISSION from its models
+	$(BIN)/mrsfi generate "$(mission)"
+
+validate: $(BASE) ## check the models of MISSION
+	$(BIN)/mrsfi validate "$(mission)"
+
+simulate: generate ## fly MISSION once without faults
+	$(BIN)/mrsfi simulate "$(mission)" $(seed)
+
+evolve: generate ## search critical fault specifications of MISSION; ends with the ten worst
+	$(BIN)/mrsfi evolve "$(mission)" --case "$(or $(CASE),a)" $(seed) $(engine) $(workers) $(out)
+
+report: $(BASE) ## write the report of campaign folder OUT anew (default: the latest of runs/)
+	$(BIN)/mrsfi report $(if $(OUT),"$(OUT)")
+
+test: $(DEV) generate ## run the tests
+	$(BIN)/python -m pytest --numprocesses auto
+
+check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	@for models in models/*/; do \
+	  echo "$(BIN)/mrsfi generate $$models --check"; \
+	  $(BIN)/mrsfi generate "$$models" --check || exit $$?; \
+	done
+
+docs: $(BASE) ## regenerate docs/fault-effects/: what each fault of a pool does, alone
+	@mkdir -p docs/fault-effects
+	$(BIN)/mrsfi simulate uuv_sampling --each-fault 100:900 \
+	  --markdown docs/fault-effects/uuv_sampling.md
+	$(BIN)/mrsfi simulate tight_margins --each-fault 60:180 \
+	  --markdown docs/fault-effects/tight_margins.md
+
+clean: ## remove .venv, caches and build products; campaigns in runs/ stay
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -path ./runs -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(BASE): $(SETUP) | $(VENV)/.created
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	@touch $@
+
+$(DEV): $(SETUP) | $(VENV)/.created
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
+	@touch $(BASE) $@
+
+$(VENV)/.created:
+	@python=; \
+	for candidate in $(pythons); do \
+	  if "$$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; \
+	  then python="$$candidate"; break; fi; \
+	done; \
+	if [ -z "$$python" ]; then \
+	  echo "mrsfi needs Python 3.11 or newer, and found none among: $(pythons)." >&2; \
+	  echo "Install one, or name it: make evolve PYTHON=/path/to/python3.11" >&2; \
+	  exit 1; \
+	fi; \
+	echo "Making $(VENV) with $$("$$python" --version) and installing; the first time takes a minute."; \
+	"$$python" -m venv $(VENV) || { \
+	  echo "'$$python -m venv' failed; on Debian and Ubuntu install python3-venv." >&2; exit 1; }
+	@touch $@

@@ -1,0 +1,58 @@
+"""The command ``mrsfi generate``."""
+
+from pathlib import Path
+
+import click
+
+from m2t import generate as generation
+from mrsfi_runtime.cli.missions import (
+    MissionFolders,
+    find_mission,
+    generated_option,
+    mission_argument,
+)
+
+_HELP = """Generate the middleware of MISSION into generated/NAME/.
+
+What you write between `# protected region … begin` and `… end` is kept, also when robots
+are renamed or goals are added. Where generation would lose hand-written code it stops
+with exit code 4 and changes nothing. A second run changes nothing.
+
+\b
+Examples:
+  mrsfi generate uuv_sampling
+  mrsfi generate uuv_sampling --diff      what would a changed model change?
+  mrsfi generate uuv_sampling --check     for continuous integration
+"""
+
+
+@click.command(name="generate", help=_HELP)
+@mission_argument
+@generated_option
+@click.option("--check", is_flag=True, help="Write nothing; exit code 4 if a file is stale.")
+@click.option("--diff", is_flag=True, help="Write nothing; print what would change.")
+@click.option("--force", is_flag=True, help="Overwrite edits made outside protected regions.")
+def command(mission: str, generated: Path | None, *, check: bool, diff: bool, force: bool) -> None:
+    """Generate the middleware of MISSION into generated/NAME/."""
+    folders = find_mission(mission, generated)
+    if sum((check, diff, force)) > 1:
+        message = "--check, --diff and --force exclude each other"
+        raise click.UsageError(message)
+    if check:
+        folders.require_fresh()
+        click.echo(f"fresh: {folders.generated}")
+    elif diff:
+        click.echo(generation.diff(folders.models, folders.generated), nl=False)
+    else:
+        _write(folders, force=force)
+
+
+def _write(folders: MissionFolders, *, force: bool) -> None:
+    result = generation.generate(folders.models, folders.generated, force=force)
+    for verb, names in (
+        ("written", result.written),
+        ("removed", result.removed),
+        ("unchanged", result.unchanged),
+    ):
+        for name in names:
+            click.echo(f"{verb:<9}  {folders.generated / name}")

@@ -1,0 +1,151 @@
+"""The command ``mrsfi``: the group of subcommands, and what every error ends with."""
+
+import sys
+import traceback as traceback_module
+from collections.abc import Sequence
+from contextlib import suppress
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any, cast
+
+import click
+
+from mrsfi_runtime.cli.versions import print_version
+from mrsfi_runtime.errors import MrsfiError
+
+_INTERRUPTED = 130
+_DEFECT = 1
+_PIPE_CLOSED = 141
+
+_COMMANDS = MappingProxyType(
+    {
+        "validate": "Check the models of a mission.",
+        "generate": "Generate the middleware of a mission from its models.",
+        "simulate": "Fly a mission once, with or without faults.",
+        "evolve": "Search the most critical fault specifications.",
+        "replay": "Fly evaluations of a campaign again and compare.",
+        "report": "Write figures, tables and summary of a campaign anew.",
+    }
+)
+"""Subcommands and their one-line help: ``mrsfi --help`` need not import them."""
+
+
+_HELP = """Find the faults that break a multi-robot mission.
+
+A mission and the faults that could strike it are two models in models/NAME/. From them
+mrsfi generates the mission's middleware, flies it, and evolves fault specifications:
+which faults, when, how strong.
+
+\b
+In this order:
+  mrsfi validate uuv_sampling            are the models sound?
+  mrsfi generate uuv_sampling            write generated/uuv_sampling/*.py
+  mrsfi simulate uuv_sampling            does it fly without faults?
+  mrsfi evolve uuv_sampling --case a     search; ends with the ten worst
+  mrsfi replay runs/uuv_sampling-a-1 --best --log flight.log
+  mrsfi report runs/uuv_sampling-a-1
+
+Results go to standard output, progress to standard error.
+
+\b
+Exit codes:
+  0  done                                6  the mission's own code failed
+  1  a defect of mrsfi                   7  a replay differs from its record
+  2  wrong usage                         8  messages were lost
+  3  a model that cannot be used         9  a campaign folder that cannot be used
+  4  generation impossible, or stale   130  interrupted
+  5  a fault specification that cannot be flown
+"""
+
+
+class CommandGroup(click.Group):
+    """Subcommands, each imported when it is called, with one way out for every error."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """Return the names in the order in which a user needs them."""
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
+        """Import one subcommand."""
+        if cmd_name not in _COMMANDS:
+            return None
+        module = import_module(f"mrsfi_runtime.cli.{cmd_name}")
+        return cast("click.Command", module.command)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature
+        """List the subcommands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(_COMMANDS.items()))
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a subcommand, and end with the exit code of the error that it meets."""
+        try:
+            result = super().invoke(ctx)
+            sys.stdout.flush()
+        except (click.ClickException, click.exceptions.Exit, click.Abort):
+            raise
+        except KeyboardInterrupt as error:
+            ctx.exit(_tell(error, is_traced=False))
+        except BrokenPipeError:
+            _silence_stdout()
+            ctx.exit(_PIPE_CLOSED)
+        except Exception as error:  # noqa: BLE001 - the last door: every error becomes an exit code
+            ctx.exit(_tell(error, is_traced=ctx.params["traceback"]))
+        return result
+
+
+def _tell(error: BaseException, *, is_traced: bool) -> int:
+    """Write an error to standard error and return its exit code."""
+    if KeyboardInterrupt in (type(error), type(error.__cause__)):  # Python wraps some in imports
+        click.echo("mrsfi: interrupted", err=True)
+        return _INTERRUPTED
+    if is_traced:
+        traceback_module.print_exception(error)
+    if isinstance(error, MrsfiError):
+        click.echo(f"mrsfi: {error}", err=True)
+        return error.exit_code
+    advice = "" if is_traced else "; run `mrsfi --traceback …` to see where, and report it"
+    click.echo(f"mrsfi: a defect of mrsfi: {type(error).__name__}: {error}{advice}", err=True)
+    return _DEFECT
+
+
+def _silence_stdout() -> None:
+    """Let the interpreter end quietly although nobody reads standard output any more."""
+    with suppress(BrokenPipeError):
+        sys.stdout.close()
+
+
+@click.group(cls=CommandGroup, help=_HELP, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option("--traceback", is_flag=True, help="On an error, say where in the code it arose.")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=print_version,
+    help="Show the version and end.",
+)
+def cli(traceback: bool) -> None:
+    """Find the faults that break a multi-robot mission."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code.
+
+    Parameters
+    ----------
+    arguments
+        Words after ``mrsfi``; those of this process if left out.
+    """
+    try:
+        code = cli.main(args=arguments, prog_name="mrsfi", standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except click.Abort:
+        return _INTERRUPTED
+    return code if isinstance(code, int) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,98 @@
+"""Where the models and the generated code of a mission are."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from m2t.generate import stale
+from mrsfi_runtime.errors import GenerationError, UsageError
+from mrsfi_runtime.mission import MissionCode, load_code
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_MODELS = Path("models")
+_MISSION_FILE = "mission.xmi"
+
+
+@dataclass(frozen=True, slots=True)
+class MissionFolders:
+    """The folder of a mission's models and that of its generated code."""
+
+    name: str
+    models: Path
+    generated: Path
+
+    def require_fresh(self) -> None:
+        """Refuse generated code that does not follow from the models.
+
+        Raises
+        ------
+        GenerationError
+            Naming the stale files.
+        """
+        names = stale(self.models, self.generated)
+        if names:
+            message = (
+                f"{self.generated}: stale, because the models or templates changed: "
+                f"{', '.join(names)}; run `mrsfi generate {self.models}` and review the diff"
+            )
+            raise GenerationError(message)
+
+    def load(self) -> MissionCode:
+        """Load the generated code, which must be fresh."""
+        self.require_fresh()
+        return load_code(self.generated)
+
+
+def mission_argument(command: F) -> F:
+    """Give a command the argument MISSION."""
+    return click.argument("mission", metavar="MISSION")(command)
+
+
+def generated_option(command: F) -> F:
+    """Give a command the option --generated."""
+    return click.option(
+        "--generated",
+        type=click.Path(path_type=Path, file_okay=False),
+        metavar="DIR",
+        help="Folder of the generated code [default: generated/NAME beside models/].",
+    )(command)
+
+
+def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
+    """Return the folders of a mission.
+
+    Parameters
+    ----------
+    mission
+        Name of a folder under ``models``, or the path of a mission folder.
+    generated
+        Folder of the generated code, if it is not the usual one.
+
+    Raises
+    ------
+    UsageError
+        If there is no such mission.
+    """
+    for models in (_MODELS / mission, Path(mission)):
+        if (models / _MISSION_FILE).is_file():
+            folder = models.resolve()
+            root = folder.parent.parent if folder.parent.name == _MODELS.name else folder.parent
+            usual = root / "generated" / folder.name
+            return MissionFolders(folder.name, models, generated or _from_here(usual))
+    known = sorted(path.parent.name for path in _MODELS.glob(f"*/{_MISSION_FILE}"))
+    message = (
+        f"found no mission '{mission}'; expected the name of a folder in models/ "
+        f"({', '.join(known) or 'there is none here'}) or the path of one that holds "
+        f"{_MISSION_FILE}"
+    )
+    raise UsageError(message)
+
+
+def _from_here(path: Path) -> Path:
+    """Return a path as short as a user would write it."""
+    here = Path.cwd()
+    return path.relative_to(here) if path.is_relative_to(here) else path

@@ -1,0 +1,96 @@
+"""How far a search is: a bar on a terminal, plain lines anywhere else."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import monotonic
+
+from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+
+from mrsfi_runtime.cli.console import progress_console, tell
+from mrsfi_runtime.search.campaign import Progress
+from mrsfi_runtime.search.settings import CampaignSettings
+
+_LINES = 100
+"""About how many plain lines a long search prints."""
+
+
+@contextmanager
+def search_progress(
+    settings: CampaignSettings, clock: Callable[[], float] = monotonic
+) -> Iterator[Callable[[Progress], None]]:
+    """Yield the function to call after each generation.
+
+    Parameters
+    ----------
+    clock
+        Seconds since any moment.
+    """
+    console = progress_console()
+    if not console.is_terminal:
+        yield PlainLines(settings, clock)
+        return
+    columns = (
+        TextColumn("generation {task.fields[generation]}"),
+        BarColumn(),
+        TextColumn("best {task.fields[best]:.2f}  mean {task.fields[mean]:.2f}  left"),
+        TimeRemainingColumn(),
+    )
+    with Bar(*columns, console=console) as bar:
+        task = bar.add_task("", total=1.0, generation="0", best=0.0, mean=0.0)
+
+        def advance(state: Progress) -> None:
+            bar.update(
+                task,
+                completed=share_done(settings, state),
+                generation=_generation(settings, state),
+                best=state.best,
+                mean=state.mean,
+            )
+
+        yield advance
+
+
+class PlainLines:
+    """Writes a line after a generation, at most some hundred in a search.
+
+    Parameters
+    ----------
+    settings
+        Say how long the search is.
+    clock
+        Seconds since any moment.
+    """
+
+    def __init__(self, settings: CampaignSettings, clock: Callable[[], float]) -> None:
+        self._settings = settings
+        self._clock = clock
+        self._began = clock()
+        self._told = -1.0
+
+    def __call__(self, state: Progress) -> None:
+        """Tell how far the search is after a generation."""
+        done = share_done(self._settings, state)
+        if done < 1.0 and done - self._told < 1.0 / _LINES:
+            return
+        self._told = done
+        left = round((self._clock() - self._began) * (1.0 - done) / done)
+        tell(
+            f"generation {_generation(self._settings, state)}  best {state.best:.2f}  "
+            f"mean {state.mean:.2f}  evaluations {state.n_evaluations}  "
+            f"left {left // 60}:{left % 60:02d}"
+        )
+
+
+def share_done(settings: CampaignSettings, state: Progress) -> float:
+    """Return the share of a search that is done, above 0, at most 1."""
+    if settings.evaluations is not None:
+        return min(1.0, (state.n_evaluations + state.n_failures) / settings.evaluations)
+    return min(1.0, (state.generation + 1) / (settings.generations + 1))
+
+
+def _generation(settings: CampaignSettings, state: Progress) -> str:
+    if settings.evaluations is not None:
+        return str(state.generation)
+    width = len(str(settings.generations))
+    return f"{state.generation:>{width}}/{settings.generations}"

@@ -1,0 +1,136 @@
+"""The command ``mrsfi replay``."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import click
+from rich.progress import track
+
+from mrsfi_runtime.analysis.ranking import top
+from mrsfi_runtime.cli.campaigns import OpenCampaign, open_campaign
+from mrsfi_runtime.cli.console import print_json, print_table, progress_console
+from mrsfi_runtime.cli.flights import recorder, recording_options
+from mrsfi_runtime.cli.tables import fault_table, goal_table
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import RecordError, ReplayMismatch
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.search.settings import CampaignSettings
+
+_HELP = """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
+
+The flight uses the campaign's own copies of models and code, so it is the same whatever was
+edited since. A difference ends with exit code 7 and says what differs.
+
+\b
+Examples:
+  mrsfi replay runs/uuv_sampling-a-1                    the most critical specification
+  mrsfi replay runs/uuv_sampling-a-1 --evaluation 412 --log flight.log --trace flight.csv
+  mrsfi replay runs/uuv_sampling-a-1 --all              every evaluation
+"""
+
+
+@click.command(name="replay", help=_HELP)
+@click.argument("folder", metavar="CAMPAIGN", type=click.Path(path_type=Path))
+@click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N.")
+@click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
+@click.option("--all", "is_all", is_flag=True, help="Every evaluation.")
+@recording_options
+@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+def command(
+    folder: Path,
+    *,
+    evaluation: int | None,
+    best: bool,
+    is_all: bool,
+    log: Path | None,
+    trace: Path | None,
+    is_json: bool,
+) -> None:
+    """Fly evaluations of a campaign again and compare them with their record."""
+    if sum((evaluation is not None, best, is_all)) > 1:
+        message = "--evaluation, --best and --all exclude each other"
+        raise click.UsageError(message)
+    if is_all and (log or trace):
+        message = "--log and --trace record one flight; --all flies many"
+        raise click.UsageError(message)
+    with open_campaign(folder) as campaign:
+        settings = CampaignSettings.from_json(campaign.store.settings, str(folder))
+        engine = ReferenceEngine(campaign.code, settings.mission_seed)
+        if is_all:
+            _replay_all(campaign, engine, is_json=is_json)
+            return
+        recorded = _one(campaign, evaluation)
+        with recorder(campaign.code.mission, log, trace) as observer:
+            outcome = engine.evaluate(recorded.specification, observer=observer)
+        _require_same(folder, recorded, outcome)
+        _print_one(campaign, recorded, is_json=is_json)
+
+
+def _one(campaign: OpenCampaign, index: int | None) -> Evaluation:
+    if index is not None:
+        return campaign.store.evaluation(index)
+    best = top(campaign.store.evaluations(), 1)
+    if not best:
+        message = f"{campaign.folder.path}: holds no evaluation yet; expected at least one"
+        raise RecordError(message)
+    return best[0]
+
+
+def _replay_all(campaign: OpenCampaign, engine: ReferenceEngine, *, is_json: bool) -> None:
+    evaluations = campaign.store.evaluations()
+    console = progress_console()
+    for recorded in track(evaluations, "replay", console=console, disable=not console.is_terminal):
+        outcome = engine.evaluate(recorded.specification)
+        _require_same(campaign.folder.path, recorded, outcome)
+    digest = campaign.store.digest()
+    if is_json:
+        print_json({"n_evaluations": len(evaluations), "is_same": True, "digest": digest})
+    else:
+        click.echo(f"same: all {len(evaluations)} evaluations, campaign digest {digest}")
+
+
+def _require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
+    """Compare a replay with its record.
+
+    Raises
+    ------
+    ReplayMismatch
+        Naming what differs.
+    """
+    if outcome == recorded.outcome:
+        return
+    names = [field.name for field in fields(Outcome)]
+    differences = [
+        f"{name} {getattr(outcome, name)}, recorded {getattr(recorded.outcome, name)}"
+        for name in names
+        if getattr(outcome, name) != getattr(recorded.outcome, name)
+    ]
+    message = (
+        f"{folder}: evaluation {recorded.index} differs from its record: "
+        f"{'; '.join(differences)}. Expected the same, bit for bit; look whether the folder, "
+        "mrsfi, Python or the kind of processor has changed since (manifest in campaign.sqlite)"
+    )
+    raise ReplayMismatch(message)
+
+
+def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -> None:
+    mission, outcome = campaign.code.mission, recorded.outcome
+    if is_json:
+        print_json(
+            {
+                "evaluation": recorded.index,
+                "generation": recorded.generation,
+                "fitness": list(recorded.fitness),
+                "is_same": True,
+                "digest": outcome.digest,
+            }
+        )
+        return
+    title = (
+        f"Evaluation {recorded.index} of {campaign.folder.path}, generation "
+        f"{recorded.generation}, fitness {' '.join(f'{value:.2f}' for value in recorded.fitness)}"
+    )
+    print_table(title, goal_table(mission, outcome))
+    print_table("Faults", fault_table(campaign.code.pool, recorded.specification, outcome))
+    click.echo(f"same as recorded, digest {outcome.digest}")

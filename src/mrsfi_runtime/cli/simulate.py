@@ -1,0 +1,188 @@
+"""The command ``mrsfi simulate``."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mrsfi_runtime.analysis.effects import AuditRow, audit
+from mrsfi_runtime.cli.console import print_json, print_table, tell, written_file
+from mrsfi_runtime.cli.effects_page import effects_page, effects_table
+from mrsfi_runtime.cli.flights import recorder, recording_options, specification_pool
+from mrsfi_runtime.cli.missions import find_mission, generated_option, mission_argument
+from mrsfi_runtime.cli.tables import fault_table, goal_table
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.outcome import Outcome
+
+_HELP = """Fly MISSION once and print what happened to each goal.
+
+Without --faults it flies without faults. A fault specification is XMI: one that search found
+(runs/NAME/critical/01.xmi), or one written by hand: a copy of the pool whose faults have
+start and finish.
+
+\b
+Examples:
+  mrsfi simulate uuv_sampling
+  mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
+  mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
+  mrsfi simulate uuv_sampling --each-fault 100:900
+  mrsfi simulate uuv_sampling --each-fault 100:900 --markdown effects.md
+
+A violation counts once per goal and tick: believed by the collective intelligence, true in
+the simulation, phantom (believed, not true), masked (true, not believed).
+"""
+
+_WINDOW = re.compile(r"(\d+):(\d+)")
+
+
+@click.command(name="simulate", help=_HELP)
+@mission_argument
+@generated_option
+@click.option("--no-faults", is_flag=True, help="Fly without faults, as without this option.")
+@click.option(
+    "--faults",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Fly under this fault specification.",
+)
+@click.option(
+    "--each-fault",
+    metavar="START:FINISH",
+    help="Fly once per fault of the pool, alone and active in these ticks.",
+)
+@click.option(
+    "--markdown",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="With --each-fault: write the page to FILE.",
+)
+@click.option(
+    "--seed", type=click.IntRange(0), default=1, show_default=True, help="Seed of the weather."
+)
+@recording_options
+@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+def command(  # noqa: PLR0913 - one parameter per option
+    mission: str,
+    generated: Path | None,
+    *,
+    no_faults: bool,
+    faults: Path | None,
+    each_fault: str | None,
+    markdown: Path | None,
+    seed: int,
+    log: Path | None,
+    trace: Path | None,
+    is_json: bool,
+) -> None:
+    """Fly a mission once and print what happened to each goal."""
+    ways = [way for way in (no_faults or None, faults, each_fault) if way is not None]
+    _require_one_way(ways, is_each=each_fault is not None, has_log=bool(log or trace))
+    if markdown is not None and each_fault is None:
+        message = "--markdown needs --each-fault"
+        raise click.UsageError(message)
+    folders = find_mission(mission, generated)
+    code = folders.load()
+    engine = ReferenceEngine(code, seed)
+    if each_fault is not None:
+        _fly_each(folders.name, engine, _window(each_fault), markdown, is_json=is_json)
+        return
+    pool = code.pool if faults is None else specification_pool(faults)
+    specification = () if faults is None else pool.written_specification()
+    with recorder(code.mission, log, trace) as observer:
+        outcome = engine.evaluate(specification, pool=pool, observer=observer)
+    if is_json:
+        print_json(_as_json(code.mission, seed, pool, specification, outcome))
+        return
+    flown = "without faults" if faults is None else f"under {faults}"
+    title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
+    print_table(title, goal_table(code.mission, outcome))
+    if specification:
+        print_table("Faults", fault_table(pool, specification, outcome))
+
+
+def _require_one_way(ways: Sequence[object], *, is_each: bool, has_log: bool) -> None:
+    if len(ways) > 1:
+        message = "--no-faults, --faults and --each-fault exclude each other"
+        raise click.UsageError(message)
+    if is_each and has_log:
+        message = "--log and --trace record one flight; --each-fault flies many"
+        raise click.UsageError(message)
+
+
+def _window(text: str) -> tuple[int, int]:
+    match = _WINDOW.fullmatch(text)
+    if match is not None and int(match[1]) <= int(match[2]):
+        return int(match[1]), int(match[2])
+    message = f"--each-fault: found '{text}'; expected two ticks START:FINISH, such as 100:900"
+    raise UsageError(message)
+
+
+def _as_json(
+    mission: Mission, seed: int, pool: FaultPool, specification: Specification, outcome: Outcome
+) -> dict[str, Any]:
+    counts = ("believed", "true", "phantom", "masked", "samples")
+    return {
+        "mission": mission.name,
+        "duration": mission.duration,
+        "seed": seed,
+        "digest": outcome.digest,
+        "goals": [
+            {
+                "id": goal.id,
+                "task": type(goal.task).__name__,
+                **{name: getattr(outcome, name)[index] for name in counts},
+            }
+            for index, goal in enumerate(mission.goals)
+        ],
+        "faults": [
+            {
+                "id": timed.fault,
+                "type": pool[timed.fault].type,
+                "start": timed.start,
+                "finish": timed.finish,
+                "values": list(timed.values),
+                "applied": outcome.applied[index],
+                "changed": outcome.changed[index],
+            }
+            for index, timed in enumerate(specification)
+        ],
+    }
+
+
+def _fly_each(
+    name: str,
+    engine: ReferenceEngine,
+    window: tuple[int, int],
+    markdown: Path | None,
+    *,
+    is_json: bool,
+) -> None:
+    rows = audit(engine, *window)
+    mission = engine.code.mission
+    if markdown is not None:
+        with written_file(markdown) as file:
+            file.write(effects_page(name, engine, window, rows))
+        tell(f"written    {markdown}")
+    if is_json:
+        print_json([_row_as_json(mission, row) for row in rows])
+    elif markdown is None:
+        alone = f"Each fault of {name} alone, ticks {window[0]} to {window[1]}"
+        print_table(f"{alone}; violations believed/true", effects_table(mission, rows))
+
+
+def _row_as_json(mission: Mission, row: AuditRow) -> dict[str, Any]:
+    return {
+        "fault": row.fault.id,
+        "type": row.fault.type,
+        "touched": list(row.touched),
+        "applied": row.outcome.applied[0],
+        "changed": row.outcome.changed[0],
+        "believed": dict(zip(mission.goal_ids, row.outcome.believed, strict=True)),
+        "true": dict(zip(mission.goal_ids, row.outcome.true, strict=True)),
+        "reason": row.reason,
+    }

@@ -1,0 +1,94 @@
+"""Tables that the commands print."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.mission import GatherSamples, Goal, Mission
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.campaign import Evaluation
+
+
+def plain_table(left: Sequence[str], right: Sequence[str]) -> Table:
+    """Return an empty table with left-aligned columns, then right-aligned ones."""
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for name in left:
+        table.add_column(Text(name), no_wrap=True)
+    for name in right:
+        table.add_column(Text(name), justify="right")
+    return table
+
+
+def goal_table(mission: Mission, outcome: Outcome) -> Table:
+    """Return what happened to each goal, in model order."""
+    counts = ("believed", "true", "phantom", "masked")
+    table = plain_table(("goal", "task"), (*counts, "samples"))
+    for index, goal in enumerate(mission.goals):
+        table.add_row(
+            Text(goal.id),
+            Text(type(goal.task).__name__),
+            *(str(getattr(outcome, name)[index]) for name in counts),
+            _samples(goal, outcome.samples[index]),
+        )
+    return table
+
+
+def _samples(goal: Goal, n_samples: int) -> str:
+    if isinstance(goal.task, GatherSamples):
+        return f"{n_samples} of {goal.task.target_sample_number}"
+    return "-"
+
+
+def fault_table(pool: FaultPool, specification: Specification, outcome: Outcome) -> Table:
+    """Return what each timed fault of a specification did."""
+    table = plain_table(("fault", "type"), ("start", "finish", "ticks applied", "ticks changed"))
+    for timed, applied, changed in zip(
+        specification, outcome.applied, outcome.changed, strict=True
+    ):
+        table.add_row(
+            Text(timed.fault),
+            Text(pool[timed.fault].type),
+            str(timed.start),
+            str(timed.finish),
+            str(applied),
+            str(changed),
+        )
+    return table
+
+
+def critical_table(mission: Mission, pool: FaultPool, evaluations: Iterable[Evaluation]) -> Table:
+    """Return specifications with their fitness, violations per goal, and faults.
+
+    Each takes two lines: violations as the collective intelligence believed them, and as
+    they truly were.
+    """
+    table = plain_table((), ("#", "evaluation", "fitness"))
+    table.add_column("violations", no_wrap=True)
+    for goal in mission.goals:
+        table.add_column(Text(goal.id), justify="right", no_wrap=True)
+    table.add_column("faults", overflow="fold")
+    for rank, evaluation in enumerate(evaluations, 1):
+        outcome = evaluation.outcome
+        table.add_row(
+            str(rank),
+            str(evaluation.index),
+            " ".join(f"{value:.2f}" for value in evaluation.fitness),
+            "believed\ntrue",
+            *(f"{b}\n{t}" for b, t in zip(outcome.believed, outcome.true, strict=True)),
+            Text(_fault_counts(pool, evaluation.specification)),
+        )
+    return table
+
+
+def _fault_counts(pool: FaultPool, specification: Specification) -> str:
+    """Return the faults of a specification in the order of the pool: ``f4 f9×2 f11``."""
+    counts = Counter(timed.fault for timed in specification)
+    return " ".join(
+        fault.id if counts[fault.id] == 1 else f"{fault.id}×{counts[fault.id]}"
+        for fault in pool
+        if fault.id in counts
+    )

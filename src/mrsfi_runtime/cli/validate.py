@@ -1,0 +1,140 @@
+"""The command ``mrsfi validate``."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from m2t.diagnostics import Diagnostic
+from m2t.load import LoadedModels, load_mission_folder
+from m2t.validate import validate_folder, validate_specification
+from mrsfi_runtime.cli.console import print_json, tell
+from mrsfi_runtime.cli.missions import (
+    MissionFolders,
+    find_mission,
+    generated_option,
+    mission_argument,
+)
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import ModelError, MrsfiError
+
+_HELP = """Check the models of MISSION and print every defect.
+
+MISSION is the name of a folder in models/, the path of one, or a fault specification
+(.xmi), written by hand or found by search.
+
+\b
+Examples:
+  mrsfi validate uuv_sampling
+  mrsfi validate ../elsewhere/models/harbour
+  mrsfi validate runs/uuv_sampling-a-1/critical/01.xmi
+  mrsfi validate uuv_sampling --json | jq '.diagnostics[].constraint'
+
+Each defect is one line: file, line, severity, what was found and what was expected, and
+the constraint. Errors end with exit code 3, warnings alone do not. A mission without errors
+is flown once without faults, if its generated code is fresh: a goal that is violated even
+then is worth a warning.
+"""
+
+_LONGEST_FLIGHT = 100_000
+"""Ticks that a validation flies at most, which takes a few seconds."""
+
+
+@click.command(name="validate", help=_HELP)
+@mission_argument
+@generated_option
+@click.option("--json", "is_json", is_flag=True, help="Print the diagnostics for a script.")
+@click.pass_context
+def command(ctx: click.Context, mission: str, generated: Path | None, *, is_json: bool) -> None:
+    """Check the models of a mission and print every defect."""
+    counts = ""
+    if mission.endswith(".xmi"):
+        name, diagnostics = mission, validate_specification(Path(mission))
+    else:
+        folders = find_mission(mission, generated)
+        name, diagnostics = folders.name, validate_folder(folders.models)
+        if not _n_errors(diagnostics):
+            loaded = load_mission_folder(folders.models)
+            counts = _counts(loaded)
+            diagnostics = (*diagnostics, *_flown(folders, loaded))
+    if is_json:
+        print_json(_as_json(name, diagnostics))
+    else:
+        _print_lines(name, diagnostics, counts)
+    if _n_errors(diagnostics):
+        ctx.exit(ModelError.exit_code)
+
+
+def _n_errors(diagnostics: Sequence[Diagnostic]) -> int:
+    return sum(1 for diagnostic in diagnostics if diagnostic.severity == "error")
+
+
+def _as_json(name: str, diagnostics: Sequence[Diagnostic]) -> dict[str, object]:
+    n_errors = _n_errors(diagnostics)
+    return {
+        "mission": name,
+        "n_errors": n_errors,
+        "n_warnings": len(diagnostics) - n_errors,
+        "diagnostics": [{**asdict(found), "path": str(found.path)} for found in diagnostics],
+    }
+
+
+def _print_lines(name: str, diagnostics: Sequence[Diagnostic], counts: str) -> None:
+    for found in diagnostics:
+        click.echo(
+            f"{found.path}:{found.line}: {found.severity}: {found.message} [{found.constraint}]"
+        )
+    n_errors = _n_errors(diagnostics)
+    warnings = _n(len(diagnostics) - n_errors, "warning")
+    if n_errors:
+        click.echo(f"{name}: {_n(n_errors, 'error')}, {warnings}")
+    else:
+        click.echo(f"ok: {name}: {counts}{warnings}")
+
+
+def _counts(loaded: LoadedModels) -> str:
+    """Return how many elements the models hold, as the beginning of a sentence."""
+    mission = loaded.mission
+    counts = [
+        _n(len(mission.robots), "robot"),
+        _n(len(mission.obstacles), "obstacle"),
+        _n(len(mission.goals), "goal"),
+        _n(sum(len(goal.messages) for goal in mission.goals), "message"),
+        _n(len(loaded.faults.faults) if loaded.faults is not None else 0, "fault"),
+    ]
+    return ", ".join(counts) + ", "
+
+
+def _n(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _flown(folders: MissionFolders, loaded: LoadedModels) -> tuple[Diagnostic, ...]:
+    """Fly the mission without faults and return a warning for every goal that is violated."""
+    if loaded.mission.duration > _LONGEST_FLIGHT:
+        tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")
+        return ()
+    try:
+        outcome = ReferenceEngine(folders.load(), 1).evaluate(())
+    except MrsfiError as error:  # what is wrong with the code is no defect of the models
+        tell(f"not flown without faults: {error}")
+        return ()
+    return tuple(
+        Diagnostic(
+            path=loaded.mission_path,
+            line=loaded.nodes[goal].line,
+            element=f"goals '{goal.ID}'",
+            constraint="FaultFreeMission",
+            severity="warning",
+            message=(
+                f"goals '{goal.ID}' is violated without any fault, at {believed} ticks as "
+                f"believed and {true} in truth; expected none, so that search sees the work of "
+                "faults only; make the goal easier or its reaction better"
+            ),
+        )
+        for goal, believed, true in zip(
+            loaded.mission.goals, outcome.believed, outcome.true, strict=True
+        )
+        if believed or true
+    )
