@@ -1,0 +1,19 @@
+from pathlib import Path
+
+import pytest
+
+from support_cli import MISSION, SMALL, mrsfi, workspace
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    """Folder with models/ and generated/ of the paper's mission."""
+    return workspace(tmp_path)
+
+
+@pytest.fixture(scope="session")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a finished small campaign on goals g1 and g3; only to be read."""
+    folder = workspace(tmp_path_factory.mktemp("flown"))
+    mrsfi("evolve", MISSION, "--case", "b", *SMALL, "--out", "runs/small", cwd=folder)
+    return folder / "runs" / "small"

@@ -1,0 +1,128 @@
+from pathlib import Path
+
+from support_cli import (
+    MISSION,
+    SMALL,
+    contents,
+    edit,
+    interrupted,
+    mrsfi,
+    mrsfi_json,
+)
+
+
+def test_it_ends_with_the_ten_most_critical_the_front_and_the_folder(place: Path) -> None:
+    arguments = ("--case", "b", "--population", "12", "--generations", "0")
+
+    done = mrsfi("evolve", MISSION, *arguments, "--ratio", "g3:g1=2:1", cwd=place)
+
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("The 10 most critical of ")
+    assert sum("believed  " in line for line in lines) == 10
+    assert any(line.startswith("Pareto front: ") for line in lines)
+    assert any(line.startswith("nearest to g3:g1=2:1: ") for line in lines)
+    assert lines[-3].split() == ["campaign", "runs/uuv_sampling-b-1"]
+    assert lines[-1].startswith("digest ")
+    assert max(map(len, lines)) <= 100
+    assert "generation 0/0" in done.stderr
+
+
+def test_the_folder_holds_what_the_run_used_and_found(flown: Path) -> None:
+    assert (flown / "model" / "mission.xmi").is_file()
+    assert (flown / "generated" / "collective_intelligence.py").is_file()
+    assert (flown / "report.md").is_file()
+    assert (flown / "summary.json").is_file()
+    assert list((flown / "figures").glob("*.png"))
+    assert list((flown / "figures").glob("*.svg"))
+    assert list((flown / "tables").glob("*.csv"))
+    assert (flown / "critical" / "01.xmi").is_file()
+
+
+def test_a_found_specification_validates_and_flies_again(flown: Path) -> None:
+    place = flown.parent.parent
+    found = flown / "critical" / "01.xmi"
+
+    mrsfi("validate", found, cwd=place)
+    flight = mrsfi_json("simulate", MISSION, "--faults", found, cwd=place)
+    replayed = mrsfi_json("replay", flown, "--best", cwd=place)
+
+    assert flight["digest"] == replayed["digest"]
+
+
+def test_same_seed_same_digest_with_two_workers_and_another_with_another_seed(
+    flown: Path, place: Path
+) -> None:
+    small = ("evolve", MISSION, "--case", "b", "--population", "4", "--generations", "2")
+    one = mrsfi_json("replay", flown, "--all", cwd=place)
+
+    two = mrsfi_json(*small, "--workers", "2", cwd=place)
+    other = mrsfi_json(*small, "--workers", "1", "--seed", "8", cwd=place)
+
+    assert two["digest"] == one["digest"]
+    assert other["digest"] != one["digest"]
+    assert [run["folder"] for run in (two, other)] == [
+        f"runs/uuv_sampling-b-{number}" for number in (1, 2)
+    ]
+
+
+def test_a_control_runs_on_an_exact_number_of_evaluations(place: Path) -> None:
+    found = mrsfi_json(
+        *("evolve", MISSION, "--algorithm", "random", "--population", "4"),
+        *("--evaluations", "7", "--workers", "1"),
+        cwd=place,
+    )
+
+    assert found["n_evaluations"] == 7
+    assert found["settings"]["algorithm"] == "random"
+
+
+def test_stale_generated_code_ends_with_4_and_makes_no_folder(place: Path) -> None:
+    edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
+
+    assert "mrsfi generate" in mrsfi("evolve", MISSION, cwd=place, expected=4).stderr
+    assert not (place / "runs").exists()
+
+
+def test_a_wrong_key_in_a_campaign_file_ends_with_2_and_names_it(place: Path) -> None:
+    (place / "mine.toml").write_text("[search]\npopulaton = 4\n", encoding="utf-8")
+
+    error = mrsfi("evolve", MISSION, "--case", "mine.toml", cwd=place, expected=2).stderr
+
+    assert "mine.toml" in error
+    assert "populaton" in error
+
+
+def test_a_folder_in_use_ends_with_9_and_stays_as_it_is(flown: Path) -> None:
+    before = contents(flown)
+
+    mrsfi("evolve", MISSION, *SMALL, "--out", flown, cwd=flown.parent.parent, expected=9)
+
+    assert contents(flown) == before
+
+
+def test_a_mission_whose_regions_fail_ends_with_6(place: Path) -> None:
+    edit(
+        place / "generated" / MISSION / "collective_intelligence.py",
+        "return tasks.avoid_collision_violated(ci, G1)",
+        "return 1 // (ci.mission.tick - 7) == 0",
+    )
+
+    error = mrsfi("evolve", MISSION, *SMALL, cwd=place, expected=6).stderr
+
+    assert "ZeroDivisionError" in error
+    assert "collective_intelligence.py" in error
+
+
+def test_ctrl_c_ends_with_130_and_leaves_a_campaign_that_can_be_reported(place: Path) -> None:
+    arguments = ("evolve", MISSION, "--population", "4", "--generations", "5000")
+
+    done = interrupted(
+        *arguments, "--workers", "2", "--out", "runs/stopped", cwd=place, sign="generation"
+    )
+
+    assert done.returncode == 130, done.stderr
+    assert "mrsfi report runs/stopped" in done.stderr
+    assert "Traceback" not in done.stderr
+    found = mrsfi_json("report", "runs/stopped", cwd=place)
+    assert found["n_generations"] >= 1
+    mrsfi("replay", "runs/stopped", cwd=place)

@@ -1,0 +1,123 @@
+import os
+import shutil
+import stat
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from support_cli import ROOT, require_program
+
+TARGETS = (
+    "help",
+    "install",
+    "generate",
+    "validate",
+    "simulate",
+    "evolve",
+    "report",
+    "test",
+    "check",
+    "docs",
+    "clean",
+)
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Path:
+    """Folder with a Makefile and nothing installed."""
+    for name in ("Makefile", "pyproject.toml", "constraints.txt"):
+        shutil.copy(ROOT / name, tmp_path)
+    return tmp_path
+
+
+def make(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    inherited = {"MAKEFLAGS", "MAKELEVEL", "MFLAGS", "MISSION", "CASE", "SEED", "OUT", "PYTHON"}
+    environment = {key: value for key, value in os.environ.items() if key not in inherited}
+    return subprocess.run(
+        check=False,
+        args=[require_program("make"), *arguments],
+        cwd=cwd,
+        env=environment,
+        capture_output=True,
+        encoding="utf-8",
+    )
+
+
+def test_plain_make_prints_every_target_with_a_line(clone: Path) -> None:
+    done = make(cwd=clone)
+
+    assert done.returncode == 0
+    for target in TARGETS:
+        assert any(
+            line.split()[:2] == ["make", target] and len(line.split()) > 3
+            for line in done.stdout.splitlines()
+        )
+
+
+def test_variables_reach_the_command_and_empty_ones_leave_the_defaults(clone: Path) -> None:
+    given = make("-n", "evolve", "CASE=b", "SEED=7", "WORKERS=2", "OUT=runs/x", cwd=clone).stdout
+    empty = make("-n", "evolve", "MISSION=", "CASE=", "SEED=", "ENGINE=", cwd=clone).stdout
+
+    assert " ".join(given.split("\n")[-2].split()) == (
+        '.venv/bin/mrsfi evolve "uuv_sampling" --case "b" --seed "7" '
+        '--engine "reference" --workers "2" --out "runs/x"'
+    )
+    assert empty.split("\n")[-2].strip() == '.venv/bin/mrsfi evolve "uuv_sampling" --case "a"'
+
+
+@pytest.mark.parametrize(("target", "has_tools"), [("evolve", False), ("test", True)])
+def test_a_target_installs_what_it_needs_with_pins(
+    target: str, has_tools: bool, clone: Path
+) -> None:
+    text = make("-n", target, cwd=clone).stdout
+
+    assert "--constraint constraints.txt" in text
+    assert text.index("pip install") < text.index("mrsfi generate")
+    assert ('".[dev]"' in text) == has_tools
+
+
+def test_what_is_installed_is_not_installed_again(clone: Path) -> None:
+    (clone / ".venv").mkdir()
+    for stamp in (".created", ".installed", ".installed-dev"):
+        (clone / ".venv" / stamp).touch()
+
+    assert "pip install" not in make("-n", "evolve", "test", "check", cwd=clone).stdout
+
+
+def test_an_old_python_is_refused_with_a_message(clone: Path) -> None:
+    old = clone / "python-old"
+    old.write_text("#!/bin/sh\nexit 1\n", encoding="utf-8")
+    old.chmod(old.stat().st_mode | stat.S_IXUSR)
+
+    done = make("install", "PYTHON=./python-old", cwd=clone)
+
+    assert done.returncode != 0
+    assert "needs Python 3.11 or newer" in done.stderr
+    assert not (clone / ".venv").exists()
+
+
+def test_clean_keeps_campaigns(clone: Path) -> None:
+    (clone / "runs" / "one").mkdir(parents=True)
+    (clone / ".venv").mkdir()
+
+    make("clean", cwd=clone)
+
+    assert (clone / "runs" / "one").is_dir()
+    assert not (clone / ".venv").exists()
+
+
+def test_every_pin_is_exact_and_every_dependency_is_pinned() -> None:
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    pins = [line for line in lines if line and not line.startswith("#")]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    wanted = [
+        *project["project"]["dependencies"],
+        *project["project"]["optional-dependencies"]["dev"],
+        *project["build-system"]["requires"],
+    ]
+
+    pinned = {pin.split("==")[0].lower() for pin in pins}
+    assert all(pin.count("==") == 1 for pin in pins)
+    assert {name.split(">")[0].split("=")[0].split("<")[0].lower() for name in wanted} <= pinned

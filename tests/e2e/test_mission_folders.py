@@ -1,0 +1,45 @@
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.cli.missions import find_mission
+from mrsfi_runtime.errors import UsageError
+from support_cli import MISSION
+
+
+@pytest.fixture
+def here(place: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(place)
+    return place
+
+
+@pytest.mark.parametrize("mission", [MISSION, f"models/{MISSION}", f"models/{MISSION}/"])
+def test_a_name_and_a_path_lead_to_the_same_folders(mission: str, here: Path) -> None:
+    found = find_mission(mission)
+
+    assert found.name == MISSION
+    assert found.models.resolve() == here / "models" / MISSION
+    assert found.generated == Path("generated") / MISSION
+
+
+def test_a_mission_outside_models_has_its_code_beside_it(here: Path, tmp_path: Path) -> None:
+    (here / "models" / MISSION).rename(tmp_path / "harbour")
+
+    assert find_mission("harbour").generated == Path("generated/harbour")
+
+
+def test_inside_the_mission_folder_a_dot_is_enough(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(here / "models" / MISSION)
+
+    found = find_mission(".")
+
+    assert found.name == MISSION
+    assert found.generated == here / "generated" / MISSION
+
+
+def test_an_unknown_mission_is_told_which_there_are(here: Path) -> None:
+    assert here.is_dir()
+    with pytest.raises(UsageError, match=MISSION):
+        find_mission("atlantis")

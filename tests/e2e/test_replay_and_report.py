@@ -1,0 +1,106 @@
+import json
+import shutil
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from support_cli import edit, mrsfi, mrsfi_json
+
+
+@pytest.fixture
+def campaign(flown: Path, tmp_path: Path) -> Path:
+    """Copy of a finished campaign, in a folder without models."""
+    return Path(shutil.copytree(flown, tmp_path / "runs" / "copy"))
+
+
+def execute(campaign: Path, statement: str) -> None:
+    with closing(sqlite3.connect(campaign / "campaign.sqlite")) as connection, connection:
+        connection.execute(statement)
+
+
+def test_replay_of_the_best_is_the_same_as_recorded(campaign: Path, tmp_path: Path) -> None:
+    text = mrsfi("replay", campaign, cwd=tmp_path).stdout
+
+    assert "same as recorded, digest " in text
+    assert "AvoidCollision" in text
+
+
+def test_replay_of_one_evaluation_writes_log_and_trace(campaign: Path, tmp_path: Path) -> None:
+    arguments = ("replay", campaign, "--evaluation", "0", "--log", "a.log", "--trace", "a.csv")
+
+    assert mrsfi_json(*arguments, cwd=tmp_path)["evaluation"] == 0
+    assert (tmp_path / "a.log").read_text(encoding="utf-8").startswith("tick 0\n")
+    assert (tmp_path / "a.csv").read_text(encoding="utf-8").startswith("tick,")
+
+
+def test_replay_of_all_confirms_every_evaluation(campaign: Path, tmp_path: Path) -> None:
+    replayed = mrsfi_json("replay", campaign, "--all", cwd=tmp_path)
+
+    recorded = json.loads((campaign / "summary.json").read_text(encoding="utf-8"))
+    assert replayed == {
+        "n_evaluations": recorded["n_evaluations"],
+        "is_same": True,
+        "digest": recorded["digest"],
+    }
+
+
+def test_a_forged_digest_ends_with_7(campaign: Path, tmp_path: Path) -> None:
+    execute(campaign, "UPDATE evaluation SET digest = 'forged' WHERE idx = 2")
+
+    error = mrsfi("replay", campaign, "--evaluation", "2", cwd=tmp_path, expected=7).stderr
+
+    assert "evaluation 2" in error
+    assert "digest" in error
+    mrsfi("replay", campaign, "--all", cwd=tmp_path, expected=7)
+    mrsfi("replay", campaign, "--evaluation", "1", cwd=tmp_path)
+
+
+def test_an_edited_copy_of_the_code_ends_with_7(campaign: Path, tmp_path: Path) -> None:
+    edit(
+        campaign / "generated" / "mission_loader.py", "samples_per_second=5", "samples_per_second=9"
+    )
+
+    mrsfi("replay", campaign, cwd=tmp_path, expected=7)
+
+
+def test_report_takes_the_latest_campaign_writes_the_same_bytes_and_picks_by_ratio(
+    flown: Path, campaign: Path, tmp_path: Path
+) -> None:
+    found = mrsfi_json("report", "--ratio", "g3:g1=2:1", cwd=tmp_path)
+
+    assert found["folder"] == "runs/copy"
+    assert found["pick"]["ratio"] == "g3:g1=2:1"
+    assert found["pick"]["evaluation"] in [p["evaluation"] for p in found["front"]["points"]]
+    for name in ("critical/01.xmi", "tables/evaluations.csv"):
+        assert (campaign / name).read_bytes() == (flown / name).read_bytes()
+
+
+@pytest.mark.parametrize("command", ["report", "replay"])
+def test_a_folder_without_a_campaign_ends_with_9(command: str, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+
+    assert "empty" in mrsfi(command, "empty", cwd=tmp_path, expected=9).stderr
+    assert "nowhere" in mrsfi(command, "nowhere", cwd=tmp_path, expected=9).stderr
+
+
+def test_a_broken_campaign_ends_with_9(campaign: Path, tmp_path: Path) -> None:
+    (campaign / "generated" / "simulation.py").unlink()
+    assert "simulation.py" in mrsfi("replay", campaign, cwd=tmp_path, expected=9).stderr
+
+    (campaign / "campaign.sqlite").write_bytes(b"not a database at all" * 100)
+    assert "campaign.sqlite" in mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr
+
+
+def test_an_evaluation_that_is_not_there_ends_with_9(campaign: Path, tmp_path: Path) -> None:
+    assert (
+        "99999"
+        in mrsfi("replay", campaign, "--evaluation", "99999", cwd=tmp_path, expected=9).stderr
+    )
+
+
+def test_a_record_of_a_newer_version_ends_with_9(campaign: Path, tmp_path: Path) -> None:
+    execute(campaign, "PRAGMA user_version = 99")
+
+    assert "99" in mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr

@@ -1,0 +1,66 @@
+from collections.abc import Iterator
+
+import pytest
+
+from mrsfi_runtime.cli.progress import PlainLines, share_done
+from mrsfi_runtime.search.campaign import Progress
+from mrsfi_runtime.search.settings import CampaignSettings
+
+
+def state(generation: int, n_evaluations: int = 0, n_failures: int = 0) -> Progress:
+    return Progress(
+        generation=generation,
+        best=12.0,
+        mean=3.456,
+        n_evaluations=n_evaluations,
+        n_failures=n_failures,
+        front_size=1,
+    )
+
+
+def ticking(seconds: float) -> Iterator[float]:
+    now = 0.0
+    while True:
+        yield now
+        now += seconds
+
+
+@pytest.mark.parametrize(
+    ("settings", "at", "share"),
+    [
+        (CampaignSettings(generations=0), state(0), 1.0),
+        (CampaignSettings(generations=3), state(0), 0.25),
+        (CampaignSettings(generations=3), state(3), 1.0),
+        (CampaignSettings(evaluations=40), state(7, n_evaluations=9, n_failures=1), 0.25),
+    ],
+)
+def test_share_done_counts_generations_or_evaluations(
+    settings: CampaignSettings, at: Progress, share: float
+) -> None:
+    assert share_done(settings, at) == share
+
+
+def test_a_line_has_generation_best_mean_and_time_left(capfd: pytest.CaptureFixture[str]) -> None:
+    clock = ticking(65.0)
+    lines = PlainLines(CampaignSettings(generations=1), lambda: next(clock))
+
+    lines(state(0, n_evaluations=20))
+
+    assert capfd.readouterr() == (
+        "",
+        "generation 0/1  best 12.00  mean 3.46  evaluations 20  left 1:05\n",
+    )
+
+
+def test_a_long_search_prints_some_hundred_lines_and_always_the_last(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    clock = ticking(1.0)
+    lines = PlainLines(CampaignSettings(generations=5000), lambda: next(clock))
+
+    for generation in range(5001):
+        lines(state(generation))
+
+    printed = capfd.readouterr().err.splitlines()
+    assert 90 <= len(printed) <= 102
+    assert printed[-1].startswith("generation 5000/5000")

@@ -1,0 +1,111 @@
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from support_cli import MISSION, command_line, edit, mrsfi, mrsfi_json, stop_specification
+
+VIOLATIONS = ("believed", "true", "phantom", "masked")
+
+
+def test_without_faults_no_goal_is_violated_and_every_sample_target_reached(place: Path) -> None:
+    goals = mrsfi_json("simulate", MISSION, "--no-faults", "--seed", "5", cwd=place)["goals"]
+
+    assert [goal["id"] for goal in goals] == ["g1", "g2", "g3", "g4", "g5", "g6"]
+    assert all(goal[kind] == 0 for goal in goals for kind in VIOLATIONS)
+    assert [goal["samples"] >= n for goal, n in zip(goals[3:], (250, 400, 500), strict=True)] == [
+        True,
+        True,
+        True,
+    ]
+
+
+def test_the_table_names_every_goal_and_its_task(place: Path) -> None:
+    text = mrsfi("simulate", MISSION, cwd=place).stdout
+
+    for goal, task in (("g1", "AvoidCollision"), ("g6", "GatherSamples")):
+        assert any(goal in line and task in line for line in text.splitlines())
+    assert max(map(len, text.splitlines())) <= 100
+
+
+def test_a_hand_written_specification_is_flown(place: Path) -> None:
+    stop_specification(place / "models" / MISSION / "stop.xmi", [(100, 900)])
+
+    flight = mrsfi_json("simulate", MISSION, "--faults", f"models/{MISSION}/stop.xmi", cwd=place)
+
+    (fault,) = flight["faults"]
+    assert (fault["type"], fault["start"], fault["finish"]) == ("StopRobot", 100, 900)
+    assert fault["applied"] == 801
+    assert any(goal["believed"] for goal in flight["goals"])
+
+
+@pytest.mark.parametrize(
+    "windows", [[(100, 200), (150, 300)], [None]], ids=["overlap", "no window"]
+)
+def test_a_specification_that_cannot_be_flown_ends_with_5(
+    windows: list[tuple[int, int] | None], place: Path
+) -> None:
+    path = stop_specification(place / "models" / MISSION / "bad.xmi", windows)
+
+    error = mrsfi("simulate", MISSION, "--faults", path, cwd=place, expected=5).stderr
+
+    assert "h1" in error
+
+
+def test_log_and_trace_have_every_tick(place: Path) -> None:
+    mrsfi("simulate", MISSION, "--log", "flight.log", "--trace", "flight.csv", cwd=place)
+
+    log = (place / "flight.log").read_text(encoding="utf-8").splitlines()
+    trace = (place / "flight.csv").read_text(encoding="utf-8").splitlines()
+    assert sum(line.startswith("tick ") for line in log) == 1000
+    assert len(trace) == 1 + 1000
+
+
+def test_stale_generated_code_is_not_flown(place: Path) -> None:
+    edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
+
+    assert "mrsfi generate" in mrsfi("simulate", MISSION, cwd=place, expected=4).stderr
+
+
+def test_a_region_that_fails_ends_with_6_and_names_the_tick(place: Path) -> None:
+    edit(
+        place / "generated" / MISSION / "collective_intelligence.py",
+        "return tasks.avoid_collision_violated(ci, G1)",
+        "return 1 // (ci.mission.tick - 7) == 0",
+    )
+
+    error = mrsfi("simulate", MISSION, cwd=place, expected=6).stderr
+
+    assert "tick 7" in error
+    assert "ZeroDivisionError" in error
+
+
+def test_each_fault_is_audited_alone_and_written_as_a_page(place: Path) -> None:
+    rows = mrsfi_json(
+        "simulate", MISSION, "--each-fault", "100:900", "--markdown", "page.md", cwd=place
+    )
+
+    assert [row["fault"] for row in rows] == [f"f{n}" for n in range(1, 31)]
+    assert all(row["applied"] > 0 for row in rows)
+    for row in rows:
+        is_effective = any(row["believed"].values()) or any(row["true"].values())
+        assert is_effective != bool(row["reason"])
+    page = (place / "page.md").read_text(encoding="utf-8")
+    assert page.startswith("# What each fault does alone\n")
+    assert sum(line.startswith("| f") for line in page.splitlines()) == 1 + 30
+
+
+def test_a_reader_that_goes_away_is_no_error(place: Path) -> None:
+    with subprocess.Popen(
+        command_line("simulate", MISSION),
+        cwd=place,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stderr is not None
+        error = process.stderr.read()
+
+    assert error == ""

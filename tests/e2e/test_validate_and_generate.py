@@ -1,0 +1,143 @@
+from pathlib import Path
+
+from support_cli import MISSION, contents, edit, mrsfi, mrsfi_json, stop_specification
+
+
+def test_validate_says_ok_and_how_much_there_is(place: Path) -> None:
+    text = mrsfi("validate", MISSION, cwd=place).stdout
+
+    assert text.splitlines()[-1].startswith(
+        f"ok: {MISSION}: 3 robots, 8 obstacles, 6 goals, 12 messages, 30 faults, "
+    )
+
+
+def test_validate_accepts_the_path_of_a_mission_folder(place: Path, tmp_path: Path) -> None:
+    assert "ok: uuv_sampling" in mrsfi("validate", place / "models" / MISSION, cwd=tmp_path).stdout
+
+
+def test_validate_as_json_has_counts_and_diagnostics(place: Path) -> None:
+    found = mrsfi_json("validate", MISSION, cwd=place)
+
+    assert found["mission"] == MISSION
+    assert found["n_errors"] == 0
+    assert len(found["diagnostics"]) == found["n_warnings"]
+
+
+def test_validate_of_a_broken_model_ends_with_3_and_names_the_line(place: Path) -> None:
+    mission = place / "models" / MISSION / "mission.xmi"
+    edit(mission, 'name="LEN" speed="5.0"', 'name="LEN" speed="fast"')
+    line = next(
+        number
+        for number, text in enumerate(mission.read_text(encoding="utf-8").splitlines(), 1)
+        if 'speed="fast"' in text
+    )
+
+    text = mrsfi("validate", MISSION, cwd=place, expected=3).stdout
+
+    assert f"mission.xmi:{line}: error: " in text
+    assert "1 error" in text.splitlines()[-1]
+
+
+def test_validate_reports_a_file_that_is_no_xml(place: Path) -> None:
+    (place / "models" / MISSION / "mission.xmi").write_text("no XML at all", encoding="utf-8")
+
+    assert "mission.xmi:1: error: " in mrsfi("validate", MISSION, cwd=place, expected=3).stdout
+
+
+def test_validate_checks_a_written_specification(place: Path) -> None:
+    models = place / "models" / MISSION
+    sound = stop_specification(models / "sound.xmi", [(100, 200)])
+    broken = stop_specification(models / "broken.xmi", [(100, 200)])
+    edit(broken, "#r1", "#r77")
+
+    assert mrsfi("validate", sound, cwd=place).stdout.startswith("ok: ")
+    assert "r77" in mrsfi("validate", broken, cwd=place, expected=3).stdout
+
+
+def test_generate_into_an_empty_folder_gives_the_committed_code(place: Path) -> None:
+    text = mrsfi("generate", MISSION, "--generated", "fresh", cwd=place).stdout
+
+    committed = contents(place / "generated" / MISSION)
+    fresh = contents(place / "fresh")
+    assert {name: content for name, (content, _) in fresh.items()} == {
+        name: content for name, (content, _) in committed.items()
+    }
+    assert "written    fresh/simulation.py" in text
+
+
+def test_a_second_generation_writes_nothing(place: Path) -> None:
+    before = contents(place)
+
+    text = mrsfi("generate", MISSION, cwd=place).stdout
+
+    assert contents(place) == before
+    assert "written" not in text
+    assert "unchanged  generated/uuv_sampling/mission_loader.py" in text
+
+
+def test_generate_check_ends_with_4_when_a_model_changed_and_writes_nothing(place: Path) -> None:
+    assert "fresh" in mrsfi("generate", MISSION, "--check", cwd=place).stdout
+    edit(place / "models" / MISSION / "mission.xmi", 'name="LEN"', 'name="LENA"')
+    before = contents(place)
+
+    error = mrsfi("generate", MISSION, "--check", cwd=place, expected=4).stderr
+
+    assert "mission_loader.py" in error
+    assert "mrsfi generate" in error
+    assert contents(place) == before
+
+
+def test_generate_diff_shows_only_the_lines_that_mean_the_change(place: Path) -> None:
+    edit(place / "models" / MISSION / "mission.xmi", 'name="LEN"', 'name="LENA"')
+    before = contents(place)
+
+    text = mrsfi("generate", MISSION, "--diff", cwd=place).stdout
+
+    assert "-" in text
+    assert any(line.startswith("+") and "LENA" in line for line in text.splitlines())
+    assert contents(place) == before
+
+
+def test_generate_of_a_broken_model_ends_with_3_and_writes_nothing(place: Path) -> None:
+    edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="fast"')
+    before = contents(place)
+
+    mrsfi("generate", MISSION, cwd=place, expected=3)
+
+    assert contents(place) == before
+
+
+def test_deleting_a_goal_with_hand_written_code_ends_with_4_and_keeps_the_file(place: Path) -> None:
+    code = place / "generated" / MISSION / "collective_intelligence.py"
+    edit(
+        code,
+        "return tasks.gather_samples_violated(ci, G6)",
+        "return ci.mission.tick > 900 and tasks.gather_samples_violated(ci, G6)",
+    )
+    mission = place / "models" / MISSION / "mission.xmi"
+    text = mission.read_text(encoding="utf-8")
+    first = text.index('  <goals ID="g6"')
+    last = text.index("</goals>", first) + len("</goals>\n")
+    mission.write_text(text[:first] + text[last:], encoding="utf-8")
+    faults = place / "models" / MISSION / "faults.xmi"
+    edit(faults, "#m12", "#m11")
+    before = contents(place / "generated")
+
+    error = mrsfi("generate", MISSION, cwd=place, expected=4).stderr
+
+    assert "collective_intelligence.py" in error
+    assert "g6" in error
+    assert contents(place / "generated") == before
+
+
+def test_a_goal_that_is_violated_without_faults_is_worth_a_warning(place: Path) -> None:
+    mission = place / "models" / MISSION / "mission.xmi"
+    edit(mission, 'targetSampleNumber="500"', 'targetSampleNumber="5000"')
+    mrsfi("generate", MISSION, cwd=place)
+
+    found = mrsfi_json("validate", MISSION, cwd=place)
+
+    assert found["n_errors"] == 0
+    assert [
+        d["element"] for d in found["diagnostics"] if d["constraint"] == "FaultFreeMission"
+    ] == ["goals 'g6'"]

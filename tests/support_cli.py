@@ -1,0 +1,134 @@
+"""Run the command line in a process of its own, and workspaces to run it in."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+MISSION = "uuv_sampling"
+SMALL = ("--population", "4", "--generations", "2", "--workers", "1")
+"""Options of a campaign that takes a second."""
+
+_SPECIFICATION = """<?xml version="1.0" encoding="ASCII"?>
+<faults:FaultSpecification xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" \
+xmlns:faults="http://mrsfi.org/faults/1.0" ID="byhand">
+{faults}</faults:FaultSpecification>
+"""
+_STOP = """  <faults ID="{id}" name="stop"{window}>
+    <stopRobot>
+      <affectedRobot href="mission.xmi#r1"/>
+    </stopRobot>
+  </faults>
+"""
+
+
+def mrsfi(
+    *arguments: str | Path, cwd: Path, expected: int = 0, timeout: float = 120.0
+) -> subprocess.CompletedProcess[str]:
+    """Run ``mrsfi`` and require its exit code and that no traceback is seen.
+
+    Only where the mission's own code fails (6) may its traceback be part of the message.
+    """
+    done = subprocess.run(
+        command_line(*arguments),
+        check=False,
+        cwd=cwd,
+        capture_output=True,
+        encoding="utf-8",
+        timeout=timeout,
+    )
+    assert done.returncode == expected, done.stdout + done.stderr
+    assert expected == 6 or "Traceback" not in done.stdout + done.stderr
+    return done
+
+
+def command_line(*arguments: str | Path) -> list[str]:
+    """Return the words that run ``mrsfi`` with this Python."""
+    return [sys.executable, "-m", "mrsfi_runtime.cli.main", *map(str, arguments)]
+
+
+def mrsfi_json(*arguments: str | Path, cwd: Path) -> Any:
+    """Run ``mrsfi … --json`` and return what it printed."""
+    return json.loads(mrsfi(*arguments, "--json", cwd=cwd).stdout)
+
+
+def interrupted(*arguments: str | Path, cwd: Path, sign: str) -> subprocess.CompletedProcess[str]:
+    """Run ``mrsfi``, and press Ctrl-C once it wrote the sign to standard error."""
+    with subprocess.Popen(
+        command_line(*arguments),
+        cwd=cwd,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+        start_new_session=True,
+    ) as process:
+        assert process.stderr is not None
+        seen = []
+        for line in process.stderr:
+            seen.append(line)
+            if sign in line:
+                break
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does: the workers get it too
+        output, rest = process.communicate(timeout=60)
+    return subprocess.CompletedProcess(
+        process.args, process.returncode, output, "".join(seen) + rest
+    )
+
+
+def workspace(folder: Path) -> Path:
+    """Copy models and generated code of the paper's mission into a folder."""
+    for name in ("models", "generated"):
+        shutil.copytree(
+            ROOT / name / MISSION,
+            folder / name / MISSION,
+            ignore=shutil.ignore_patterns("__pycache__"),
+        )
+    return folder
+
+
+def edit(path: Path, found: str, replaced: str) -> None:
+    """Replace text that stands in a file."""
+    text = path.read_text(encoding="utf-8")
+    assert found in text
+    path.write_text(text.replace(found, replaced), encoding="utf-8")
+
+
+def stop_specification(path: Path, windows: Sequence[tuple[int, int] | None]) -> Path:
+    """Write a specification that stops robot r1 in some windows, or without one."""
+    faults = "".join(
+        _STOP.format(
+            id=f"h{number}",
+            window="" if window is None else f' start="{window[0]}" finish="{window[1]}"',
+        )
+        for number, window in enumerate(windows, 1)
+    )
+    path.write_text(_SPECIFICATION.format(faults=faults), encoding="ascii")
+    return path
+
+
+def contents(folder: Path) -> Mapping[str, tuple[bytes, int]]:
+    """Return content and modification time of every file below a folder."""
+    return {
+        str(path.relative_to(folder)): (path.read_bytes(), path.stat().st_mtime_ns)
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.parent.name != "__pycache__"
+    }
+
+
+def require_program(name: str) -> str:
+    """Return the path of a program, or skip the test; in continuous integration, fail it."""
+    path = shutil.which(name)
+    if path is None:
+        message = f"needs the program '{name}'"
+        if os.environ.get("MRSFI_CI"):
+            pytest.fail(message)
+        pytest.skip(message)
+    return path
