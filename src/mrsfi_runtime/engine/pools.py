@@ -9,6 +9,7 @@ import traceback
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from multiprocessing import get_context
@@ -90,11 +91,23 @@ class WorkerPool:
             return [_attempt(self._engine, specification) for specification in specifications]
         chunks = _chunks(specifications, 4 * self._n_workers)
         try:
-            results = list(self._executor.map(self._evaluate_chunk, chunks))
+            with _interrupts_held():
+                results = self._executor.map(self._evaluate_chunk, chunks)
+            outcomes = [outcome for chunk in results for outcome in chunk]
         except BrokenProcessPool as error:
             message = "a worker process died; resume the campaign, or use --workers 1 to see why"
             raise EvaluationError(message) from error
-        return [outcome for chunk in results for outcome in chunk]
+        return outcomes
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Hold Ctrl-C back while workers start: they inherit that, and it never hits them half-made."""
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, held)
 
 
 def _chunks(

@@ -9,6 +9,8 @@ Source paper, section III-G and Figure 4.
 """
 
 import hashlib
+import traceback
+from pathlib import Path
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError
 from mrsfi_runtime.hosting.ci_host import CiHost
@@ -77,13 +79,23 @@ class ReferenceEngine:
         except MrsfiError:
             raise
         except Exception as error:
-            tick = ci.belief.mission.tick
+            tick = self._simulation.world.mission.tick
             message = (
-                f"mission '{code.mission.name}' failed at tick {tick}: "
-                f"{type(error).__name__}: {error}"
+                f"{_place(error, code.directory)}mission '{code.mission.name}' failed at tick "
+                f"{tick}: {type(error).__name__}: {error}; correct the region"
             )
             raise EvaluationError(message) from error
         return _outcome(violations, self._simulation.world, ci.belief, laid_out)
+
+
+def _place(error: Exception, directory: Path) -> str:
+    """Return file and line of the generated code in which an error arose, for a message."""
+    frames = traceback.extract_tb(error.__traceback__)
+    for frame in reversed(frames):
+        path = Path(frame.filename)
+        if path.parent == directory.absolute():
+            return f"{directory / path.name}:{frame.lineno}: "
+    return ""
 
 
 def _outcome(violations: Violations, world: State, belief: State, laid_out: Plan) -> Outcome:

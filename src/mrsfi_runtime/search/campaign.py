@@ -236,10 +236,11 @@ class _Assessment:
 
     def _require_few_failures(self, latest: Sequence[tuple[Specification, str]]) -> None:
         if latest and self._n_failures >= self._settings.max_failures:
+            reason = latest[-1][1].rstrip().rpartition("\n")[2].partition(": ")[2]
             message = (
                 f"{self._n_failures} evaluations failed; max_failures is "
                 f"{self._settings.max_failures}. All are recorded with their tracebacks; "
-                f"the last one:\n{latest[-1][1]}"
+                f"the last one: {reason}"
             )
             raise EvaluationError(message)
 

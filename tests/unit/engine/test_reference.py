@@ -47,12 +47,17 @@ def test_any_python_is_allowed_in_a_region(tmp_path):
     assert ReferenceEngine(code, 1).evaluate(()).believed == (0,) * 6
 
 
-def test_an_error_in_a_region_names_mission_tick_and_cause(tmp_path):
+def test_an_error_in_a_region_names_its_line_mission_tick_and_cause(tmp_path):
     body = "    return 1 // (500 - ci.mission.tick) > 9\n"
-    code = load_code(edited(tmp_path, "g2.check", body))
+    folder = edited(tmp_path, "g2.check", body)
+    path = folder / "collective_intelligence.py"
+    line = path.read_text(encoding="utf-8").splitlines().index(body.rstrip()) + 1
 
-    with pytest.raises(EvaluationError, match="'1000' failed at tick 499: ZeroDivisionError"):
-        ReferenceEngine(code, 1).evaluate(())
+    with pytest.raises(EvaluationError) as failed:
+        ReferenceEngine(load_code(folder), 1).evaluate(())
+
+    expected = f"{path}:{line}: mission '1000' failed at tick 500: ZeroDivisionError: "
+    assert str(failed.value).startswith(expected)
 
 
 def test_a_region_that_does_not_compile_is_named_with_its_file(tmp_path):

@@ -171,13 +171,17 @@ def test_a_failed_evaluation_is_recorded_and_the_run_goes_on() -> None:
         assert all(0 <= index < len(recorder.evaluations) for index in generation.population)
 
 
-def test_too_many_failures_end_the_run_with_the_last_traceback() -> None:
+def test_too_many_failures_end_the_run_with_the_last_reason() -> None:
     run = Run(
         CampaignSettings(max_failures=3),
-        lambda specifications: [Failed("Traceback: always")] * len(specifications),
+        lambda specifications: (
+            [Failed("Traceback:\n  somewhere\nErr: always")] * len(specifications)
+        ),
     )
 
-    with pytest.raises(EvaluationError, match=r"20 evaluations failed; max_failures is 3.*\n.*alw"):
+    with pytest.raises(
+        EvaluationError, match=r"20 evaluations failed; max_failures is 3.*one: always$"
+    ):
         run.start()
 
     assert len(run.recorder.failures) == 20
