@@ -46,6 +46,18 @@ def test_replay_of_all_confirms_every_evaluation(campaign: Path, tmp_path: Path)
     }
 
 
+def test_a_critical_specification_flies_as_its_evaluation_did(campaign: Path, place: Path) -> None:
+    best = mrsfi_json("replay", campaign, "--best", cwd=place)
+
+    flown = mrsfi_json("simulate", "uuv_sampling", "--faults", critical(campaign), cwd=place)
+
+    assert flown["digest"] == best["digest"]
+
+
+def critical(campaign: Path) -> Path:
+    return campaign / "critical" / "01.xmi"
+
+
 def test_a_forged_digest_ends_with_7(campaign: Path, tmp_path: Path) -> None:
     execute(campaign, "UPDATE evaluation SET digest = 'forged' WHERE idx = 2")
 
