@@ -7,7 +7,7 @@ the kernel's own code.
 import pytest
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.model.fault_types import FAULT_TYPES, Mode, Property
+from mrsfi_runtime.model.fault_types import FAULT_TYPES, Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from mrsfi_runtime.model.targets import touched
 from support_world import paper_code
@@ -36,16 +36,16 @@ class Flight:
     def _values(state):
         values = {}
         for i, robot in enumerate(state.robots):
-            values[Property.POSITION, i] = (robot.x, robot.y)
-            values[Property.SPEED, i] = robot.speed
-            values[Property.ENERGY, i] = robot.energy
+            values[Field.POSITION, i] = (robot.x, robot.y)
+            values[Field.SPEED, i] = robot.speed
+            values[Field.ENERGY, i] = robot.energy
         for k, sensor in enumerate(state.sensors):
-            values[Property.COUNT, k] = sensor.count
-            values[Property.RATE, k] = sensor.rate
-            values[Property.COST, k] = sensor.cost
-            values[Property.ACTIVATION, k] = sensor.active
+            values[Field.COUNT, k] = sensor.count
+            values[Field.RATE, k] = sensor.rate
+            values[Field.COST, k] = sensor.cost
+            values[Field.ACTIVATION, k] = sensor.active
         for o, obstacle in enumerate(state.obstacles):
-            values[Property.OBSTACLE, o] = (obstacle.x, obstacle.y)
+            values[Field.OBSTACLE, o] = (obstacle.x, obstacle.y)
         return values
 
 
@@ -68,7 +68,7 @@ def test_the_pool_holds_every_fault_type_once():
 REPORTS = [
     kind.name
     for kind in FAULT_TYPES.values()
-    if kind.affected not in (None, Property.MOTION, Property.ACTIVATION)
+    if kind.affected not in (None, Field.MOTION, Field.ACTIVATION)
 ]
 
 
@@ -169,7 +169,7 @@ def test_a_delay_longer_than_its_window_lets_nothing_through():
 
     _, flight = fly(fault)
 
-    key = (Property.POSITION, CODE.mission.robot_index["r2"])
+    key = (Field.POSITION, CODE.mission.robot_index["r2"])
     for tick in range(START, FINISH + 1):
         assert flight.believed[tick][key] == flight.true[START - 1][key]
     assert flight.believed[FINISH + 1][key] == flight.true[FINISH + 1][key]
@@ -206,7 +206,7 @@ def test_a_forged_speed_holds_from_the_motion_of_start_to_that_of_finish(name, f
 
     assert outcome.applied == (FINISH - START + 1,)
     for tick in range(1, DURATION):
-        speed = flight.true[tick][Property.SPEED, robot]
+        speed = flight.true[tick][Field.SPEED, robot]
         own = flight.commanded[tick - 1][robot]
         assert speed == (forced if START <= tick <= FINISH else own), tick
 
@@ -219,7 +219,7 @@ def test_a_forged_activation_holds_from_the_motion_of_start_to_that_of_finish(na
 
     assert outcome.applied == (FINISH - START + 1,)
     for tick in range(1, DURATION):
-        active = flight.true[tick][Property.ACTIVATION, sensor]
+        active = flight.true[tick][Field.ACTIVATION, sensor]
         own = flight.forced[tick - 1][sensor]
         assert active == (forced if START <= tick <= FINISH else own), tick
 
@@ -230,9 +230,9 @@ def test_a_sensor_forced_off_takes_no_samples_and_costs_nothing():
     _, flight = fly(Fault("off", "DeactivateSensor", "s4"))
     _, free = fly(Fault("none", "StartRobot", "r2"))
 
-    counts = {flight.true[tick][Property.COUNT, sensor] for tick in range(START, FINISH + 1)}
+    counts = {flight.true[tick][Field.COUNT, sensor] for tick in range(START, FINISH + 1)}
     assert len(counts) == 1
-    saved = flight.true[FINISH][Property.ENERGY, robot] - free.true[FINISH][Property.ENERGY, robot]
+    saved = flight.true[FINISH][Field.ENERGY, robot] - free.true[FINISH][Field.ENERGY, robot]
     assert saved == (FINISH - START + 1) * 5 * 2.0
 
 
@@ -241,7 +241,7 @@ def test_a_robot_whose_gps_is_forced_off_is_believed_where_it_was():
 
     _, flight = fly(Fault("blind", "DeactivateSensor", "s5"))
 
-    key = (Property.POSITION, robot)
+    key = (Field.POSITION, robot)
     for tick in range(START, FINISH + 1):
         assert flight.believed[tick][key] == flight.true[START - 1][key]
     assert flight.believed[FINISH + 1][key] == flight.true[FINISH + 1][key]
@@ -256,7 +256,7 @@ def test_a_forged_command_acts_from_the_very_first_motion():
     )
 
     robot = CODE.mission.robot_index["r1"]
-    speeds = [flight.true[tick][Property.SPEED, robot] for tick in range(4)]
+    speeds = [flight.true[tick][Field.SPEED, robot] for tick in range(4)]
     assert speeds[:3] == [0.0, 0.0, 0.0]
     assert speeds[3] > 0.0
 
@@ -277,4 +277,4 @@ def test_a_rate_fault_touches_the_sensor_of_its_goal_or_else_all_of_its_sender(m
     targets = touched(CODE.mission, fault)
 
     index = CODE.mission.sensor_index
-    assert targets == tuple((Property.RATE, index[sensor]) for sensor in sensors)
+    assert targets == tuple((Field.RATE, index[sensor]) for sensor in sensors)

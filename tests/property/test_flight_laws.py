@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.fault_types import Property
+from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.targets import require_no_overlap, touched
 from mrsfi_runtime.record.trace import TraceDigest
@@ -80,22 +80,22 @@ def test_what_no_active_fault_touches_is_believed_as_it_is(specification, seed):
         }
         for index, (real, known) in enumerate(zip(world.robots, belief.robots, strict=True)):
             is_reported = world.sensors[real.gps].active == 1
-            if (Property.POSITION, index) not in active and is_reported:
+            if (Field.POSITION, index) not in active and is_reported:
                 assert (known.x, known.y, known.z) == (real.x, real.y, real.z)
-            if (Property.SPEED, index) not in active:
+            if (Field.SPEED, index) not in active:
                 assert known.speed == real.speed
-            if (Property.ENERGY, index) not in active:
+            if (Field.ENERGY, index) not in active:
                 assert known.energy == real.energy
         for index, (real, known) in enumerate(zip(world.sensors, belief.sensors, strict=True)):
             assert known.active == real.active
-            if (Property.COUNT, index) not in active:
+            if (Field.COUNT, index) not in active:
                 assert known.count == real.count
-            if (Property.RATE, index) not in active:
+            if (Field.RATE, index) not in active:
                 assert known.rate == real.nominal_rate
-            if (Property.COST, index) not in active:
+            if (Field.COST, index) not in active:
                 assert known.cost == real.nominal_cost
         for index, obstacle in enumerate(belief.obstacles):
-            if (Property.OBSTACLE, index) not in active:
+            if (Field.OBSTACLE, index) not in active:
                 assert (obstacle.x, obstacle.y) == (obstacle.model_x, obstacle.model_y)
 
     ReferenceEngine(CODE, seed).evaluate(specification, observer=watch)

@@ -1,15 +1,22 @@
 """Effect audit: every fault of a pool alone, what it changed, and what became of each goal."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.kernel.initial import TASK_NUMBERS
 from mrsfi_runtime.kernel.state import GoalState, State
-from mrsfi_runtime.kernel.tasks import ROBOT_RADIUS, distance, energy_reserve, sample_reserve
-from mrsfi_runtime.model.fault_types import Property
+from mrsfi_runtime.kernel.tasks import (
+    AVOID_COLLISION,
+    GATHER_SAMPLES,
+    ROBOT_RADIUS,
+    SUFFICIENT_ENERGY,
+    distance,
+    energy_reserve,
+    sample_reserve,
+)
+from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, TimedFault
-from mrsfi_runtime.model.mission import AvoidCollision, GatherSamples, Mission, SufficientEnergy
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import Target, touched
 
@@ -39,13 +46,13 @@ class Reserves:
         del world, true, believed
         for goal in belief.goals:
             members = range(goal.first_member, goal.first_member + goal.n_members)
-            if goal.task == TASK_NUMBERS[SufficientEnergy]:
+            if goal.task == SUFFICIENT_ENERGY:
                 for m in members:
                     reserve = energy_reserve(belief, belief.members[m].robot)
                     self.energy = min(self.energy, reserve)
-            elif goal.task == TASK_NUMBERS[GatherSamples] and goal.count < goal.target:
+            elif goal.task == GATHER_SAMPLES and goal.count < goal.target:
                 self.samples = min(self.samples, sample_reserve(belief, goal))
-            elif goal.task == TASK_NUMBERS[AvoidCollision]:
+            elif goal.task == AVOID_COLLISION:
                 self.gap = min([self.gap, *_gaps(belief, goal)])
 
 
@@ -83,7 +90,7 @@ class AuditRow:
     touched: tuple[str, ...]
     outcome: Outcome
     differs: tuple[str, ...]
-    reason: str = field(default="")
+    reason: str = ""
 
 
 def audit(engine: ReferenceEngine, start: int, finish: int) -> tuple[AuditRow, ...]:
@@ -119,9 +126,14 @@ def audit(engine: ReferenceEngine, start: int, finish: int) -> tuple[AuditRow, .
 def describe(mission: Mission, target: Target) -> str:
     """Return a target in words, for example ``r3 energy`` or ``s4 count``."""
     affected, index = target
-    if affected in (Property.COUNT, Property.RATE, Property.COST, Property.ACTIVATION):
+    if affected in (
+        Field.COUNT,
+        Field.RATE,
+        Field.COST,
+        Field.ACTIVATION,
+    ):
         owner = mission.sensors[index].id
-    elif affected is Property.OBSTACLE:
+    elif affected is Field.OBSTACLE:
         owner = mission.obstacles[index].id
     else:
         owner = mission.robots[index].id
@@ -137,15 +149,15 @@ def _reason(targets: Sequence[Target], outcome: Outcome, reserves: Reserves) -> 
     affected = {target[0] for target in targets}
     reasons = []
     if affected & {
-        Property.SPEED,
-        Property.ENERGY,
-        Property.RATE,
-        Property.COST,
-        Property.ACTIVATION,
+        Field.SPEED,
+        Field.ENERGY,
+        Field.RATE,
+        Field.COST,
+        Field.ACTIVATION,
     }:
         reasons.append(f"energy reserve stayed at {reserves.energy:.0f} or more")
-    if affected & {Property.COUNT, Property.RATE}:
+    if affected & {Field.COUNT, Field.RATE}:
         reasons.append(f"sample forecast stayed {reserves.samples:.0f} or more above target")
-    if affected & {Property.POSITION, Property.OBSTACLE}:
+    if affected & {Field.POSITION, Field.OBSTACLE}:
         reasons.append(f"believed gap stayed at {reserves.gap:.0f} or more")
     return "; ".join(reasons) or "the goals allow for it"

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from mrsfi_runtime.kernel import tasks
 from mrsfi_runtime.kernel.directions import COSINES, N_DIRECTIONS, SINES
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
 from mrsfi_runtime.kernel.state import (
@@ -36,15 +37,15 @@ from mrsfi_runtime.model.mission import (
 
 TASK_NUMBERS: Mapping[type[Task], int] = MappingProxyType(
     {
-        AvoidCollision: 0,
-        StayWithinMissionArea: 1,
-        SufficientEnergy: 2,
-        GatherSamples: 3,
-        Patrol: 4,
-        Visit: 5,
-        Track: 6,
-        Stay: 7,
-        FixedDistanceBetweenRobots: 8,
+        AvoidCollision: tasks.AVOID_COLLISION,
+        StayWithinMissionArea: tasks.STAY_WITHIN,
+        SufficientEnergy: tasks.SUFFICIENT_ENERGY,
+        GatherSamples: tasks.GATHER_SAMPLES,
+        Patrol: tasks.PATROL,
+        Visit: tasks.VISIT,
+        Track: tasks.TRACK,
+        Stay: tasks.STAY,
+        FixedDistanceBetweenRobots: tasks.FIXED_DISTANCE,
     }
 )
 

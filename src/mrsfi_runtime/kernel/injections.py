@@ -7,7 +7,7 @@ Source paper, sections III-B b) and III-G; DESIGN of the fault effects in docs/s
 
 from dataclasses import dataclass
 
-from mrsfi_runtime.model.fault_types import Mode, Property
+from mrsfi_runtime.model.fault_types import Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import Target, touched
@@ -17,7 +17,7 @@ from mrsfi_runtime.model.targets import Target, touched
 class InjectionState:
     """One property of one target under one fault, active for ``start <= tick <= finish``.
 
-    ``affected`` and ``mode`` are numbers of ``Property`` and ``Mode``; ``a``, ``b``, ``c`` the
+    ``affected`` and ``mode`` are numbers of ``Field`` and ``Mode``; ``a``, ``b``, ``c`` the
     fault's values. A delay of ``n_held`` ticks keeps what is under way in a ring of ``Plan.held``
     from ``first_held`` on, three entries a tick; 0 means that nothing arrives in the window.
     ``kept_…`` is what was believed before this tick's delivery.
@@ -113,9 +113,9 @@ def _reserve(laid_out: Plan, injection: InjectionState) -> None:
 
 
 POSITION, SPEED, ENERGY, COUNT, RATE, COST, OBSTACLE, MOTION, ACTIVATION = (
-    int(affected) for affected in Property
+    int(affected) for affected in Field
 )
-"""Numbers of ``Property`` as plain integers, for the kernel."""
+"""Numbers of ``Field`` as plain integers, for the kernel."""
 
 (
     DELAY,

@@ -10,7 +10,7 @@ Source paper, section III-E b), which leaves the bounds open.
 
 import math
 
-from mrsfi_runtime.model.fault_types import Mode, Parameter, Property
+from mrsfi_runtime.model.fault_types import Field, Mode, Parameter
 from mrsfi_runtime.model.faults import Fault
 from mrsfi_runtime.model.mission import Mission, Robot
 from mrsfi_runtime.model.targets import touched
@@ -63,7 +63,7 @@ def _default_bounds(mission: Mission, fault: Fault, parameter: Parameter) -> tup
         return 1.0, float(mission.duration)
     if kind.mode in _PERCENT_MODES:
         return 0.0, 100.0
-    if kind.affected in (Property.POSITION, Property.OBSTACLE):
+    if kind.affected in (Field.POSITION, Field.OBSTACLE):
         center, reach = mission.area.center, _REACH * mission.area.radius
         middle = center.x if parameter.name == "NEW_X" else center.y
         return middle - reach, middle + reach
@@ -73,19 +73,17 @@ def _default_bounds(mission: Mission, fault: Fault, parameter: Parameter) -> tup
 def _largest(mission: Mission, fault: Fault) -> float:
     """Return the default upper bound of an energy, speed, rate or cost."""
     affected = fault.kind.affected
-    if affected in (Property.RATE, Property.COST):
+    if affected in (Field.RATE, Field.COST):
         sensors = [mission.sensors[index] for _, index in touched(mission, fault)]
         nominal = (
-            float(sensor.samples_per_second)
-            if affected is Property.RATE
-            else sensor.energy_per_sample
+            float(sensor.samples_per_second) if affected is Field.RATE else sensor.energy_per_sample
             for sensor in sensors
         )
         return _EXCESS * max(nominal, default=0.0)
     robot = _sender(mission, fault)
     if robot is None:
         return 0.0
-    return robot.total_energy if affected is Property.ENERGY else _EXCESS * robot.speed
+    return robot.total_energy if affected is Field.ENERGY else _EXCESS * robot.speed
 
 
 def _sender(mission: Mission, fault: Fault) -> Robot | None:

@@ -14,7 +14,7 @@ from enum import IntEnum
 from types import MappingProxyType
 
 
-class Property(IntEnum):
+class Field(IntEnum):
     """What a fault can touch; with the index of its robot, sensor or obstacle: a target."""
 
     POSITION = 0  # believed position of a robot
@@ -69,23 +69,23 @@ class FaultType:
 
     name: str
     mode: Mode
-    affected: Property | None
+    affected: Field | None
     parameters: tuple[Parameter, ...] = ()
 
     @property
     def targets(self) -> str:
         """Kind of model element that the fault refers to: message, robot, sensor or obstacle."""
-        if self.affected is Property.MOTION:
+        if self.affected is Field.MOTION:
             return "robot"
-        if self.affected is Property.ACTIVATION:
+        if self.affected is Field.ACTIVATION:
             return "sensor"
-        if self.affected is Property.OBSTACLE:
+        if self.affected is Field.OBSTACLE:
             return "obstacle"
         return "message"
 
 
 def _value_types(
-    suffix: str, affected: Property, *, is_integer: bool, by_percentage: bool
+    suffix: str, affected: Field, *, is_integer: bool, by_percentage: bool
 ) -> tuple[FaultType, ...]:
     """Return the five types that falsify one reported value."""
     random_bounds = tuple(Parameter(name, evolves=False) for name in ("LOWER_BOUND", "UPPER_BOUND"))
@@ -109,19 +109,19 @@ _ALL = (
     FaultType("DelayMessage", Mode.DELAY, None, (Parameter("DELAY", is_integer=True),)),
     FaultType("BlockMessage", Mode.BLOCK, None, (Parameter("BLOCK_DURATION", is_integer=True),)),
     *_value_types(
-        "RemainingEnergyCapacityReport", Property.ENERGY, is_integer=False, by_percentage=True
+        "RemainingEnergyCapacityReport", Field.ENERGY, is_integer=False, by_percentage=True
     ),
-    *_value_types("SensorEnergyPerSample", Property.COST, is_integer=False, by_percentage=True),
-    *_value_types("Speed", Property.SPEED, is_integer=True, by_percentage=False),
-    *_value_types("SampleRate", Property.RATE, is_integer=True, by_percentage=False),
-    FaultType("FixedRobotCoordinates", Mode.FIXED, Property.POSITION, _NEW_COORDINATES),
-    FaultType("RandomRobotCoordinates", Mode.RANDOM, Property.POSITION),
-    FaultType("FixedObstacleCoordinates", Mode.FIXED, Property.OBSTACLE, _NEW_COORDINATES),
-    FaultType("RandomObstacleCoordinates", Mode.RANDOM, Property.OBSTACLE),
-    FaultType("StopRobot", Mode.STOP, Property.MOTION),
-    FaultType("StartRobot", Mode.START, Property.MOTION),
-    FaultType("DeactivateSensor", Mode.DEACTIVATE, Property.ACTIVATION),
-    FaultType("ActivateSensor", Mode.ACTIVATE, Property.ACTIVATION),
+    *_value_types("SensorEnergyPerSample", Field.COST, is_integer=False, by_percentage=True),
+    *_value_types("Speed", Field.SPEED, is_integer=True, by_percentage=False),
+    *_value_types("SampleRate", Field.RATE, is_integer=True, by_percentage=False),
+    FaultType("FixedRobotCoordinates", Mode.FIXED, Field.POSITION, _NEW_COORDINATES),
+    FaultType("RandomRobotCoordinates", Mode.RANDOM, Field.POSITION),
+    FaultType("FixedObstacleCoordinates", Mode.FIXED, Field.OBSTACLE, _NEW_COORDINATES),
+    FaultType("RandomObstacleCoordinates", Mode.RANDOM, Field.OBSTACLE),
+    FaultType("StopRobot", Mode.STOP, Field.MOTION),
+    FaultType("StartRobot", Mode.START, Field.MOTION),
+    FaultType("DeactivateSensor", Mode.DEACTIVATE, Field.ACTIVATION),
+    FaultType("ActivateSensor", Mode.ACTIVATE, Field.ACTIVATION),
 )
 
 FAULT_TYPES: Mapping[str, FaultType] = MappingProxyType({kind.name: kind for kind in _ALL})

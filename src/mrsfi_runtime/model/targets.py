@@ -14,17 +14,17 @@ from itertools import combinations
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.fault_types import Property
+from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification
 from mrsfi_runtime.model.mission import GatherSamples, Mission
 
-Target: TypeAlias = tuple[Property, int]
+Target: TypeAlias = tuple[Field, int]
 """A property and the index of the robot, sensor or obstacle that has it."""
 
 _ROBOT_FIELDS = {
-    "POSITION": Property.POSITION,
-    "SPEED": Property.SPEED,
-    "ENERGY": Property.ENERGY,
+    "POSITION": Field.POSITION,
+    "SPEED": Field.SPEED,
+    "ENERGY": Field.ENERGY,
 }
 
 
@@ -38,12 +38,12 @@ def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     """
     kind = fault.kind
     try:
-        if kind.affected is Property.OBSTACLE:
-            return ((Property.OBSTACLE, mission.obstacle_index[fault.target]),)
-        if kind.affected is Property.MOTION:
-            return ((Property.MOTION, mission.robot_index[fault.target]),)
-        if kind.affected is Property.ACTIVATION:
-            return ((Property.ACTIVATION, mission.sensor_index[fault.target]),)
+        if kind.affected is Field.OBSTACLE:
+            return ((Field.OBSTACLE, mission.obstacle_index[fault.target]),)
+        if kind.affected is Field.MOTION:
+            return ((Field.MOTION, mission.robot_index[fault.target]),)
+        if kind.affected is Field.ACTIVATION:
+            return ((Field.ACTIVATION, mission.sensor_index[fault.target]),)
         return _touched_by_message(mission, fault)
     except KeyError as error:
         message = (
@@ -62,7 +62,7 @@ def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
         sensor.id: mission.sensor_index[sensor.id] for sensor in mission.robots[robot].sensors
     }
     affected = fault.kind.affected
-    if affected in (Property.RATE, Property.COST):
+    if affected in (Field.RATE, Field.COST):
         task = goal.task
         if isinstance(task, GatherSamples) and task.sensor in sensors:
             return ((affected, sensors[task.sensor]),)
@@ -73,7 +73,7 @@ def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
             carried.append((_ROBOT_FIELDS[entry.name], robot))
         else:
             carried.extend(
-                (Property.COUNT, sensors[sensor.id])
+                (Field.COUNT, sensors[sensor.id])
                 for sensor in mission.robots[robot].sensors
                 if sensor.type == entry.name
             )

@@ -3,7 +3,7 @@
 import pytest
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.fault_types import Property
+from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from mrsfi_runtime.model.targets import conflicts, require_no_overlap, touched
 from support_world import paper_code
@@ -17,16 +17,16 @@ def test_delay_and_block_touch_every_field_of_their_message():
     targets = touched(CODE.mission, Fault("late", "DelayMessage", "m8", (5.0,)))
 
     assert targets == (
-        (Property.POSITION, robot),
-        (Property.SPEED, robot),
-        (Property.ENERGY, robot),
+        (Field.POSITION, robot),
+        (Field.SPEED, robot),
+        (Field.ENERGY, robot),
     )
 
 
 def test_a_sensor_type_in_a_body_means_the_senders_count():
     targets = touched(CODE.mission, Fault("late", "BlockMessage", "m10", (5.0,)))
 
-    assert targets == ((Property.COUNT, CODE.mission.sensor_index["s4"]),)
+    assert targets == ((Field.COUNT, CODE.mission.sensor_index["s4"]),)
 
 
 def test_conflicts_are_mutual_and_follow_the_property_not_the_message():
