@@ -7,7 +7,6 @@ Source paper, sections III-F and III-G (``updateSystemState``).
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.injections import (
-    BLOCK,
     COUNT,
     DELAY,
     ENERGY,
@@ -39,8 +38,8 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
     model says, so that no effect outlives its window.
     """
     tick = ci.mission.tick
-    for injection in plan.injections:
-        if injection.start <= tick <= injection.finish and injection.mode <= BLOCK:
+    for injection in plan.messages:
+        if injection.start <= tick <= injection.finish:
             keep(ci, injection)
     for index in range(len(ci.robots)):
         robot = ci.robots[index]
@@ -60,8 +59,8 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
     for obstacle in ci.obstacles:
         obstacle.x = obstacle.model_x
         obstacle.y = obstacle.model_y
-    for injection in plan.injections:
-        if injection.start <= tick <= injection.finish and injection.mode <= BLOCK:
+    for injection in plan.messages:
+        if injection.start <= tick <= injection.finish:
             hold_back(ci, plan, injection)
 
 

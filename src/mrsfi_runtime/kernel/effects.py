@@ -18,7 +18,6 @@ from mrsfi_runtime.kernel.directions import COSINES, N_DIRECTIONS, SINES
 from mrsfi_runtime.kernel.injections import (
     ACTIVATE,
     ACTIVATION,
-    BLOCK,
     COST,
     DECREMENT,
     DECREMENT_PERCENT,
@@ -26,7 +25,6 @@ from mrsfi_runtime.kernel.injections import (
     FIXED,
     INCREMENT,
     INCREMENT_PERCENT,
-    MOTION,
     OBSTACLE,
     POSITION,
     RANDOM,
@@ -62,12 +60,8 @@ class Orders:
 def falsify(ci: State, inbox: State, plan: Plan) -> None:
     """Apply every active fault that changes a value of the local state."""
     tick = ci.mission.tick
-    for injection in plan.injections:
-        if (
-            injection.start <= tick <= injection.finish
-            and injection.mode > BLOCK
-            and injection.affected <= OBSTACLE
-        ):
+    for injection in plan.reports:
+        if injection.start <= tick <= injection.finish:
             if injection.affected in (POSITION, OBSTACLE):
                 changed = misplace(ci, injection)
             elif injection.affected in (RATE, COST):
@@ -214,8 +208,8 @@ def issue(ci: State, orders: Orders, plan: Plan, tick: int) -> None:
         orders.switches[index].active = ci.switches[index].active
     if tick >= ci.mission.duration:
         return
-    for injection in plan.injections:
-        if injection.start <= tick <= injection.finish and injection.affected >= MOTION:
+    for injection in plan.commands:
+        if injection.start <= tick <= injection.finish:
             forge(ci, orders, plan, injection, tick)
 
 

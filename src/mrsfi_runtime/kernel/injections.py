@@ -51,9 +51,16 @@ class FaultTally:
 
 @dataclass(slots=True)
 class Plan:
-    """All injections of one fault specification."""
+    """All injections of one fault specification, by what they act on.
 
-    injections: list[InjectionState]
+    ``messages`` are delayed and blocked ones, ``reports`` falsify what is believed,
+    ``commands`` are forged. ``held`` is room for delayed messages; ``tallies`` has one entry
+    for each timed fault.
+    """
+
+    messages: list[InjectionState]
+    reports: list[InjectionState]
+    commands: list[InjectionState]
     held: list[float]
     tallies: list[FaultTally]
 
@@ -66,14 +73,18 @@ def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Pla
     SpecificationError
         If a fault is not in the pool, or refers to what the mission does not have.
     """
-    laid_out = Plan([], [], [FaultTally(0, 0, -1, -1) for _ in specification])
+    laid_out = Plan([], [], [], [], [FaultTally(0, 0, -1, -1) for _ in specification])
     for number, timed in enumerate(specification):
         fault = pool[timed.fault]
         for target in touched(mission, fault):
             injection = _injection(number, timed, fault, target)
-            if injection.mode == Mode.DELAY:
+            if injection.mode <= BLOCK:
                 _reserve(laid_out, injection)
-            laid_out.injections.append(injection)
+                laid_out.messages.append(injection)
+            elif injection.affected <= OBSTACLE:
+                laid_out.reports.append(injection)
+            else:
+                laid_out.commands.append(injection)
     return laid_out
 
 
@@ -103,6 +114,8 @@ def _injection(number: int, timed: TimedFault, fault: Fault, target: Target) -> 
 
 def _reserve(laid_out: Plan, injection: InjectionState) -> None:
     """Make room for what a delay holds back; a delay below one tick never becomes active."""
+    if injection.mode == BLOCK:
+        return
     delay = round(injection.a)
     if delay < 1:
         injection.finish = injection.start - 1
