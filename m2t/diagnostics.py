@@ -44,18 +44,86 @@ class Diagnostic:
 
 @dataclass(frozen=True, slots=True)
 class Constraint:
-    """A rule that models keep: how bad it is to break it, and what it asks for."""
+    """A rule that models keep.
+
+    Attributes
+    ----------
+    severity
+        How bad it is to break it.
+    meaning
+        What it asks for.
+    evl
+        File beside the metamodels that states it for Epsilon; empty if none does.
+    reason
+        Why none does; empty if one does.
+    """
 
     severity: Severity
     meaning: str
+    evl: str
+    reason: str
+
+
+_FILE = "says something about the file, of which nothing is left once Eclipse has loaded it"
+_REFUSED = "Eclipse refuses to load such a file"
+_DROPPED = "Eclipse drops what is wrong while it loads the file, without a word"
+
+_REASONS: Mapping[str, str] = MappingProxyType(
+    {
+        "ReadableFile": _FILE,
+        "FileSize": _FILE,
+        "WellFormedXml": _REFUSED,
+        "NoDocumentType": _FILE,
+        "RootElement": _FILE,
+        "KnownFeature": _REFUSED,
+        "NoText": _DROPPED,
+        "SingleValue": _DROPPED,
+        "ConcreteType": _REFUSED,
+        "ContainedElement": _FILE,
+        "NumberSyntax": _REFUSED,
+        "EnumLiteral": _REFUSED,
+        "ReferenceType": _REFUSED,
+        "UniqueReference": _DROPPED,
+        "LocalReference": _FILE,
+    }
+)
+"""Why a constraint is not stated in EVL."""
+
+_OF_FAULTS = frozenset(
+    {
+        "DelayNotNegative",
+        "WindowNotNegative",
+        "ExactlyOneFaultType",
+        "RandomBoundsOrdered",
+        "SearchBoundsOrdered",
+        "WholeTicks",
+        "WindowComplete",
+        "WindowOrdered",
+        "FaultFieldCarried",
+        "WindowInsideMission",
+    }
+)
+
+
+def _constraints(severity: Severity, meanings: Mapping[str, str]) -> dict[str, Constraint]:
+    return {
+        name: Constraint(severity, meaning, _evl(name), _REASONS.get(name, ""))
+        for name, meaning in meanings.items()
+    }
+
+
+def _evl(name: str) -> str:
+    if name in _REASONS:
+        return ""
+    return "faults.evl" if name in _OF_FAULTS else "mission.evl"
 
 
 def _errors(**meanings: str) -> dict[str, Constraint]:
-    return {name: Constraint("error", meaning) for name, meaning in meanings.items()}
+    return _constraints("error", meanings)
 
 
 def _warnings(**meanings: str) -> dict[str, Constraint]:
-    return {name: Constraint("warning", meaning) for name, meaning in meanings.items()}
+    return _constraints("warning", meanings)
 
 
 CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
@@ -71,8 +139,8 @@ CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
             RequiredFeature="what the metamodel requires is there",
             SingleValue="a single-valued feature is given once",
             ConcreteType="xsi:type names a concrete class that fits the feature",
-            ContainedElement="what the metamodel contains stands in place, what it refers to "
-            "does not",
+            ContainedElement="what the metamodel contains stands in place or is the root of a "
+            "file of its own, what it refers to does not",
             NumberSyntax="numbers are written as numbers of their type",
             FiniteNumber="numbers are finite",
             NumberMagnitude="numbers are no larger than the simulation can reckon with",
@@ -85,7 +153,7 @@ CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
             ResolvedReference="references lead to an element",
             ReferenceType="references lead to an element of the declared class",
             UniqueReference="a list of references names each element once",
-            LocalReference="references between files lead to the mission's own file",
+            LocalReference="references between files lead to files of the mission, in its project",
             DurationInRange="a mission lasts 1 to 10,000,000 ticks",
             RadiusPositive="an area has a radius above 0",
             SpeedNotNegative="a speed is not below 0",

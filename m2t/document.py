@@ -10,6 +10,7 @@ The parser is expat: it stops at a document type before it reads the type's cont
 its line numbers stay right beyond line 65,535, where those of lxml are off by one.
 """
 
+import errno
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,6 +25,7 @@ MAX_ELEMENTS = 500_000
 MAX_DEPTH = 100
 
 _SHOWN_TAG = 60
+_BLOCK = 1024 * 1024
 
 _NO_PREFIXES: Mapping[str, str] = MappingProxyType({})
 
@@ -57,6 +59,16 @@ class Node:
             if key in self.attributes:
                 return f"{tag} {shown(self.attributes[key])}"
         return tag if self.parent is None else f"{tag} of {self.parent.description}"
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A file that was read: its root element, the encoding it declares, and its size."""
+
+    root: Node
+    encoding: str
+    n_bytes: int
+    n_elements: int
 
 
 class Report:
@@ -101,12 +113,14 @@ class _TreeBuilder:
 
     def __init__(self, path: Path) -> None:
         self.root: Node | None = None
+        self.encoding = ""
+        self.n_elements = 0
         self._path = path
         self._open: list[Node] = []
-        self._n_elements = 0
         self._prefixes: Mapping[str, str] = _NO_PREFIXES
         self._parser = expat.ParserCreate(namespace_separator=" ")
         self._parser.buffer_text = True
+        self._parser.XmlDeclHandler = self._declaration
         self._parser.StartDoctypeDeclHandler = self._doctype
         self._parser.StartNamespaceDeclHandler = self._namespace
         self._parser.StartElementHandler = self._start
@@ -115,6 +129,9 @@ class _TreeBuilder:
 
     def parse(self, content: bytes) -> None:
         self._parser.Parse(content, True)
+
+    def _declaration(self, _: str, encoding: str | None, __: int) -> None:
+        self.encoding = (encoding or "").upper()  # as Eclipse writes it back
 
     def _doctype(self, *_: object) -> None:
         finding = "declares a document type; a model needs none; delete the <!DOCTYPE ...>"
@@ -150,8 +167,8 @@ class _TreeBuilder:
         self._open[-1].text += text
 
     def _require_limits(self, line: int) -> None:
-        self._n_elements += 1
-        if self._n_elements > MAX_ELEMENTS:
+        self.n_elements += 1
+        if self.n_elements > MAX_ELEMENTS:
             finding = f"has more than {MAX_ELEMENTS:,} elements; split the model"
             raise _RefusedError(line, "FileSize", finding)
         if len(self._open) >= MAX_DEPTH:
@@ -174,6 +191,12 @@ def read_document(path: Path, report: Report) -> Node | None:
     Node or None
         The root element; ``None`` if the file cannot be used.
     """
+    document = read_encoded(path, report)
+    return None if document is None else document.root
+
+
+def read_encoded(path: Path, report: Report) -> Document | None:
+    """Read an XML file as ``read_document`` does, with its encoding and size."""
     content = _read_bytes(path, report)
     if content is None:
         return None
@@ -193,14 +216,37 @@ def read_document(path: Path, report: Report) -> Node | None:
         finding = f"{path.name} has an encoding that cannot be read: {error}; save it as UTF-8"
         report.add_file(path, 1, "WellFormedXml", finding)
         return None
-    return builder.root
+    if builder.root is None:
+        return None
+    encoding = builder.encoding or _detected(content)
+    return Document(builder.root, encoding, len(content), builder.n_elements)
+
+
+def _detected(content: bytes) -> str:
+    """Return the encoding of a file that declares none, as the byte order mark tells it."""
+    return "UTF-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else "UTF-8"
+
+
+def _require_file(path: Path) -> None:
+    """Refuse a pipe or a device: opening one could wait for ever."""
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise OSError(errno.EINVAL, "It is no file")
+
+
+def _blocks(path: Path) -> Iterator[bytes]:
+    """Yield the content of a file block by block, until it is read or larger than allowed."""
+    n_bytes = 0
+    with path.open("rb") as stream:
+        while n_bytes <= MAX_BYTES and (block := stream.read(_BLOCK)):
+            n_bytes += len(block)
+            yield block
 
 
 def _read_bytes(path: Path, report: Report) -> bytes | None:
     """Return the content of a file unless it is missing or too large."""
     try:
-        with path.open("rb") as stream:
-            content = stream.read(MAX_BYTES + 1)
+        _require_file(path)
+        content = b"".join(_blocks(path))
     except OSError as error:
         reason = error.strerror or type(error).__name__
         finding = f"{path.name} cannot be read: {reason}; expected a model file at this path"

@@ -9,6 +9,7 @@ Source paper, section III-D, the model-to-text transformations.
 """
 
 import hashlib
+import os
 from difflib import unified_diff
 from functools import cache
 from pathlib import Path
@@ -117,16 +118,17 @@ def _difference(name: str, old: str | None, new: str | None) -> str:
 
 
 def _sources(loaded: LoadedModels) -> dict[str, str]:
-    """Return the SHA-256 of models and metamodels by file name, line ends apart."""
+    """Return the SHA-256 of all files of models and of metamodels, line ends apart."""
     metamodels = metamodel_folder()
-    paths = [
-        loaded.mission_path,
-        loaded.faults_path,
-        metamodels / MISSION_FILE,
-        metamodels / FAULTS_FILE,
-    ]
+    folder = loaded.mission_path.parent
+    paths = {_source_name(file.path, folder): file.path for file in loaded.files}
+    paths |= {name: metamodels / name for name in (MISSION_FILE, FAULTS_FILE)}
     return {
-        path.name: hashlib.sha256(path.read_bytes().replace(b"\r\n", b"\n")).hexdigest()
-        for path in paths
-        if path is not None
+        name: hashlib.sha256(path.read_bytes().replace(b"\r\n", b"\n")).hexdigest()
+        for name, path in paths.items()
     }
+
+
+def _source_name(path: Path, folder: Path) -> str:
+    """Return the name of a model's file, relative to its folder; parts may lie elsewhere."""
+    return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()

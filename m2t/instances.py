@@ -1,7 +1,8 @@
-"""Load a checked file with pyecore, and pair its objects with the nodes of the file.
+"""Load a checked model with pyecore, and pair its objects with the nodes of its files.
 
-pyecore reads a canonical form of the file: usual prefixes, no comments, references as paths
-such as ``//@goals.0/@messages.1``. What it would misread or stumble over is gone by then.
+pyecore reads a canonical form of the model: one document with all its parts, usual prefixes,
+no comments, references as paths such as ``//@goals.0/@messages.1``. What pyecore would
+stumble over or misread is gone by then.
 """
 
 from collections import Counter
@@ -14,8 +15,9 @@ from pyecore.ecore import EProxy
 from pyecore.resources import URI, ResourceSet
 
 from m2t.document import Node
-from m2t.metamodels import features, is_contained, is_reference, load_metamodels
-from m2t.structure import XMI, XSI, ModelTree
+from m2t.files import XMI, XSI
+from m2t.metamodels import Slot, load_metamodels, reference_type, slots
+from m2t.structure import ModelTree
 
 
 class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
@@ -34,41 +36,51 @@ class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
 
 
 class ModelLoader:
-    """Loads the files of one mission into one set of resources.
+    """Loads a mission and its faults into one set of resources.
 
     Attributes
     ----------
     nodes
         Node of every object loaded so far.
+    xmi_ids
+        The xmi:id of every object whose element has one.
     """
 
     def __init__(self) -> None:
         self.nodes: dict[Any, Node] = {}
-        self._resources = ResourceSet()
+        self.xmi_ids: dict[Any, str] = {}
+        self._instances: dict[Node, Any] = {}
         self._addresses: dict[Node, str] = {}
+        self._resources = ResourceSet()
         for package in load_metamodels().packages:
             self._resources.metamodel_registry[package.nsURI] = package
 
     def load(self, tree: ModelTree) -> Any:
-        """Return the root object of a file.
+        """Return the root object of a model.
 
         Parameters
         ----------
         tree
-            The file, sound in structure; files that it refers to are loaded before it.
+            The model, sound in structure; the model that it refers to is loaded before it.
         """
         name = f"{tree.root.metaclass.ePackage.nsPrefix}.xmi"
-        root_element = self._canonical(tree)
-        content = etree.tostring(root_element, encoding="UTF-8", xml_declaration=True)
+        content = etree.tostring(self._canonical(tree), encoding="UTF-8", xml_declaration=True)
         resource = self._resources.get_resource(_CheckedFile(name, content))
         self._resources.resources[name] = resource
         self._addresses.update((node, f"{name}#{path}") for node, path in _paths(tree.root))
         root = resource.contents[0]
-        pairs = dict(_pairs(tree.root, root))
-        self.nodes.update((instance, node) for node, instance in pairs.items())
+        for node, instance in _pairs(tree.root, root):
+            self._instances[node] = instance
+            self.nodes[instance] = node
+            if (XMI, "id") in node.qualified:
+                self.xmi_ids[instance] = node.qualified[XMI, "id"]
         for reference, _ in tree.resolved:
-            _replace_proxies(pairs[reference.source], reference.feature)
+            _replace_proxies(self._instances[reference.source], reference.feature)
         return root
+
+    def instance(self, node: Node) -> Any:
+        """Return the object of a node; ``None`` if none was loaded."""
+        return self._instances.get(node)
 
     def _canonical(self, tree: ModelTree) -> etree._Element:
         package = tree.root.metaclass.ePackage
@@ -78,10 +90,11 @@ class ModelLoader:
         paths = dict(_paths(tree.root))
         for reference, targets in tree.resolved:
             element, name = elements[reference.source], reference.feature.name
+            inside = [paths[target] for target in targets if target in paths]
+            if inside:
+                element.set(name, " ".join([*element.get(name, "").split(), *inside]))
             for target in targets:
-                if target in paths:
-                    element.set(name, f"{element.get(name, '')} {paths[target]}".lstrip())
-                else:
+                if target not in paths:
                     etree.SubElement(element, name, href=self._addresses[target])
         return root
 
@@ -89,35 +102,36 @@ class ModelLoader:
 def _fill(node: Node, element: etree._Element) -> Iterator[tuple[Node, etree._Element]]:
     """Write attributes and contained elements; yield every node with its element."""
     yield node, element
-    by_name = {feature.name: feature for feature in _features(node)}
+    known = slots(node.metaclass)
     for name, text in node.attributes.items():
-        if not is_reference(by_name[name]):
+        if not known[name].is_reference:
             element.set(name, text)
     for child in node.children:
-        feature = by_name[child.tag]
-        if is_contained(feature):
+        slot = known[child.tag]
+        if slot.is_contained:
             contained = etree.SubElement(element, child.tag)
-            if (XSI, "type") in child.qualified:
+            if child.metaclass is not reference_type(slot.feature):
                 kind = f"{child.metaclass.ePackage.nsPrefix}:{child.metaclass.name}"
                 contained.set(f"{{{XSI}}}type", kind)
             yield from _fill(child, contained)
-        elif not is_reference(feature):
+        elif not slot.is_reference:
             etree.SubElement(element, child.tag).text = child.text
 
 
 def _pairs(node: Node, instance: Any) -> Iterator[tuple[Node, Any]]:
-    """Yield every node with its object; both keep the order of the file within a feature."""
+    """Yield every node with its object; both keep the order of the model within a feature."""
     yield node, instance
-    for feature in filter(is_contained, _features(node)):
-        value = instance.eGet(feature)
-        values = list(value) if feature.many else [value] if value is not None else []
-        children = [child for child in node.children if child.tag == feature.name]
-        for child, contained in zip(children, values, strict=True):
-            yield from _pairs(child, contained)
+    for slot in _contained(node):
+        children = [child for child in node.children if child.tag == slot.name]
+        if children:
+            value = instance.eGet(slot.feature)
+            values = list(value) if slot.many else [value]
+            for child, contained in zip(children, values, strict=True):
+                yield from _pairs(child, contained)
 
 
 def _replace_proxies(instance: Any, feature: Any) -> None:
-    """Put the objects of other files where pyecore left proxies of them."""
+    """Put the objects of the other model where pyecore left proxies of them."""
     value = instance.eGet(feature)
     if not feature.many:
         if isinstance(value, EProxy):
@@ -128,17 +142,17 @@ def _replace_proxies(instance: Any, feature: Any) -> None:
         value.extend(entries)
 
 
-def _features(node: Node) -> tuple[Any, ...]:
-    return features(node.metaclass)
-
-
 def _paths(node: Node, path: str = "/") -> Iterator[tuple[Node, str]]:
     """Yield every node with its path as Eclipse writes it."""
     yield node, path
     counts: Counter[str] = Counter()
-    is_many = {feature.name: feature.many for feature in _features(node)}
+    is_many = {slot.name: slot.many for slot in _contained(node)}
     for child in node.children:
-        if child.metaclass is not None:
+        if child.tag in is_many:
             index = f".{counts[child.tag]}" if is_many[child.tag] else ""
             counts[child.tag] += 1
             yield from _paths(child, f"{'/' if path == '/' else path}/@{child.tag}{index}")
+
+
+def _contained(node: Node) -> list[Slot]:
+    return [slot for slot in slots(node.metaclass).values() if slot.is_contained]

@@ -1,13 +1,19 @@
 """The two metamodels, loaded dynamically from their ``.ecore`` files."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from pyecore.ecore import EProxy, EReference
+from lxml import etree
+from pyecore.ecore import EClass, EProxy, EReference
 from pyecore.resources import URI, ResourceSet
 
+from m2t.document import Node, Report, read_document
+from m2t.files import XMI, XSI
+from m2t.metamodel_check import ECORE, MetamodelCheck
 from mrsfi_runtime.errors import ModelError
 
 MISSION_FILE = "mission.ecore"
@@ -52,16 +58,83 @@ def load_metamodels() -> Metamodels:
     Raises
     ------
     ModelError
-        If the files are missing.
+        If the files are missing or cannot be used.
     """
-    folder = metamodel_folder()
+    return read_metamodels(metamodel_folder())
+
+
+def read_metamodels(folder: Path) -> Metamodels:
+    """Read both metamodels from a folder.
+
+    Parameters
+    ----------
+    folder
+        Folder with ``mission.ecore`` and ``faults.ecore``.
+
+    Raises
+    ------
+    ModelError
+        With all that is wrong with the files, one defect a line.
+    """
+    report = Report()
+    check = MetamodelCheck(report)
     resources = ResourceSet()
     packages = []
-    for name in (MISSION_FILE, FAULTS_FILE):
-        package = resources.get_resource(URI(str(folder / name))).contents[0]
-        resources.metamodel_registry[package.nsURI] = package
-        packages.append(package)
+    for name, root_class in ((MISSION_FILE, "Mission"), (FAULTS_FILE, "FaultSpecification")):
+        path = folder / name
+        root = read_document(path, report)
+        if root is not None:
+            check.check(root, path.stem, root_class)
+        if root is None or report.n_errors:
+            raise ModelError("\n".join(str(found) for found in report))
+        packages.append(_package(root, path, resources))
     return Metamodels(*packages)
+
+
+class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
+    """A file that pyecore reads from memory."""
+
+    def __init__(self, name: str, content: bytes) -> None:
+        super().__init__(name)
+        self._content = content
+
+    def create_instream(self) -> BytesIO:
+        """Return the content."""
+        return BytesIO(self._content)
+
+    def close_stream(self) -> None:
+        """Do nothing: there is no file."""
+
+
+def _package(root: Node, path: Path, resources: Any) -> Any:
+    """Let pyecore load a checked metamodel, without comments, which it cannot read."""
+    prefixes = {"xmi": XMI, "xsi": XSI, "ecore": ECORE}
+    element = etree.Element(f"{{{ECORE}}}EPackage", nsmap=prefixes)
+    _fill(root, element)
+    content = etree.tostring(element, encoding="UTF-8", xml_declaration=True)
+    try:
+        resource = resources.get_resource(_CheckedFile(path.name, content))
+        package = resource.contents[0]
+        for classifier in package.eClassifiers:
+            slots(classifier) if isinstance(classifier, EClass) else None
+    except Exception as error:  # pyecore raises anything
+        raise ModelError(
+            f"{path}:{root.line}: {path.name} cannot be loaded ({type(error).__name__}: {error}); "
+            "expected a metamodel of classes and enumerations; restore the file"
+        ) from error
+    resources.resources[path.name] = resource
+    resources.metamodel_registry[package.nsURI] = package
+    return package
+
+
+def _fill(node: Node, element: etree._Element) -> None:
+    for name, text in node.attributes.items():
+        element.set(name, text)
+    kind = node.qualified.get((XSI, "type"))
+    if kind is not None:
+        element.set(f"{{{XSI}}}type", f"ecore:{kind.rpartition(':')[2]}")
+    for child in node.children:
+        _fill(child, etree.SubElement(element, child.tag))
 
 
 @cache
@@ -84,21 +157,55 @@ def features(metaclass: Any) -> tuple[Any, ...]:
     return tuple(feature for known in lineage(metaclass) for feature in known.eStructuralFeatures)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Slot:
+    """What loading asks of a feature, in plain attributes: pyecore's own are slow to read."""
+
+    feature: Any
+    name: str
+    many: bool
+    lower_bound: int
+    is_contained: bool
+    is_reference: bool
+    is_id: bool
+
+
+@cache
+def slots(metaclass: Any) -> Mapping[str, Slot]:
+    """Return the slots of all features of a metaclass by name, inherited ones first."""
+    return {
+        str(feature.name): Slot(
+            feature,
+            str(feature.name),
+            bool(feature.many),
+            int(feature.lowerBound),
+            is_contained(feature),
+            is_reference(feature),
+            bool(getattr(feature, "iD", False)),
+        )
+        for feature in features(metaclass)
+    }
+
+
+@cache
 def reference_type(feature: Any) -> Any:
     """Return the metaclass that a reference or containment leads to."""
     return _resolved(feature.eType)
 
 
+@cache
 def conforms(metaclass: Any, wanted: Any) -> bool:
     """Return whether a metaclass is another one or one of its subclasses."""
     return any(known is wanted for known in lineage(metaclass))
 
 
+@cache
 def is_contained(feature: Any) -> bool:
     """Return whether a feature contains elements."""
     return isinstance(feature, EReference) and bool(feature.containment)
 
 
+@cache
 def is_reference(feature: Any) -> bool:
     """Return whether a feature refers to elements that something else contains."""
     return isinstance(feature, EReference) and not feature.containment

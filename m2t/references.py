@@ -5,22 +5,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote, urlsplit
+from urllib.parse import unquote
 
 from m2t.diagnostics import shown
 from m2t.document import Node, Report
+from m2t.files import ModelFile, local_path, resolved_path
 from m2t.metamodels import conforms, reference_type
 from m2t.structure import ModelTree, Reference
 
 _INDEX = re.compile(r"[0-9]{1,9}", re.ASCII)
-
-
-@dataclass(frozen=True, slots=True)
-class Neighbour:
-    """Another file that references may lead to."""
-
-    path: Path
-    tree: ModelTree | None
 
 
 def referred_files(tree: ModelTree) -> Iterator[tuple[Reference, str]]:
@@ -32,15 +25,12 @@ def referred_files(tree: ModelTree) -> Iterator[tuple[Reference, str]]:
                 yield reference, document
 
 
-def local_path(folder: Path, document: str) -> Path | None:
-    """Return the path that the file part of a reference means; ``None`` if it is not local."""
-    try:
-        parts = urlsplit(document)
-    except ValueError:
-        return None
-    if parts.scheme or parts.netloc or parts.query or "\x00" in unquote(parts.path):
-        return None
-    return folder / unquote(parts.path)
+@dataclass(frozen=True, slots=True)
+class Neighbour:
+    """Another model that references may lead to; ``tree`` is ``None`` if it cannot be used."""
+
+    path: Path
+    tree: ModelTree | None
 
 
 def resolve(tree: ModelTree, neighbour: Neighbour | None, report: Report) -> None:
@@ -51,115 +41,143 @@ def resolve(tree: ModelTree, neighbour: Neighbour | None, report: Report) -> Non
     tree
         The model; takes the resolved references.
     neighbour
-        The mission's file, if the model may refer to it.
+        The mission, if the model may refer to it.
     report
         Takes the diagnostics.
     """
-    named: dict[tuple[Node, str], set[Node]] = {}
+    resolver = _Resolver(tree, neighbour, report)
     for reference in tree.references:
-        _resolve_one(tree, neighbour, reference, named, report)
+        resolver.resolve(reference)
 
 
-def _resolve_one(
-    tree: ModelTree,
-    neighbour: Neighbour | None,
-    reference: Reference,
-    named: dict[tuple[Node, str], set[Node]],
-    report: Report,
-) -> None:
-    feature = reference.feature
-    if not feature.many and len(reference.targets) > 1:
-        report.add(
-            reference.node,
-            "SingleValue",
-            f"has {len(reference.targets)} {feature.name}; expected one; delete the others",
-        )
-        return
-    found = [
-        element
-        for target in reference.targets
-        if (element := _element(tree, neighbour, reference, target, report)) is not None
-    ]
-    known = named.setdefault((reference.source, feature.name), set())
-    for element in found:
-        if element in known and feature.many:
-            report.add(
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where the target of a reference is looked for: a file, and the model that it is part of."""
+
+    file: ModelFile
+    tree: ModelTree
+
+
+class _Resolver:
+    """Resolves the references of one model; asks for every file once."""
+
+    def __init__(self, tree: ModelTree, neighbour: Neighbour | None, report: Report) -> None:
+        self._tree = tree
+        self._neighbour = neighbour
+        self._report = report
+        self._named: dict[tuple[Node, str], set[Node]] = {}
+        self._files: dict[tuple[Path, str], Path | None] = {}
+
+    def resolve(self, reference: Reference) -> None:
+        """Find the nodes of one reference."""
+        feature = reference.feature
+        if not feature.many and len(reference.targets) > 1:
+            self._report.add(
                 reference.node,
-                "UniqueReference",
-                f"names {_named(element)} twice in {feature.name}; expected each once; delete one",
+                "SingleValue",
+                f"has {len(reference.targets)} {feature.name}; expected one; delete the others",
             )
-        known.add(element)
-    tree.resolved.append((reference, tuple(found)))
+            return
+        elements = (self._element(reference, target) for target in reference.targets)
+        found = tuple(element for element in elements if element is not None)
+        known = self._named.setdefault((reference.source, feature.name), set())
+        for element in found:
+            if element in known and feature.many:
+                self._report.add(
+                    reference.node,
+                    "UniqueReference",
+                    f"names {_named(element)} twice in {feature.name}; expected each once; "
+                    "delete one",
+                )
+            known.add(element)
+        self._tree.resolved.append((reference, found))
 
-
-def _element(
-    tree: ModelTree,
-    neighbour: Neighbour | None,
-    reference: Reference,
-    target: str,
-    report: Report,
-) -> Node | None:
-    """Return the element that a target means, if it exists and is of the right class."""
-    document = _document(target)
-    fragment = unquote(target.rpartition("#")[2])
-    if document:
-        if neighbour is None or not _is_same_file(reference, document, neighbour.path):
-            wanted = "an element of this file" if neighbour is None else f"{neighbour.path.name}#ID"
-            report.add(
+    def _element(self, reference: Reference, target: str) -> Node | None:
+        """Return the element that a target means, if it exists and is of the right class."""
+        document = _document(target)
+        is_known, place = self._place(reference, document)
+        if not is_known:
+            own = self._neighbour is None
+            wanted = "an element of this file" if own else f"{self._neighbour_name()}#ID"
+            self._report.add(
                 reference.node,
                 "LocalReference",
-                f"refers to {shown(target)} as {reference.feature.name}; expected {wanted}; "
+                f"refers to {shown(target)} as {reference.feature.name}; expected {wanted}, or "
+                "one of a file that is part of the mission; correct the reference",
+            )
+        if place is None:
+            return None
+        element = find(place.file, unquote(target.rpartition("#")[2]))
+        wanted_class = reference_type(reference.feature)
+        if element is None or not conforms(element.metaclass, wanted_class):
+            self._report_element(reference, target, element, _known(place.tree, wanted_class))
+            return None
+        return element
+
+    def _report_element(
+        self, reference: Reference, target: str, element: Node | None, known: str
+    ) -> None:
+        what = f"refers to {shown(target)} as {reference.feature.name}, which"
+        wanted = reference_type(reference.feature).name
+        if element is None:
+            self._report.add(
+                reference.node,
+                "ResolvedReference",
+                f"{what} does not exist; expected the ID of a {wanted}{known}; "
                 "correct the reference",
             )
-            return None
-        if neighbour.tree is None:  # its own defects are reported already
-            return None
-        tree = neighbour.tree
-    element = find(tree, fragment)
-    wanted_class = reference_type(reference.feature)
-    if element is None:
-        report.add(
-            reference.node,
-            "ResolvedReference",
-            f"refers to {shown(target)} as {reference.feature.name}, which does not exist; "
-            f"expected the ID of a {wanted_class.name}{_known(tree, wanted_class)}; "
-            "correct the reference",
-        )
-        return None
-    if not conforms(element.metaclass, wanted_class):
-        report.add(
-            reference.node,
-            "ReferenceType",
-            f"refers to {shown(target)} as {reference.feature.name}, which is a "
-            f"{element.metaclass.name}; expected a {wanted_class.name}"
-            f"{_known(tree, wanted_class)}; correct the reference",
-        )
-        return None
-    return element
+        else:
+            self._report.add(
+                reference.node,
+                "ReferenceType",
+                f"{what} is a {element.metaclass.name}; expected a {wanted}{known}; "
+                "correct the reference",
+            )
+
+    def _place(self, reference: Reference, document: str) -> tuple[bool, _Place | None]:
+        """Return whether a file may be referred to, and where it is if it can be used."""
+        files = self._tree.files
+        here = files.containing(reference.node)
+        if not document:
+            return True, _Place(here, self._tree)
+        key = (reference.node.path, document)
+        if key not in self._files:
+            path = local_path(here.path.parent, document)
+            self._files[key] = None if path is None else resolved_path(path)
+        path = self._files[key]
+        if path is None:
+            return False, None
+        if self._neighbour is not None and self._neighbour.tree is None:
+            # its own defects are reported already
+            return path == resolved_path(self._neighbour.path), None
+        file = files.at_resolved(path)
+        tree = self._tree if self._neighbour is None else self._neighbour.tree
+        return (False, None) if file is None or tree is None else (True, _Place(file, tree))
+
+    def _neighbour_name(self) -> str:
+        return "mission.xmi" if self._neighbour is None else self._neighbour.path.name
 
 
-def find(tree: ModelTree, fragment: str) -> Node | None:
-    """Return the node that a fragment means: by xmi:id, by ID, or by path."""
+def find(file: ModelFile, fragment: str) -> Node | None:
+    """Return the checked node that a fragment means: by xmi:id, by ID, or by path."""
     if fragment.startswith("/"):
-        return _find_by_path(tree, fragment)
-    return tree.by_xmi_id.get(fragment) or tree.by_id.get(fragment)
+        return _find_by_path(file, fragment)
+    return file.by_xmi_id.get(fragment) or file.by_id.get(fragment)
 
 
-def _find_by_path(tree: ModelTree, fragment: str) -> Node | None:
+def _find_by_path(file: ModelFile, fragment: str) -> Node | None:
     """Follow a path of Eclipse such as ``//@goals.0/@messages.1``."""
     _, root, *steps = fragment.split("/")
-    if root not in ("", "0"):
+    node = file.root_at(root)
+    if node is None or node.metaclass is None:
         return None
-    node = tree.root
     for step in steps if any(steps) else []:
         name, dot, index = step.removeprefix("@").rpartition(".")
         if not dot:
             name, index = index, "0"
         if not step.startswith("@") or not _INDEX.fullmatch(index):
             return None
-        choices = [
-            child for child in node.children if child.tag == name and child.metaclass is not None
-        ]
+        choices = file.checked_children(node, name)
         if int(index) >= len(choices):
             return None
         node = choices[int(index)]
@@ -168,11 +186,6 @@ def _find_by_path(tree: ModelTree, fragment: str) -> Node | None:
 
 def _document(target: str) -> str:
     return target.rpartition("#")[0]
-
-
-def _is_same_file(reference: Reference, document: str, path: Path) -> bool:
-    referred = local_path(reference.node.path.parent, document)
-    return referred is not None and referred.resolve() == path.resolve()
 
 
 def _known(tree: ModelTree, wanted: Any) -> str:

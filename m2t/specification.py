@@ -6,16 +6,15 @@ Source paper, section III-A, step 6, and section III-B b).
 """
 
 import math
-import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
-from urllib.parse import quote
 
 from m2t.constraints.faults import fault_types, is_set
 from m2t.load import load_mission_folder
 from m2t.metamodels import features, is_contained, load_metamodels
+from m2t.saving import addresses
 from m2t.xmi import dumps, write_atomically
 from mrsfi_runtime.errors import SpecificationError
 
@@ -73,9 +72,8 @@ def write_specification(
         fault.start, fault.finish = start, finish
         _set_values(fault, values)
         specification.faults.append(fault)
-    mission = os.path.relpath(models.mission_path.resolve(), path.parent.resolve())
-    href = quote(Path(mission).as_posix())
-    write_atomically(path, dumps(specification, hrefs={models.mission: href}))
+    hrefs = addresses(models, path.parent)
+    write_atomically(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
 
 
 def _copy(element: Any) -> Any:

@@ -5,17 +5,16 @@ is checked before pyecore loads the file.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from m2t.diagnostics import shown
 from m2t.document import Node, Report
-from m2t.metamodels import conforms, features, is_contained, is_reference, reference_type
+from m2t.files import XMI, XSI, ModelFile, ModelFiles, is_root_attribute
+from m2t.metamodels import Slot, conforms, reference_type, slots
+from m2t.parts import concrete_classes, find_part, named_class
 from m2t.values import BadValueError, require_value
-
-XMI = "http://www.omg.org/XMI"
-XSI = "http://www.w3.org/2001/XMLSchema-instance"
 
 _SHOWN_ALTERNATIVES = 12
 
@@ -36,40 +35,72 @@ class Reference:
 
 @dataclass(slots=True)
 class ModelTree:
-    """The nodes of one file, each with its metaclass, and the references between them.
+    """The nodes of one model, each with its metaclass, and the references between them.
 
-    ``resolved`` has the nodes that each reference leads to, once it is known to lead there.
-    ``is_sound`` says whether the file keeps all constraints of structure.
+    Parts in files of their own stand in place below ``root``. ``by_id`` has the elements of
+    all files. ``resolved`` has the nodes that each reference leads to, once it is known to lead
+    there. ``is_sound`` says whether the model keeps all constraints of structure.
     """
 
     root: Node
+    files: ModelFiles
     by_id: dict[str, Node] = field(default_factory=dict)
-    by_xmi_id: dict[str, Node] = field(default_factory=dict)
     references: list[Reference] = field(default_factory=list)
     resolved: list[tuple[Reference, tuple[Node, ...]]] = field(default_factory=list)
     is_sound: bool = False
 
 
-def check_structure(root: Node, package: Any, class_name: str, report: Report) -> ModelTree | None:
-    """Check the nodes of a file and give each its metaclass.
+def check_structure(
+    file: ModelFile, package: Any, class_name: str, files: ModelFiles, report: Report
+) -> ModelTree | None:
+    """Check the nodes of a model and give each its metaclass.
 
     Parameters
     ----------
-    root
-        Root element of the document.
+    file
+        File that the model begins in; files with its parts are read on the way.
     package
         The metamodel.
     class_name
         Class that the root has to have.
+    files
+        All files read so far.
     report
         Takes the diagnostics.
 
     Returns
     -------
     ModelTree or None
-        What is known of the file; ``None`` if the root is not of that class.
+        What is known of the model; ``None`` if the file has no root of that class.
     """
-    if (root.namespace, root.tag) != (package.nsURI, class_name):
+    roots = file.roots_of(package.nsURI, class_name)
+    if not roots:
+        _report_wrong_root(file, package, class_name, report)
+        return None
+    for other in roots[1:]:
+        finding = f"is a second {class_name} of {file.path.name}; expected one; delete the others"
+        report.add(other, "RootElement", finding)
+    file.claimed.update(roots)
+    checker = _Checker(ModelTree(roots[0], files), package, report)
+    checker.element(roots[0], package.getEClassifier(class_name))
+    return checker.tree
+
+
+def check_claims(files: ModelFiles, report: Report) -> None:
+    """Report roots of files that belong to no model: saving would lose them."""
+    for file in files:
+        for root in file.roots:
+            if root not in file.claimed:
+                finding = (
+                    f"is a root of {file.path.name} that no model contains; expected an element "
+                    f'with href="{file.path.name}#..." in its place; add one or delete the root'
+                )
+                report.add(root, "ContainedElement", finding)
+
+
+def _report_wrong_root(file: ModelFile, package: Any, class_name: str, report: Report) -> None:
+    file.claimed.update(file.roots)
+    for root in file.roots[:1]:
         found = f"{{{root.namespace}}}{root.tag}" if root.namespace else root.tag
         report.add(
             root,
@@ -77,10 +108,6 @@ def check_structure(root: Node, package: Any, class_name: str, report: Report) -
             f"is the root ({shown(found)}); expected {class_name} of namespace {package.nsURI}; "
             "correct the root or give the right file",
         )
-        return None
-    checker = _Checker(ModelTree(root), package, report)
-    checker.element(root, package.getEClassifier(class_name))
-    return checker.tree
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,73 +115,72 @@ class _Element:
     """An element being checked: ``given`` counts what the file gives of each feature."""
 
     node: Node
-    features: Mapping[str, Any]
+    slots: Mapping[str, Slot]
     given: Counter[str] = field(default_factory=Counter)
 
 
 class _Checker:
-    """Walks the nodes of one file."""
+    """Walks the nodes of one model, from file to file."""
 
     def __init__(self, tree: ModelTree, package: Any, report: Report) -> None:
         self.tree = tree
         self._package = package
         self._report = report
-        self._features: dict[Any, Mapping[str, Any]] = {}
 
     def element(self, node: Node, metaclass: Any) -> None:
         """Check one node with everything that it contains."""
         node.metaclass = metaclass
-        element = _Element(node, self._features_of(metaclass))
+        element = _Element(node, slots(metaclass))
         self._require_no_text(node)
         for name, text in node.attributes.items():
             self._attribute(element, name, text)
         self._qualified(node)
-        for child in node.children:
-            self._child(element, child)
-        for feature in element.features.values():
-            self._require_count(node, feature, element.given[feature.name])
-
-    def _features_of(self, metaclass: Any) -> Mapping[str, Any]:
-        if metaclass not in self._features:
-            self._features[metaclass] = {feature.name: feature for feature in features(metaclass)}
-        return self._features[metaclass]
+        for position, child in enumerate(node.children):
+            node.children[position] = self._child(element, child)
+        for slot in element.slots.values():
+            count = element.given.get(slot.name, 0)
+            if count < slot.lower_bound or (count > 1 and not slot.many):
+                self._report_count(node, slot, count)
 
     def _attribute(self, element: _Element, name: str, text: str) -> None:
-        feature = element.features.get(name)
-        if feature is None:
+        slot = element.slots.get(name)
+        if slot is None:
             self._unknown(element.node, f"has no attribute {shown(name)}", element, "attribute")
             return
-        if is_reference(feature):
+        if slot.is_reference:
             targets = tuple(text.split())
-            element.given[name] = len(targets)
-            reference = Reference(element.node, feature, element.node, targets)
+            element.given[name] += len(targets)
+            reference = Reference(element.node, slot.feature, element.node, targets)
             self.tree.references.append(reference)
             return
-        element.given[name] = 1
-        if is_contained(feature):
+        element.given[name] += 1
+        if slot.is_contained:
             finding = (
                 f"has {name} as an attribute; expected an element <{name}> in place; move it there"
             )
             self._report.add(element.node, "ContainedElement", finding)
             return
-        self._value(element, feature, text)
+        self._value(element, slot, text)
 
-    def _value(self, element: _Element, feature: Any, text: str) -> None:
+    def _value(self, element: _Element, slot: Slot, text: str) -> None:
         try:
-            require_value(feature, text)
+            require_value(slot.feature, text)
         except BadValueError as bad:
             self._report.add(element.node, bad.constraint, bad.finding)
             return
-        if feature.iD:
+        if slot.is_id:
             self._remember_id(element.node, text)
 
     def _remember_id(self, node: Node, identity: str) -> None:
-        first = self.tree.by_id.setdefault(identity, node)
+        in_file = self.tree.files.containing(node).by_id.setdefault(identity, node)
+        in_model = self.tree.by_id.setdefault(identity, node)
+        first = in_file if in_file is not node else in_model
         if first is not node:
+            place = f"line {first.line}" + ("" if first.path == node.path else f" of {first.path}")
             self._report.add(
                 node,
                 "UniqueId",
-                f"has the ID of {first.tag} in line {first.line}; expected IDs that are unique in "
+                f"has the ID of {first.tag} in {place}; expected IDs that are unique in "
                 "the file, over all classes; rename one",
             )
 
@@ -163,7 +189,7 @@ class _Checker:
         for (namespace, name), text in node.qualified.items():
             if (namespace, name) == (XMI, "id"):
                 self._remember_xmi_id(node, text)
-            elif not _is_known_qualified(node, namespace, name):
+            elif not self._is_known_qualified(node, namespace, name):
                 finding = (
                     f"has attribute {shown(f'{{{namespace}}}{name}')}, which belongs to no model; "
                     "expected attributes of the metamodel; delete it"
@@ -171,7 +197,7 @@ class _Checker:
                 self._report.add(node, "KnownFeature", finding)
 
     def _remember_xmi_id(self, node: Node, identity: str) -> None:
-        first = self.tree.by_xmi_id.setdefault(identity, node)
+        first = self.tree.files.containing(node).by_xmi_id.setdefault(identity, node)
         if first is not node:
             self._report.add(
                 node,
@@ -180,31 +206,35 @@ class _Checker:
                 "different ones; change one",
             )
 
-    def _child(self, element: _Element, child: Node) -> None:
-        feature = element.features.get(child.tag) if not child.namespace else None
-        if feature is None:
+    def _child(self, element: _Element, child: Node) -> Node:
+        """Check a child; return the node that stands for it, from another file if it says so."""
+        slot = element.slots.get(child.tag) if not child.namespace else None
+        if slot is None:
             finding = f"is an unknown element of {element.node.description}"
             self._unknown(child, finding, element, "element")
-            return
+            return child
         element.given[child.tag] += 1
-        if is_contained(feature):
-            self._contain(feature, child)
-        elif is_reference(feature):
-            self._refer(element.node, feature, child)
+        if slot.is_contained:
+            return self._contain(slot.feature, child)
+        if slot.is_reference:
+            self._refer(element.node, slot.feature, child)
         else:
-            self._value(element, feature, child.text)
+            self._value(element, slot, child.text)
+        return child
 
-    def _contain(self, feature: Any, child: Node) -> None:
+    def _contain(self, feature: Any, child: Node) -> Node:
         if "href" in child.attributes:
-            finding = (
-                f"refers to {shown(child.attributes['href'])}; expected the element itself in "
-                "this place; move it here"
-            )
-            self._report.add(child, "ContainedElement", finding)
-            return
+            found = find_part(child, feature, self._package, self.tree.files, self._report)
+            if found is None:
+                return child
+            part, metaclass = found
+            part.tag, part.namespace, part.parent = child.tag, "", child.parent
+            self.element(part, metaclass)
+            return part
         metaclass = self._concrete_type(feature, child)
         if metaclass is not None:
             self.element(child, metaclass)
+        return child
 
     def _refer(self, source: Node, feature: Any, child: Node) -> None:
         target = child.attributes.get("href")
@@ -221,37 +251,21 @@ class _Checker:
         """Return the class of a contained element; ``None`` after a report."""
         declared = reference_type(feature)
         text = child.qualified.get((XSI, "type"))
-        metaclass = declared if text is None else self._named_class(child, text)
+        metaclass = declared if text is None else named_class(self._package, child, text)
         if metaclass is not None and not metaclass.abstract and conforms(metaclass, declared):
             return metaclass
         found = "no xsi:type" if text is None else f"xsi:type {shown(text)}"
-        expected = ", ".join(
-            f"{self._package.nsPrefix}:{kind.name}" for kind in self._concrete_classes(declared)
-        )
+        kinds = concrete_classes(self._package, declared)
+        expected = ", ".join(f"{self._package.nsPrefix}:{kind.name}" for kind in kinds)
         self._report.add(
             child, "ConcreteType", f"has {found}; expected one of {expected}; choose one"
         )
         return None
 
-    def _named_class(self, node: Node, text: str) -> Any:
-        prefix, colon, name = text.rpartition(":")
-        if not colon or node.prefixes.get(prefix) != self._package.nsURI:
-            return None
-        found = self._package.getEClassifier(name)
-        return found if hasattr(found, "eStructuralFeatures") else None
-
-    def _concrete_classes(self, declared: Any) -> Iterator[Any]:
-        for kind in self._package.eClassifiers:
-            is_class = hasattr(kind, "eStructuralFeatures")
-            if is_class and not kind.abstract and conforms(kind, declared):
-                yield kind
-
     def _unknown(self, node: Node, finding: str, element: _Element, what: str) -> None:
         """Report a feature that the element's class does not have, and name those it has."""
         names = [
-            name
-            for name, feature in element.features.items()
-            if is_contained(feature) == (what == "element")
+            name for name, slot in element.slots.items() if slot.is_contained == (what == "element")
         ]
         listed = ", ".join(names[:_SHOWN_ALTERNATIVES]) or f"no {what}s"
         more = ", ..." if len(names) > _SHOWN_ALTERNATIVES else ""
@@ -264,23 +278,18 @@ class _Checker:
             finding = f"holds the text {shown(text)}; expected attributes and elements; delete it"
             self._report.add(node, "NoText", finding)
 
-    def _require_count(self, node: Node, feature: Any, count: int) -> None:
-        name = feature.name
-        if count < feature.lowerBound:
-            expected = f"at least {feature.lowerBound}" if feature.many else "one"
+    def _report_count(self, node: Node, slot: Slot, count: int) -> None:
+        name = slot.name
+        if count < slot.lower_bound:
+            expected = f"at least {slot.lower_bound}" if slot.many else "one"
             found = count or "no"
             finding = f"has {found} {name}; expected {expected}; add what is missing"
             self._report.add(node, "RequiredFeature", finding)
-        elif not feature.many and count > 1:
+        else:
             finding = f"has {count} {name}; expected one; delete the others"
             self._report.add(node, "SingleValue", finding)
 
-
-def _is_known_qualified(node: Node, namespace: str, name: str) -> bool:
-    if node.parent is None:
-        return (namespace, name) in {
-            (XMI, "version"),
-            (XSI, "schemaLocation"),
-            (XSI, "noNamespaceSchemaLocation"),
-        }
-    return (namespace, name) == (XSI, "type")
+    def _is_known_qualified(self, node: Node, namespace: str, name: str) -> bool:
+        if node in self.tree.files.containing(node).claimed:
+            return is_root_attribute(namespace, name)
+        return (namespace, name) == (XSI, "type")

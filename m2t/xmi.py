@@ -7,7 +7,7 @@ and truncates the file before it knows that it can write the new content.
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
@@ -15,21 +15,27 @@ from typing import Any
 
 from pyecore.ecore import EEnum
 
-from m2t.metamodels import features, is_contained, is_reference, reference_type
+from m2t.metamodels import Slot, reference_type, slots
 from mrsfi_runtime.errors import ModelError
 
 _XMI_NAMESPACE = "http://www.omg.org/XMI"
 _XSI_NAMESPACE = "http://www.w3.org/2001/XMLSchema-instance"
-_NO_HREFS: Mapping[Any, str] = MappingProxyType({})
+_NOTHING: Mapping[Any, str] = MappingProxyType({})
 
-_ATTRIBUTE_ESCAPES = str.maketrans(
+ATTRIBUTE_ESCAPES = str.maketrans(
     {"&": "&amp;", "<": "&lt;", '"': "&quot;", "\t": "&#x9;", "\n": "&#xA;", "\r": "&#xD;"}
 )
 _TEXT_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", "\r": "&#xD;"})
 _NO_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
-def dumps(root: Any, encoding: str = "ASCII", *, hrefs: Mapping[Any, str] = _NO_HREFS) -> bytes:
+def dumps(
+    root: Any,
+    encoding: str = "ASCII",
+    *,
+    hrefs: Mapping[Any, str] = _NOTHING,
+    xmi_ids: Mapping[Any, str] = _NOTHING,
+) -> bytes:
     """Return a model as the bytes of an XMI file.
 
     Parameters
@@ -39,7 +45,10 @@ def dumps(root: Any, encoding: str = "ASCII", *, hrefs: Mapping[Any, str] = _NO_
     encoding
         Encoding that the file declares; what it lacks becomes a character reference.
     hrefs
-        Relative addresses of the other files that the model refers to, by their root object.
+        Relative addresses of the other files, by their root objects; a root of another file
+        that the model contains is written as a reference to that file.
+    xmi_ids
+        The xmi:id of every object that has one.
 
     Returns
     -------
@@ -54,21 +63,33 @@ def dumps(root: Any, encoding: str = "ASCII", *, hrefs: Mapping[Any, str] = _NO_
 
     Notes
     -----
-    References inside the file and across files name elements by ID; without an ID, or with
-    one that holds a space, by path. Elements are never given an xmi:id.
+    References inside the file and across files name elements by xmi:id, else by ID; without
+    either, or with an ID that holds a space, by path.
     """
-    writer = _Writer(root, hrefs)
-    body = "".join(line + "\n" for line in writer.document())
-    return _encoded(f'<?xml version="1.0" encoding="{encoding}"?>\n{body}', encoding)
+    return dumps_file((root,), encoding, hrefs=hrefs, xmi_ids=xmi_ids)
 
 
-def _encoded(text: str, encoding: str) -> bytes:
+def dumps_file(
+    roots: Sequence[Any],
+    encoding: str,
+    *,
+    hrefs: Mapping[Any, str] = _NOTHING,
+    xmi_ids: Mapping[Any, str] = _NOTHING,
+) -> bytes:
+    """Return a file with any number of roots as ``dumps`` does; several stand in ``xmi:XMI``."""
+    body = "\n".join(_Writer(roots, hrefs, xmi_ids).document())
+    return encoded(f'<?xml version="1.0" encoding="{encoding}"?>\n{body}\n', encoding)
+
+
+def encoded(text: str, encoding: str) -> bytes:
     """Return text in an encoding, with hexadecimal references for what it lacks, as EMF does."""
     if not text.isascii():
         text = "".join(
             character if _has(encoding, character) else f"&#x{ord(character):x};"
             for character in text
         )
+    if encoding.upper() == "UTF-16":  # as in Java: big-endian after a byte order mark
+        return b"\xfe\xff" + text.encode("UTF-16-BE")
     return text.encode(encoding)
 
 
@@ -129,48 +150,85 @@ def java_double(value: float) -> str:
 
 
 class _Writer:
-    """Writes one model; remembers which namespaces it needed for xsi:type."""
+    """Writes one file; remembers which namespaces it needed for xsi:type."""
 
-    def __init__(self, root: Any, hrefs: Mapping[Any, str]) -> None:
-        self._root = root
+    def __init__(
+        self, roots: Sequence[Any], hrefs: Mapping[Any, str], xmi_ids: Mapping[Any, str]
+    ) -> None:
+        self._roots = roots
         self._hrefs = hrefs
+        self._xmi_ids = xmi_ids
         self._uses_xsi = False
-        self._namespaces = {root.eClass.ePackage.nsPrefix: root.eClass.ePackage.nsURI}
+        self._namespaces = {
+            root.eClass.ePackage.nsPrefix: root.eClass.ePackage.nsURI for root in roots
+        }
+        self._tops: dict[Any, Any] = {root: root for root in (*hrefs, *roots)}
+        self._starts = dict(_starts(roots, hrefs))
+        self._positions: dict[tuple[Any, str], dict[Any, int]] = {}
 
-    def document(self) -> Iterator[str]:
-        """Return the lines of the root element."""
-        attributes, lines = self._content(self._root, "  ")
-        metaclass = self._root.eClass
+    def document(self) -> list[str]:
+        """Return the lines of the root element, or of those within ``xmi:XMI``."""
+        if len(self._roots) == 1:
+            attributes, lines = self._content(self._roots[0], "  ")
+            identity = self._identity(self._roots[0])
+            return list(
+                _element("", _tag(self._roots[0]), self._head() + identity + attributes, lines)
+            )
+        lines = []
+        for root in self._roots:
+            attributes, inner = self._content(root, "    ")
+            lines.extend(_element("  ", _tag(root), self._identity(root) + attributes, inner))
+        return list(_element("", "xmi:XMI", self._head(), lines))
+
+    def _head(self) -> str:
         xsi = f' xmlns:xsi="{_XSI_NAMESPACE}"' if self._uses_xsi else ""
         namespaces = "".join(
             f' xmlns:{prefix}="{uri}"' for prefix, uri in sorted(self._namespaces.items())
         )
-        head = f' xmi:version="2.0" xmlns:xmi="{_XMI_NAMESPACE}"{xsi}{namespaces}{attributes}'
-        return _element("", f"{metaclass.ePackage.nsPrefix}:{metaclass.name}", head, lines)
+        return f' xmi:version="2.0" xmlns:xmi="{_XMI_NAMESPACE}"{xsi}{namespaces}'
+
+    def _identity(self, element: Any) -> str:
+        """Return the attribute xmi:id of an element that has one."""
+        identity = self._xmi_ids.get(element)
+        if identity is None:
+            return ""
+        return f' xmi:id="{escaped(identity, ATTRIBUTE_ESCAPES)}"'
 
     def _content(self, element: Any, indent: str) -> tuple[str, list[str]]:
         """Return the attributes of an element as one text, and the lines of its children."""
         attributes: list[str] = []
         lines: list[str] = []
-        for feature in features(element.eClass):
+        for slot in slots(element.eClass).values():
+            feature = slot.feature
+            if not slot.many and not element.eIsSet(feature):
+                continue
             value = element.eGet(feature)
-            if is_contained(feature):
-                lines.extend(self._contained(feature, _as_list(feature, value), indent))
-            elif is_reference(feature):
-                self._refer(feature, _as_list(feature, value), indent, attributes, lines)
-            elif feature.many:
-                texts = (_escaped(_text(feature, entry), _TEXT_ESCAPES) for entry in value)
-                lines.extend(f"{indent}<{feature.name}>{text}</{feature.name}>" for text in texts)
+            if slot.is_contained:
+                lines.extend(self._contained(feature, _as_list(slot, value), indent))
+            elif slot.is_reference:
+                self._refer(feature, _as_list(slot, value), indent, attributes, lines)
+            elif slot.many:
+                texts = (escaped(_text(feature, entry), _TEXT_ESCAPES) for entry in value)
+                lines.extend(f"{indent}<{slot.name}>{text}</{slot.name}>" for text in texts)
             elif _is_written(element, feature, value):
-                text = _escaped(_text(feature, value), _ATTRIBUTE_ESCAPES)
+                text = escaped(_text(feature, value), ATTRIBUTE_ESCAPES)
                 attributes.append(f' {feature.name}="{text}"')
         return "".join(attributes), lines
 
     def _contained(self, feature: Any, values: list[Any], indent: str) -> Iterator[str]:
         for value in values:
-            attributes, lines = self._content(value, indent + "  ")
             kind = self._type(feature, value)
-            yield from _element(indent, feature.name, kind + attributes, lines)
+            if value in self._starts:  # the root of another file
+                yield self._reference(feature, value, kind, indent)
+                continue
+            attributes, lines = self._content(value, indent + "  ")
+            head = kind + self._identity(value) + attributes
+            yield from _element(indent, feature.name, head, lines)
+
+    def _reference(self, feature: Any, value: Any, kind: str, indent: str) -> str:
+        target = f"{self._address(value)}#{self._fragment(value)}"
+        href = escaped(target, ATTRIBUTE_ESCAPES)
+        return f'{indent}<{feature.name}{kind} href="{href}"/>'
 
     def _refer(
         self,
@@ -183,14 +241,14 @@ class _Writer:
         """Refer by attribute within the file, by elements as soon as one value is outside."""
         if not values:
             return
-        if all(value.eRoot() is self._root for value in values):
-            text = _escaped(" ".join(_fragment(value) for value in values), _ATTRIBUTE_ESCAPES)
+        if all(self._address(value) == "" for value in values):
+            fragments = " ".join(self._fragment(value) for value in values)
+            text = escaped(fragments, ATTRIBUTE_ESCAPES)
             attributes.append(f' {feature.name}="{text}"')
             return
-        for value in values:
-            href = _escaped(f"{self._address(value)}#{_fragment(value)}", _ATTRIBUTE_ESCAPES)
-            kind = self._type(feature, value)
-            lines.append(f'{indent}<{feature.name}{kind} href="{href}"/>')
+        lines.extend(
+            self._reference(feature, value, self._type(feature, value), indent) for value in values
+        )
 
     def _type(self, feature: Any, value: Any) -> str:
         """Return xsi:type where the declared class does not say it."""
@@ -202,15 +260,71 @@ class _Writer:
         return f' xsi:type="{package.nsPrefix}:{value.eClass.name}"'
 
     def _address(self, value: Any) -> str:
-        root = value.eRoot()
-        if root is self._root:
-            return ""
-        if root not in self._hrefs:
+        """Return the address of the file that an object stands in, empty for this one."""
+        top = self._top(value)
+        if top in self._hrefs:
+            return self._hrefs[top]
+        if not any(top is root for root in self._roots):
             raise ModelError(
-                f"{self._root.eClass.name} refers to '{_fragment(value)}' of another "
-                f"{root.eClass.name}; expected one whose file is known; give its address"
+                f"{self._roots[0].eClass.name} refers to '{self._fragment(value)}' of another "
+                f"{top.eClass.name}; expected one whose file is known; give its address"
             )
-        return self._hrefs[root]
+        return ""
+
+    def _top(self, value: Any) -> Any:
+        """Return the root, in its file, of an object."""
+        passed = []
+        while value not in self._tops:
+            container = value.eContainer()
+            if container is None:
+                self._tops[value] = value
+                break
+            passed.append(value)
+            value = container
+        top = self._tops[value]
+        self._tops.update((element, top) for element in passed)
+        return top
+
+    def _fragment(self, element: Any) -> str:
+        """Return how references name an element: by xmi:id, by ID, else by path."""
+        names = [self._xmi_ids.get(element)]
+        if names[0] is None:
+            known = slots(element.eClass).values()
+            names = [element.eGet(slot.feature) for slot in known if slot.is_id]
+        for name in names:
+            if name and not re.search(r"\s|^/", name):
+                return str(name)
+        return self._path(element)
+
+    def _path(self, element: Any) -> str:
+        container = element.eContainer()
+        if container is None or self._top(element) is element:
+            return str(self._starts.get(element, "/"))
+        feature = element.eContainmentFeature()
+        index = f".{self._position(container, feature, element)}" if feature.many else ""
+        parent = self._path(container)
+        return f"{'/' if parent == '/' else parent}/@{feature.name}{index}"
+
+    def _position(self, container: Any, feature: Any, element: Any) -> int:
+        key = (container, feature.name)
+        if key not in self._positions:
+            values = container.eGet(feature)
+            self._positions[key] = {value: index for index, value in enumerate(values)}
+        return self._positions[key][element]
+
+
+def _starts(roots: Sequence[Any], hrefs: Mapping[Any, str]) -> Iterator[tuple[Any, str]]:
+    """Yield the path of every root in its file: ``/``, or its number if there are several."""
+    files: dict[str, list[Any]] = {"": list(roots)}
+    for root, address in hrefs.items():
+        files.setdefault(address, []).append(root)
+    for entries in files.values():
+        for number, root in enumerate(entries):
+            yield root, f"/{number}" if len(entries) > 1 else "/"
+
+
+def _tag(root: Any) -> str:
+    return f"{root.eClass.ePackage.nsPrefix}:{root.eClass.name}"
 
 
 def _element(indent: str, name: str, attributes: str, lines: list[str]) -> Iterator[str]:
@@ -222,8 +336,8 @@ def _element(indent: str, name: str, attributes: str, lines: list[str]) -> Itera
     yield f"{indent}</{name}>"
 
 
-def _as_list(feature: Any, value: Any) -> list[Any]:
-    if feature.many:
+def _as_list(slot: Slot, value: Any) -> list[Any]:
+    if slot.many:
         return list(value)
     return [] if value is None else [value]
 
@@ -234,7 +348,7 @@ def _is_written(element: Any, feature: Any, value: Any) -> bool:
         return False
     if feature.unsettable:
         return bool(element.eIsSet(feature))
-    return bool(value != feature.get_default_value())
+    return bool(value != feature.get_default_value()) or str(value) == "-0.0"
 
 
 def _text(feature: Any, value: Any) -> str:
@@ -245,30 +359,11 @@ def _text(feature: Any, value: Any) -> str:
     return str(value)
 
 
-def _escaped(text: str, escapes: Mapping[int, str]) -> str:
+def escaped(text: str, escapes: Mapping[int, str]) -> str:
+    """Return a text with what XML reserves escaped; refuse what XML cannot hold."""
     if _NO_XML.search(text):
         raise ModelError(
             f"text {text[:60]!a} holds a character that XML cannot; expected printable text; "
             "delete the character"
         )
     return text.translate(escapes)
-
-
-def _fragment(element: Any) -> str:
-    """Return how references name an element: by ID, else by path."""
-    for feature in features(element.eClass):
-        if getattr(feature, "iD", False):
-            identity = element.eGet(feature)
-            if identity and not re.search(r"\s|^/", identity):
-                return str(identity)
-    return _path(element)
-
-
-def _path(element: Any) -> str:
-    container = element.eContainer()
-    if container is None:
-        return "/"
-    feature = element.eContainmentFeature()
-    index = f".{list(container.eGet(feature)).index(element)}" if feature.many else ""
-    parent = _path(container)
-    return f"{'/' if parent == '/' else parent}/@{feature.name}{index}"

@@ -7,8 +7,8 @@ Source paper, section III-B b).
 
 from typing import Any
 
-from m2t.constraints.findings import Findings
-from m2t.metamodels import features, is_contained
+from m2t.constraints.findings import Findings, number
+from m2t.metamodels import features, is_contained, slots
 
 _FIELD_OF_TYPE = {
     "RemainingEnergyCapacityReport": "ENERGY",
@@ -50,14 +50,32 @@ def check_faults(specification: Any, duration: int, findings: Findings) -> None:
 
 def fault_types(fault: Any) -> tuple[Any, ...]:
     """Return the fault types that a fault contains; a sound fault contains one."""
-    values = (fault.eGet(feature) for feature in features(fault.eClass) if is_contained(feature))
+    given = (feature for feature in features(fault.eClass) if fault.eIsSet(feature))
+    values = (fault.eGet(feature) for feature in given if is_contained(feature))
     return tuple(value for value in values if value is not None)
 
 
 def is_set(element: Any, name: str) -> bool:
     """Return whether the model gives an optional feature that the element's class has."""
-    feature = element.eClass.findEStructuralFeature(name)
-    return feature is not None and element.eIsSet(feature)
+    slot = slots(element.eClass).get(name)
+    return slot is not None and bool(element.eIsSet(slot.feature))
+
+
+def disordered_parameters(kind: Any) -> list[str]:
+    """Return the parameters of a fault type whose lowest value is above their highest."""
+    return [
+        feature.name
+        for feature in features(kind.eClass)
+        if is_set(kind, f"{feature.name}_MIN")
+        and is_set(kind, f"{feature.name}_MAX")
+        and getattr(kind, f"{feature.name}_MIN") > getattr(kind, f"{feature.name}_MAX")
+    ]
+
+
+def broken_ticks(kind: Any) -> list[str]:
+    """Return the numbers of ticks of a fault type that are not whole."""
+    names = (name + suffix for name in _TICKS for suffix in ("", "_MIN", "_MAX"))
+    return [name for name in names if is_set(kind, name) and getattr(kind, name) % 1]
 
 
 def _check_window(fault: Any, duration: int, findings: Findings) -> None:
@@ -93,37 +111,22 @@ def _check_parameters(kind: Any, findings: Findings) -> None:
         findings.add(
             kind,
             "RandomBoundsOrdered",
-            f"has LOWER_BOUND {kind.LOWER_BOUND} above UPPER_BOUND {kind.UPPER_BOUND}; expected "
-            "the lower one first; exchange them",
+            f"has LOWER_BOUND {number(kind.LOWER_BOUND)} above UPPER_BOUND "
+            f"{number(kind.UPPER_BOUND)}; expected the lower one first; exchange them",
         )
-    for name in names:
-        lowest, highest = f"{name}_MIN", f"{name}_MAX"
-        if is_set(kind, lowest) and is_set(kind, highest):
-            _check_search_bounds(kind, name, findings)
-    for name in _TICKS:
-        for suffix in ("", "_MIN", "_MAX"):
-            if is_set(kind, name + suffix):
-                _check_whole_ticks(kind, name + suffix, findings)
-
-
-def _check_search_bounds(kind: Any, name: str, findings: Findings) -> None:
-    lowest, highest = getattr(kind, f"{name}_MIN"), getattr(kind, f"{name}_MAX")
-    if lowest > highest:
+    for name in disordered_parameters(kind):
+        lowest, highest = getattr(kind, f"{name}_MIN"), getattr(kind, f"{name}_MAX")
         findings.add(
             kind,
             "SearchBoundsOrdered",
-            f"has {name}_MIN {lowest} above {name}_MAX {highest}; expected the lower one first; "
-            "exchange them",
+            f"has {name}_MIN {number(lowest)} above {name}_MAX {number(highest)}; expected the "
+            "lower one first; exchange them",
         )
-
-
-def _check_whole_ticks(kind: Any, name: str, findings: Findings) -> None:
-    value = getattr(kind, name)
-    if value != int(value):
+    for name in broken_ticks(kind):
         findings.add(
             kind,
             "WholeTicks",
-            f"has {name} {value}; expected a whole number of ticks; round it",
+            f"has {name} {number(getattr(kind, name))}; expected a whole number of ticks; round it",
         )
 
 

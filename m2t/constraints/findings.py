@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from m2t.document import Node, Report
+from m2t.xmi import java_double
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,3 +32,8 @@ def identities(elements: Any) -> str:
     """Return the IDs of elements, for messages."""
     ids = [str(element.ID) for element in elements]
     return ", ".join(ids[:12]) + (", ..." if len(ids) > 12 else "") if ids else "none"
+
+
+def number(value: float) -> str:
+    """Return a number for messages, spelt as in the file."""
+    return str(value) if isinstance(value, int) else java_double(value)

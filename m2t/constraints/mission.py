@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from m2t.constraints.findings import Findings, identities
+from m2t.constraints.findings import Findings, identities, number
 from m2t.diagnostics import shown
 
 ROBOT_RADIUS = 1.0
@@ -44,6 +44,17 @@ def point(coordinates: Any) -> tuple[float, float]:
     return (0.0, 0.0) if coordinates is None else (coordinates.x, coordinates.y)
 
 
+def distance(one: tuple[float, float], other: tuple[float, float]) -> float:
+    """Return the distance of two points, rounded as ``mission.evl`` rounds it."""
+    dx, dy = one[0] - other[0], one[1] - other[1]
+    return math.sqrt(dx * dx + dy * dy)
+
+
+def strangers(goal: Any) -> list[Any]:
+    """Return the robots that a goal to avoid collisions names but does not have as members."""
+    return [robot for robot in goal.task.robots if robot not in goal.members]
+
+
 def areas(mission: Any) -> Iterator[Any]:
     """Return all areas but the mission's own, in model order."""
     for obstacle in mission.obstacles:
@@ -57,11 +68,11 @@ def areas(mission: Any) -> Iterator[Any]:
 
 def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:
     area = mission.missionArea
-    if math.dist(point(robot.position), point(area.center)) > area.radius:
+    if distance(point(robot.position), point(area.center)) > area.radius:
         findings.add(
             robot,
             "RobotInsideMission",
-            f"starts outside the mission area (radius {area.radius:g}); expected a position "
+            f"starts outside the mission area (radius {number(area.radius)}); expected a position "
             "inside it; correct the position or the area",
         )
     if sum(battery.totalEnergy for battery in robot.batteries) <= 0:
@@ -88,11 +99,11 @@ def _check_property_names(station: Any, findings: Findings) -> None:
 
 def _check_area(mission: Any, area: Any, findings: Findings) -> None:
     outer = mission.missionArea
-    if math.dist(point(area.center), point(outer.center)) + area.radius > outer.radius:
+    if distance(point(area.center), point(outer.center)) + area.radius > outer.radius:
         findings.add(
             area,
             "AreaInsideMission",
-            f"reaches beyond the mission area (radius {outer.radius:g}); expected an area "
+            f"reaches beyond the mission area (radius {number(outer.radius)}); expected an area "
             "inside it; correct one of them",
         )
 
@@ -106,7 +117,7 @@ def _check_starts(mission: Any, findings: Findings) -> None:
     for robot in mission.robots:
         place = point(robot.position)
         for other, center, radius in others:
-            if math.dist(place, center) < radius + ROBOT_RADIUS:
+            if distance(place, center) < radius + ROBOT_RADIUS:
                 findings.add(
                     robot,
                     "RobotStartsClear",
@@ -149,12 +160,12 @@ def _check_gather_samples(_: Any, goal: Any, findings: Findings) -> None:
 
 
 def _check_avoid_collision(_: Any, goal: Any, findings: Findings) -> None:
-    strangers = [robot for robot in goal.task.robots if robot not in goal.members]
-    if strangers:
+    found = strangers(goal)
+    if found:
         findings.add(
             goal.task,
             "AvoidCollisionMembers",
-            f"names {identities(strangers)}; expected members of the goal "
+            f"names {identities(found)}; expected members of the goal "
             f"({identities(goal.members)}); correct the robots or the members",
         )
 

@@ -1,5 +1,6 @@
 """Files that attack the reader end in a clear error; hostile but legal texts load."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -190,3 +191,11 @@ def test_hostile_id_is_an_error_on_one_line(tmp_path: Path) -> None:
 
     assert found.constraint == "IdSyntax"
     assert "\n" not in str(found)
+
+
+def test_pipe_in_place_of_a_model_does_not_wait(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / MISSION)
+
+    found = _only(validate_folder(tmp_path))
+
+    assert found.constraint == "ReadableFile"

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from m2t.load import load_mission_folder
 from m2t.metamodels import load_metamodels
+from m2t.saving import save
 from m2t.xmi import dumps, java_double, write_atomically
 from mrsfi_runtime.errors import ModelError
 from support_model import FAULTS, MISSION, MODELS, copy_models, edit
@@ -150,3 +151,66 @@ def test_failed_atomic_write_leaves_the_old_content(tmp_path: Path) -> None:
         write_atomically(path, b"new")
 
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("encoding", ["UTF-8", "ISO-8859-1", "UTF-16", "ASCII"])
+def test_saving_keeps_the_encoding_of_each_file(tmp_path: Path, encoding: str) -> None:
+    folder = copy_models(tmp_path)
+    text = (folder / MISSION).read_text(encoding="ascii").replace('"ASCII"', f'"{encoding}"')
+    name = "L&#xe9;N" if encoding == "ASCII" else "L\xe9N"
+    content = text.replace("LEN", name, 1).encode(encoding)
+    if encoding == "UTF-16":  # Java writes it big-endian, Python here as the machine does
+        content = b"\xfe\xff" + text.replace("LEN", name, 1).encode("UTF-16-BE")
+    (folder / MISSION).write_bytes(content)
+    models = load_mission_folder(folder)
+
+    models.mission.robots[1].speed = 6.0
+    written = save(models)
+
+    assert written == (folder / MISSION,)
+    changed = text.replace("LEN", name, 1).replace('speed="4.0"', 'speed="6.0"', 1)
+    assert (folder / MISSION).read_bytes().decode(encoding) == changed
+
+
+def test_encoding_is_written_in_capitals_as_eclipse_does(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    edit(folder / MISSION, '"ASCII"', '"utf-8"')
+
+    save(load_mission_folder(folder))
+
+    assert (folder / MISSION).read_bytes().startswith(b'<?xml version="1.0" encoding="UTF-8"?>\n')
+
+
+def test_xmi_ids_are_kept_and_named_by_references(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    edit(folder / MISSION, 'name="1000"', 'xmi:id="_m" name="1000"')
+    edit(folder / MISSION, '<sensors ID="s4"', '<sensors xmi:id="_s4" ID="s4"')
+    edit(folder / MISSION, '<messages ID="m4"', '<messages xmi:id="_m4" ID="m4"')
+    edit(folder / MISSION, 'sensor="s4"', 'sensor="_s4"')
+    edit(folder / FAULTS, "mission.xmi#m4", "mission.xmi#_m4")
+    models = load_mission_folder(folder)
+
+    assert save(models) == ()
+    models.mission.goals[4].task.sensor = models.mission.robots[1].sensors[1]
+    assert save(models) == (folder / MISSION,)
+    assert (folder / MISSION).read_bytes().count(b'sensor="_s4"') == 2
+
+
+def test_saving_what_did_not_change_touches_no_file(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
+
+    assert save(load_mission_folder(folder)) == ()
+
+    assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
+
+
+def test_element_that_an_earlier_one_refers_to_is_written_in_place(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    edit(
+        folder / MISSION,
+        'name="AvoidCollision" members="r2 r3 r1"',
+        'name="AvoidCollision" members="r2 r3 r1" dependentGoals="g2"',
+    )
+
+    assert save(load_mission_folder(folder)) == ()

@@ -1,0 +1,283 @@
+"""Check the nodes of an ``.ecore`` file before pyecore loads it.
+
+pyecore takes unknown types and bounds for granted, fails with exceptions of all kinds, and
+finds some defects only when the metamodel is used.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+
+from m2t.diagnostics import shown
+from m2t.document import Node, Report
+from m2t.files import XMI, XSI
+
+ECORE = "http://www.eclipse.org/emf/2002/Ecore"
+VALUE_TYPES = ("EString", "EInt", "EDouble")
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
+_SWITCH = re.compile(r"true|false")
+_COUNT = re.compile(r"-1|[0-9]{1,6}", re.ASCII)
+_INTEGER = re.compile(r"-?[0-9]{1,9}", re.ASCII)
+_NUMBER = re.compile(r"-?[0-9]{1,15}(\.[0-9]{1,15})?", re.ASCII)
+_ANY = re.compile(r".*", re.DOTALL)
+_SOME = re.compile(r".+", re.DOTALL)
+
+_ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
+
+_FEATURE = {
+    "name": _NAME,
+    "eType": _SOME,
+    "lowerBound": _COUNT,
+    "upperBound": _COUNT,
+    **dict.fromkeys(("ordered", "unique", "changeable", "volatile", "transient"), _SWITCH),
+    **dict.fromkeys(("unsettable", "derived"), _SWITCH),
+}
+_ATTRIBUTES: Mapping[str, Mapping[str, re.Pattern[str]]] = MappingProxyType(
+    {
+        "EPackage": {"name": _NAME, "nsURI": _SOME, "nsPrefix": _NAME},
+        "EClass": {
+            "name": _NAME,
+            "abstract": _SWITCH,
+            "interface": _SWITCH,
+            "eSuperTypes": _ANY,
+            "instanceClassName": _SOME,
+        },
+        "EEnum": {"name": _NAME, "serializable": _SWITCH, "instanceClassName": _SOME},
+        "EEnumLiteral": {"name": _NAME, "value": _INTEGER, "literal": _NAME},
+        "EAttribute": {**_FEATURE, "iD": _SWITCH, "defaultValueLiteral": _ANY},
+        "EReference": {
+            **_FEATURE,
+            "containment": _SWITCH,
+            "resolveProxies": _SWITCH,
+            "eOpposite": _SOME,
+        },
+        "EAnnotation": {"source": _ANY},
+        "details": {"key": _ANY, "value": _ANY},
+    }
+)
+_REQUIRED: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "EPackage": ("name", "nsURI", "nsPrefix"),
+        "EClass": ("name",),
+        "EEnum": ("name",),
+        "EEnumLiteral": ("name",),
+        "EAttribute": ("name", "eType"),
+        "EReference": ("name", "eType"),
+    }
+)
+_ANNOTATED = {"eAnnotations": ("EAnnotation",)}
+_CHILDREN: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "EPackage": {**_ANNOTATED, "eClassifiers": ("EClass", "EEnum")},
+        "EClass": {**_ANNOTATED, "eStructuralFeatures": ("EAttribute", "EReference")},
+        "EEnum": {**_ANNOTATED, "eLiterals": ("EEnumLiteral",)},
+        "EEnumLiteral": _ANNOTATED,
+        "EAttribute": _ANNOTATED,
+        "EReference": _ANNOTATED,
+        "EAnnotation": {**_ANNOTATED, "details": ("details",)},
+        "details": {},
+    }
+)
+
+
+class MetamodelCheck:
+    """Checks metamodel files one after the other; later ones may refer to earlier ones.
+
+    Parameters
+    ----------
+    report
+        Takes the diagnostics.
+    """
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self._classifiers: dict[str, Node] = {}
+        self._kinds: dict[Node, str] = {}
+
+    def check(self, root: Node, name: str, root_class: str) -> None:
+        """Check one file.
+
+        Parameters
+        ----------
+        root
+            Root element of the file.
+        name
+            Name that its package has to have.
+        root_class
+            Class that it has to have, that of the root of models.
+        """
+        if (root.namespace, root.tag) != (ECORE, "EPackage"):
+            finding = f"is the root; expected EPackage of namespace {ECORE}; restore the file"
+            self._report.add(root, "RootElement", finding)
+            return
+        self._element(root, "EPackage")
+        if root.attributes.get("name") != name:
+            finding = f"is the package; expected the name {name}; restore it"
+            self._report.add(root, "RootElement", finding)
+        self._check_names(root, "eClassifiers")
+        for classifier in _named(root, "eClassifiers"):
+            self._classifiers[f"{root.path.name}#//{classifier.attributes['name']}"] = classifier
+        wanted = self._classifiers.get(f"{root.path.name}#//{root_class}")
+        if wanted is None or wanted.attributes.get("abstract") == "true":
+            finding = f"has no class {root_class} that models could begin with; restore it"
+            self._report.add(root, "RequiredFeature", finding)
+        for classifier in _named(root, "eClassifiers"):
+            self._classifier(classifier)
+
+    def _element(self, node: Node, kind: str) -> None:
+        self._kinds[node] = kind
+        if node.text.strip():
+            finding = f"holds the text {shown(node.text.strip())}; expected none; delete it"
+            self._report.add(node, "NoText", finding)
+        for name in _REQUIRED.get(kind, ()):
+            if name not in node.attributes:
+                finding = f"has no {name}; every {kind} needs one; add it"
+                self._report.add(node, "RequiredFeature", finding)
+        self._attributes(node, kind)
+        for child in node.children:
+            self._child(node, kind, child)
+
+    def _attributes(self, node: Node, kind: str) -> None:
+        for name, text in node.attributes.items():
+            pattern = _ATTRIBUTES[kind].get(name)
+            if pattern is None:
+                listed = ", ".join(_ATTRIBUTES[kind])
+                finding = f"has no attribute {shown(name)}; expected {listed}; correct it"
+                self._report.add(node, "KnownFeature", finding)
+            elif not pattern.fullmatch(text):
+                finding = f"has {name} {shown(text)}, which is no such value; correct it"
+                self._report.add(node, "NumberSyntax", finding)
+        for namespace, name in node.qualified:
+            if (namespace, name) not in {(XSI, "type"), (XMI, "version")}:
+                finding = f"has attribute {shown(name)} of namespace {shown(namespace)}; delete it"
+                self._report.add(node, "KnownFeature", finding)
+
+    def _child(self, node: Node, kind: str, child: Node) -> None:
+        kinds = _CHILDREN[kind].get(child.tag) if not child.namespace else None
+        if kinds is None:
+            listed = ", ".join(_CHILDREN[kind]) or "none"
+            finding = f"is an unknown element of {node.description}; expected {listed}; correct it"
+            self._report.add(child, "KnownFeature", finding)
+            return
+        text = child.qualified.get((XSI, "type"))
+        prefix, _, name = (text or "").rpartition(":")
+        if text is None and len(kinds) == 1:
+            self._element(child, kinds[0])
+        elif name in kinds and child.prefixes.get(prefix) == ECORE:
+            self._element(child, name)
+        else:
+            listed = ", ".join(f"ecore:{entry}" for entry in kinds)
+            finding = f"has xsi:type {shown(text or '')}; expected {listed}; choose one"
+            self._report.add(child, "ConcreteType", finding)
+
+    def _check_names(self, node: Node, tag: str) -> None:
+        seen: dict[str, Node] = {}
+        for child in _named(node, tag):
+            first = seen.setdefault(child.attributes["name"], child)
+            if first is not child:
+                finding = f"has the name of line {first.line}; expected different ones; rename one"
+                self._report.add(child, "UniqueId", finding)
+
+    def _classifier(self, node: Node) -> None:
+        if self._kinds.get(node) == "EEnum":
+            self._check_names(node, "eLiterals")
+            if not node.children:
+                self._report.add(node, "RequiredFeature", "has no literals; add one")
+            return
+        supertypes = node.attributes.get("eSuperTypes", "").split()
+        for target in supertypes:
+            self._require(node, target, "EClass")
+        n_errors = self._report.n_errors
+        if len(set(supertypes)) < len(supertypes) or self._is_circular(node, (node,)):
+            finding = "inherits from itself, or twice from one class; correct eSuperTypes"
+            self._report.add(node, "ResolvedReference", finding)
+        seen: dict[str, Node] = {}
+        if self._report.n_errors == n_errors:
+            self._check_features(node, seen)
+
+    def _check_features(self, node: Node, seen: dict[str, Node]) -> None:
+        """Check the features of a class; ``seen`` takes them with all inherited ones by name."""
+        for owner in self._lineage(node):
+            for feature in _named(owner, "eStructuralFeatures"):
+                first = seen.setdefault(feature.attributes["name"], feature)
+                if first is not feature:
+                    finding = f"has a name that {node.description} has twice; rename one"
+                    self._report.add(feature, "UniqueId", finding)
+        for feature in _named(node, "eStructuralFeatures"):
+            self._feature(feature)
+
+    def _feature(self, node: Node) -> None:
+        lower = node.attributes.get("lowerBound", "0")
+        upper = node.attributes.get("upperBound", "1")
+        is_count = _COUNT.fullmatch(lower) and _COUNT.fullmatch(upper)
+        if is_count and (lower == "-1" or upper == "0" or int(lower) > int(upper) > -1):
+            finding = f"has bounds {lower} and {upper}; expected a lower one first; correct them"
+            self._report.add(node, "NumberSyntax", finding)
+        target = node.attributes.get("eType", "")
+        if self._kinds.get(node) == "EReference":
+            self._require(node, target, "EClass")
+            if "eOpposite" in node.attributes:
+                finding = "has an eOpposite, which models of missions do without; delete it"
+                self._report.add(node, "KnownFeature", finding)
+            return
+        if target.startswith(_ECORE_TYPE):
+            self._value_type(node, target.removeprefix(_ECORE_TYPE))
+        else:
+            self._require(node, target, "EEnum")
+            self._default(node, _ANY, self._literals(node, target))
+
+    def _value_type(self, node: Node, name: str) -> None:
+        if name not in VALUE_TYPES:
+            expected = ", ".join(VALUE_TYPES)
+            finding = f"has type {shown(name)}; expected {expected} or an enumeration; choose one"
+            self._report.add(node, "ReferenceType", finding)
+            return
+        pattern = {"EString": _ANY, "EInt": _INTEGER, "EDouble": _NUMBER}[name]
+        self._default(node, pattern, None)
+
+    def _default(self, node: Node, pattern: re.Pattern[str], names: list[str] | None) -> None:
+        text = node.attributes.get("defaultValueLiteral")
+        if text is None:
+            return
+        if not pattern.fullmatch(text) or (names is not None and text not in names):
+            finding = f"has the default {shown(text)}, which is no value of its type; correct it"
+            self._report.add(node, "NumberSyntax", finding)
+
+    def _literals(self, node: Node, target: str) -> list[str]:
+        found = self._target(node, target)
+        return [] if found is None else [x.attributes["name"] for x in _named(found, "eLiterals")]
+
+    def _require(self, node: Node, target: str, kind: str) -> None:
+        found = self._target(node, target)
+        if found is None or self._kinds.get(found) != kind:
+            finding = f"refers to {shown(target)}, which is no {kind}; correct the reference"
+            self._report.add(node, "ResolvedReference", finding)
+
+    def _target(self, node: Node, target: str) -> Node | None:
+        """Return the classifier that a reference names, in this file or an earlier one."""
+        name = target.rpartition(" ")[2]
+        return self._classifiers.get(f"{node.path.name}{name}" if name.startswith("#") else name)
+
+    def _parents(self, node: Node) -> Iterator[Node]:
+        for target in node.attributes.get("eSuperTypes", "").split():
+            found = self._target(node, target)
+            if found is not None:
+                yield found
+
+    def _is_circular(self, node: Node, path: tuple[Node, ...]) -> bool:
+        return any(
+            parent in path or self._is_circular(parent, (*path, parent))
+            for parent in self._parents(node)
+        )
+
+    def _lineage(self, node: Node) -> dict[Node, None]:
+        found: dict[Node, None] = {}
+        for parent in self._parents(node):
+            found |= self._lineage(parent)
+        return {**found, node: None}
+
+
+def _named(node: Node, tag: str) -> list[Node]:
+    """Return the children with a tag that have a name."""
+    return [child for child in node.children if child.tag == tag and "name" in child.attributes]

@@ -1,0 +1,121 @@
+"""Parts of a model that stand in files of their own, as Eclipse splits it.
+
+``<robots href="robots.xmi#r1"/>`` stands for a root of ``robots.xmi``.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+from urllib.parse import unquote
+
+from m2t.diagnostics import shown
+from m2t.document import Node, Report
+from m2t.files import XSI, ModelFile, ModelFiles, contained_path
+from m2t.metamodels import conforms, reference_type
+
+
+def find_part(
+    child: Node, feature: Any, package: Any, files: ModelFiles, report: Report
+) -> tuple[Node, Any] | None:
+    """Return the root of another file that an element with an href stands for.
+
+    Parameters
+    ----------
+    child
+        The element with the href.
+    feature
+        The containment that it is given for.
+    package
+        The metamodel.
+    files
+        All files read so far; takes the file of the part.
+    report
+        Takes the diagnostics.
+
+    Returns
+    -------
+    tuple of Node and metaclass, or None
+        The root, which nothing else contains, and its class; ``None`` after a report.
+    """
+    if set(child.attributes) != {"href"} or child.children or child.text.strip():
+        finding = f"has an href and more; expected <{child.tag[:60]} href=...> alone; correct it"
+        report.add(child, "ContainedElement", finding)
+        return None
+    target = child.attributes["href"]
+    document, _, fragment = target.rpartition("#")
+    file = _file(child, document, files, report)
+    if file is None:
+        return None
+    root = file.root(unquote(fragment))
+    if root is None or root in file.claimed:
+        found = "is no root of that file" if root is None else "is contained already"
+        finding = (
+            f"stands for {shown(target)}, which {found}; expected a root of "
+            f"{file.path.name} that stands nowhere else; correct the href"
+        )
+        report.add(child, "ContainedElement", finding)
+        return None
+    file.claimed.add(root)
+    metaclass = _metaclass(child, root, feature, package, report)
+    return None if metaclass is None else (root, metaclass)
+
+
+def concrete_classes(package: Any, declared: Any) -> Iterator[Any]:
+    """Return the classes whose objects a feature of a declared class may hold."""
+    for kind in package.eClassifiers:
+        is_class = hasattr(kind, "eStructuralFeatures")
+        if is_class and not kind.abstract and conforms(kind, declared):
+            yield kind
+
+
+def named_class(package: Any, node: Node, text: str) -> Any:
+    """Return the class that an xsi:type names; ``None`` if there is no such class."""
+    prefix, colon, name = text.rpartition(":")
+    if not colon or node.prefixes.get(prefix) != package.nsURI:
+        return None
+    found = package.getEClassifier(name)
+    return found if hasattr(found, "eStructuralFeatures") else None
+
+
+def _file(child: Node, document: str, files: ModelFiles, report: Report) -> ModelFile | None:
+    """Return the file of a part; refuse one outside the project, and circles of files."""
+    what = f"stands for {shown(child.attributes['href'])}"
+    here = files.containing(child)
+    path = contained_path(here, document) if document else None
+    if path is None:
+        finding = (
+            f"{what}; expected the root of another file, by a relative address inside the "
+            "mission's project; move that file there, or the element here"
+        )
+        report.add(child, "LocalReference" if document else "ContainedElement", finding)
+        return None
+    owners = (*here.owners, here)
+    known = files.at(path)
+    if known is not None and known in owners:
+        circle = " > ".join(owner.path.name for owner in (*owners[owners.index(known) :], known))
+        finding = (
+            f"{what}, which closes a circle of files ({circle}); expected files that lead "
+            "downwards only; move the element into place"
+        )
+        report.add(child, "ContainedElement", finding)
+        return None
+    file = files.read(path, owners)
+    if file is None:  # what is wrong with it is reported there
+        report.add(child, "ContainedElement", f"{what}, a file that cannot be used; correct it")
+    return file
+
+
+def _metaclass(child: Node, root: Node, feature: Any, package: Any, report: Report) -> Any:
+    """Return the class of a part if the feature may hold it; ``None`` after a report."""
+    declared = reference_type(feature)
+    kinds = list(concrete_classes(package, declared))
+    found = package.getEClassifier(root.tag) if root.namespace == package.nsURI else None
+    named = child.qualified.get((XSI, "type"))
+    if found in kinds and (named is None or named_class(package, child, named) is found):
+        return found
+    expected = ", ".join(str(kind.name) for kind in kinds)
+    finding = (
+        f"stands for {shown(child.attributes['href'])}, which is a {root.tag[:60]}; expected "
+        f"one of {expected}, the same as xsi:type if that is given; correct the href"
+    )
+    report.add(child, "ConcreteType", finding)
+    return None

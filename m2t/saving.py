@@ -1,0 +1,88 @@
+"""Save loaded models: every file as Eclipse would, and only what changed."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from m2t.load import LoadedFile, LoadedModels
+from m2t.xmi import dumps_file, write_atomically
+
+
+def save(models: LoadedModels) -> tuple[Path, ...]:
+    """Write loaded models back to their files, each as a whole.
+
+    Parameters
+    ----------
+    models
+        The models, changed or not.
+
+    Returns
+    -------
+    tuple of Path
+        The files whose content changed; the others are not touched.
+
+    Raises
+    ------
+    ModelError
+        As ``saved``; no file is written then.
+    """
+    contents = saved(models)
+    changed = {path: new for path, new in contents.items() if path.read_bytes() != new}
+    for path, content in changed.items():
+        write_atomically(path, content)
+    return tuple(changed)
+
+
+def saved(models: LoadedModels) -> dict[Path, bytes]:
+    """Return what saving loaded models would write: the content of each of their files.
+
+    Parameters
+    ----------
+    models
+        The models, changed or not. Every file keeps its encoding, its roots and the xmi:ids of
+        its elements; new elements get none. Comments are dropped, as Eclipse does.
+
+    Returns
+    -------
+    dict
+        Content by path, in the order in which the files were read.
+
+    Raises
+    ------
+    ModelError
+        If a model refers to an object outside the files, or holds a character that XML cannot.
+    """
+    return {
+        file.path: dumps_file(
+            file.roots,
+            file.encoding,
+            hrefs=addresses(models, file.path.parent, without=file),
+            xmi_ids=models.xmi_ids,
+        )
+        for file in models.files
+    }
+
+
+def addresses(
+    models: LoadedModels, folder: Path, *, without: LoadedFile | None = None
+) -> Mapping[Any, str]:
+    """Return the relative address of every file of loaded models, by its root objects.
+
+    Parameters
+    ----------
+    models
+        The models.
+    folder
+        Folder of the file that refers to them.
+    without
+        File to leave out: the one that refers.
+    """
+    here = folder.resolve()
+    return {
+        root: quote(Path(os.path.relpath(file.path.resolve(), here)).as_posix())
+        for file in models.files
+        if file is not without
+        for root in file.roots
+    }

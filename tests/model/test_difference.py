@@ -1,0 +1,317 @@
+"""The difference of two models reads like the model."""
+
+import shutil
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+
+from m2t.difference import difference
+from mrsfi_runtime.errors import ModelError
+from support_generation import ALL_TASKS, write_mission
+from support_model import FAULTS, MISSION, MODELS, copy_models, edit
+
+ROBOT = """<robots ID="r4" name="Max" speed="1.0">
+    <sensors ID="s7" name="s" type="DEPTH" samplesPerSecond="1"/>
+  </robots>
+  <servers ID="sv1\""""
+GOAL = """<goals ID="g7" name="p" members="r1">
+    <task xsi:type="mission:Patrol" period="9">
+      <area ID="a16" radius="5.0"/>
+    </task>
+  </goals>
+</mission:Mission>"""
+
+
+@pytest.fixture
+def old(tmp_path: Path) -> Path:
+    return copy_models(tmp_path / "old")
+
+
+@pytest.fixture
+def new(tmp_path: Path) -> Path:
+    return copy_models(tmp_path / "new")
+
+
+def lines(old: Path, new: Path) -> list[str]:
+    return [str(change) for change in difference(old, new)]
+
+
+CHANGES = [
+    (MISSION, 'name="JEN" speed="4.0"', 'name="JEN" speed="6"', "robot r2: speed 4.0 → 6.0"),
+    (MISSION, 'duration="1000"', 'duration="900"', "mission: duration 1000 → 900"),
+    (MISSION, 'name="LEN"', 'name="L&#xE9;N"', "robot r1: name 'LEN' → 'LéN'"),
+    (
+        MISSION,
+        'name="SufficientEnergy" members="r2 r3 r1"',
+        'name="SufficientEnergy" members="r2 r3"',
+        "goal g3: members r2 r3 r1 → r2 r3",
+    ),
+    (
+        MISSION,
+        '<position x="250.0" y="-250.0" z="1.0"/>',
+        '<position x="251.0"/>',
+        "robot r1: position (250.0, -250.0, 1.0) → (251.0, 0.0, 0.0)",
+    ),
+    (
+        MISSION,
+        '<center y="500.0" z="1.0"/>',
+        "",
+        "area a7: center (0.0, 500.0, 1.0) → (0.0, 0.0, 0.0)",
+    ),
+    (MISSION, 'radius="2000.0"', 'radius="1500.0"', "area a15: radius 2000.0 → 1500.0"),
+    (
+        MISSION,
+        'totalEnergy="80000.0"',
+        'totalEnergy="1.0"',
+        "battery b2: totalEnergy 80000.0 → 1.0",
+    ),
+    (
+        MISSION,
+        'energyPerDistanceUnit="5.0"',
+        'energyPerDistanceUnit="4.0"',
+        "motion source ms1: energyPerDistanceUnit 5.0 → 4.0",
+    ),
+    (MISSION, 'Number="250"', 'Number="300"', "goal g4: task.targetSampleNumber 250 → 300"),
+    (MISSION, 'sensor="s4"', 'sensor="s2"', "goal g4: task.sensor s4 → s2"),
+    (
+        MISSION,
+        "mission:SufficientEnergy",
+        "mission:StayWithinMissionArea",
+        "goal g3: task SufficientEnergy → StayWithinMissionArea",
+    ),
+    (
+        MISSION,
+        '<body name="SPEED" type="Int"/>',
+        "",
+        (
+            "message m7: body POSITION:Coordinates SPEED:Int ENERGY:Double → "
+            "POSITION:Coordinates ENERGY:Double"
+        ),
+    ),
+    (MISSION, 'ID="m1" header="h"', 'ID="m1"', "message m1: header 'h' → none"),
+    (
+        MISSION,
+        '<servers ID="sv1" name="Offshore server"/>',
+        '<servers ID="sv1" name="Offshore server"><intProperties name="port" value="9"/></servers>',
+        "server sv1: intProperties none → 'port'=9",
+    ),
+    (MISSION, '<robots ID="r1"', '<robots colour="red" ID="r1"', "robot r1: colour none → 'red'"),
+    (MISSION, "</mission:Mission>", GOAL, "goal g7 added (Patrol)"),
+    (MISSION, '<servers ID="sv1"', ROBOT, "robot r4 added ('Max')"),
+    (FAULTS, 'NEW_X="200.0"', 'NEW_X="250.0"', "fault f9: NEW_X 200.0 → 250.0"),
+    (FAULTS, "mission.xmi#m4", "mission.xmi#m5", "fault f2: affectedMessage m4 → m5"),
+    (FAULTS, 'DELAY="200.0"', 'DELAY="200.0" DELAY_MIN="9"', "fault f8: DELAY_MIN none → 9.0"),
+    (FAULTS, 'ID="f1" name="f1"', 'ID="f1" name="f1" start="3"', "fault f1: start none → 3"),
+    (FAULTS, 'ID="fs"', 'ID="pool"', "fault specification pool: ID fs → pool"),
+]
+
+
+@pytest.mark.parametrize(
+    ("file", "before", "after", "line"), CHANGES, ids=[change[3][:30] for change in CHANGES]
+)
+def test_one_change_is_one_line(
+    file: str, before: str, after: str, line: str, old: Path, new: Path
+) -> None:
+    edit(new / file, before, after)
+
+    assert lines(old, new) == [line]
+
+
+def test_an_added_element_is_removed_the_other_way_round(old: Path, new: Path) -> None:
+    edit(new / MISSION, "</mission:Mission>", GOAL)
+    edit(new / MISSION, '<servers ID="sv1"', ROBOT)
+
+    assert lines(new, old) == ["robot r4 removed", "goal g7 removed"]
+
+
+def test_what_is_added_inside_of_an_element_names_it(old: Path, new: Path) -> None:
+    edit(
+        new / MISSION,
+        '<sensors ID="s1"',
+        '<sensors ID="s9" name="x" type="DEPTH" samplesPerSecond="1"/>\n<sensors ID="s1"',
+    )
+
+    assert lines(old, new) == ["sensor s9 added to robot r1 (DEPTH)"]
+    assert lines(new, old) == ["sensor s9 removed from robot r1"]
+
+
+def test_an_element_that_moved_is_neither_added_nor_removed(old: Path, new: Path) -> None:
+    text = (old / MISSION).read_text()
+    sensor = next(line for line in text.splitlines(keepends=True) if 'ID="s4"' in line)
+    edit(new / MISSION, sensor, "")
+    edit(new / MISSION, '    <sensors ID="s1"', f'{sensor}    <sensors ID="s1"')
+    edit(new / MISSION, 'sensors ID="s4" name="Temperature sensor', 'sensors ID="s4" name="Sensor')
+
+    assert lines(old, new) == [
+        "sensor s4 moved from robot r2 to robot r1",
+        "sensor s4: name 'Temperature sensor of JEN' → 'Sensor of JEN'",
+    ]
+
+
+def test_an_element_that_moved_into_a_new_one_is_told(old: Path, new: Path) -> None:
+    text = (old / MISSION).read_text()
+    sensor = next(line for line in text.splitlines(keepends=True) if 'ID="s4"' in line)
+    edit(new / MISSION, sensor, "")
+    edit(new / MISSION, '<servers ID="sv1"', ROBOT)
+    edit(new / MISSION, '    <sensors ID="s7"', f'{sensor}    <sensors ID="s7"')
+
+    assert lines(old, new) == [
+        "robot r4 added ('Max')",
+        "sensor s4 moved from robot r2 to robot r4",
+    ]
+
+
+def test_another_order_is_told_in_one_line(old: Path, new: Path) -> None:
+    obstacles = [
+        line for line in (old / MISSION).read_text().split("\n  <obstacles ") if 'ID="o' in line[:5]
+    ]
+    swapped = f"{obstacles[1]}\n  <obstacles {obstacles[0]}"
+    edit(new / MISSION, f"{obstacles[0]}\n  <obstacles {obstacles[1]}", swapped)
+
+    assert lines(old, new) == [
+        "obstacles reordered: o1 o2 o3 o4 o5 o6 o7 o8 → o2 o1 o3 o4 o5 o6 o7 o8"
+    ]
+
+
+def test_a_changed_fault_type_shows_the_type_and_what_went_with_it(old: Path, new: Path) -> None:
+    edit(new / FAULTS, '<fixedSpeed FIXED_VAL="50">', "<zeroSpeed>")
+    edit(new / FAULTS, "</fixedSpeed>", "</zeroSpeed>")
+
+    assert lines(old, new) == [
+        "fault f14: type FixedSpeed → ZeroSpeed",
+        "fault f14: FIXED_VAL 50 → none",
+    ]
+
+
+def test_a_task_that_became_another_shows_its_area_and_points(tmp_path: Path) -> None:
+    old = write_mission(tmp_path / "old", "all", ALL_TASKS)
+    new = write_mission(tmp_path / "new", "all", ALL_TASKS)
+    edit(new / MISSION, '<trajectory x="10.0"/>', '<trajectory x="11.0"/>\n<trajectory/>')
+    edit(new / MISSION, '<area ID="a3" radius="20.0"/>', '<area ID="a3" radius="21.0"/>')
+
+    assert lines(old, new) == [
+        "area a3: radius 20.0 → 21.0",
+        (
+            "goal track: task.trajectory (0.0, 0.0, 0.0) (10.0, 0.0, 0.0) → "
+            "(0.0, 0.0, 0.0) (11.0, 0.0, 0.0) (0.0, 0.0, 0.0)"
+        ),
+    ]
+
+
+def test_spelling_is_no_difference(old: Path, new: Path) -> None:
+    edit(new / MISSION, 'speed="5.0"', 'speed="5"')
+    edit(new / MISSION, "<servers ", "<!-- ashore -->\n\n<servers ")
+    edit(new / MISSION, 'ID="r1" name="LEN"', 'name="LEN" ID="r1"')
+    edit(new / MISSION, 'ID="s4"', 'xmi:id="_4" ID="s4"')
+    edit(new / MISSION, 'sensor="s4"', 'sensor="_4"')
+    edit(new / MISSION, 'sensor="s6"', 'sensor="//@robots.2/@sensors.1"')
+    edit(new / FAULTS, "mission.xmi#m2", "mission.xmi#//@goals.0/@messages.1")
+
+    assert lines(old, new) == []
+
+
+def test_a_mission_that_is_split_equals_the_whole(old: Path, new: Path) -> None:
+    text = (old / MISSION).read_text()
+    start, end = text.index('  <robots ID="r2"'), text.index('  <robots ID="r3"')
+    robot = text[start:end].strip()
+    edit(new / MISSION, text[start:end], '  <robots href="jen.xmi#r2"/>\n')
+    head = (
+        '<mission:Robot xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
+        'xmlns:mission="http://mrsfi.org/mission/1.0"'
+    )
+    part = robot.replace("<robots", head, 1).replace("</robots>", "</mission:Robot>")
+    (new / "jen.xmi").write_text(part)
+
+    assert lines(old, new) == []
+
+    edit(new / "jen.xmi", 'speed="4.0"', 'speed="6.0"')
+
+    assert lines(old, new) == ["robot r2: speed 4.0 → 6.0"]
+
+
+def test_a_file_is_compared_with_its_like_in_a_folder(old: Path, new: Path, tmp_path: Path) -> None:
+    edit(new / MISSION, 'speed="5.0"', 'speed="6.0"')
+    edit(new / FAULTS, 'VAL="2"', 'VAL="3"')
+    kept = tmp_path / "kept.xmi"
+    shutil.copy(old / FAULTS, kept)
+
+    assert lines(kept, new) == ["fault f5: VAL 2 → 3"]
+    assert lines(old / MISSION, new / MISSION) == ["robot r1: speed 5.0 → 6.0"]
+
+
+def test_faults_that_came_or_went_are_one_line(old: Path, new: Path) -> None:
+    (old / FAULTS).unlink()
+
+    assert lines(old, new) == ["fault specification fs added (30 elements)"]
+    assert lines(new, old) == ["fault specification fs removed (30 elements)"]
+
+
+def test_invalid_models_are_compared_too(old: Path, new: Path) -> None:
+    edit(new / MISSION, 'speed="5.0"', 'speed="fast"')
+    edit(new / MISSION, 'sensor="s4"', 'sensor="s99"')
+    edit(new / MISSION, 'ID="o2"', 'ID="o1"')
+
+    assert lines(old, new) == [
+        "robot r1: speed 5.0 → 'fast'",
+        "obstacle o2 removed",
+        "obstacle o1 added",
+        "area a8 moved from obstacle o2 to obstacle o1",
+        "goal g4: task.sensor s4 → s99",
+    ]
+
+
+def test_long_texts_are_compared_to_their_end(old: Path, new: Path) -> None:
+    for folder, end in ((old, "a"), (new, "b")):
+        edit(folder / MISSION, 'name="LEN"', f'name="{"L" * 100}{end}"')
+
+    assert lines(old, new) == [f"robot r1: name '{'L' * 100}a' → '{'L' * 100}b'"]
+
+
+def test_a_change_tells_a_script_what_happened(old: Path, new: Path) -> None:
+    edit(new / MISSION, 'name="JEN" speed="4.0"', 'name="JEN" speed="6.0"')
+
+    (change,) = difference(old, new)
+
+    assert asdict(change) == {
+        "what": "changed",
+        "element": "robot r2",
+        "feature": "speed",
+        "old": "4.0",
+        "new": "6.0",
+        "text": "robot r2: speed 4.0 → 6.0",
+    }
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("no XML", r"old\.xmi:1: .*not well-formed"),
+        ("<a/>", r"old\.xmi:1: the root is 'a'"),
+        ('<!DOCTYPE a><a xmlns="urn:x"/>', "document type"),
+    ],
+)
+def test_what_is_no_model_is_refused(content: str, reason: str, old: Path, tmp_path: Path) -> None:
+    path = tmp_path / "old.xmi"
+    path.write_text(content)
+
+    with pytest.raises(ModelError, match=reason):
+        difference(path, old)
+
+
+def test_models_of_different_kinds_are_refused(old: Path) -> None:
+    with pytest.raises(
+        ModelError, match=r"a Mission in .*mission\.xmi and a FaultSpecification in"
+    ):
+        difference(old / MISSION, old / FAULTS)
+
+
+def test_an_empty_folder_is_refused(old: Path, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+
+    with pytest.raises(ModelError, match=r"mission\.xmi"):
+        difference(old, tmp_path / "empty")
+
+
+def test_the_committed_models_do_not_differ_from_themselves() -> None:
+    assert lines(MODELS, MODELS) == []

@@ -1,0 +1,187 @@
+"""Metamodels are written as Eclipse writes them, and broken ones are refused with the line."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pyecore.ecore import EAttribute, EClass, EPackage, EReference, EString
+from pyecore.resources import URI, ResourceSet
+
+from m2t.ecore import dumps_metamodel
+from m2t.metamodels import (
+    FAULTS_FILE,
+    MISSION_FILE,
+    load_metamodels,
+    metamodel_folder,
+    read_metamodels,
+)
+from mrsfi_runtime.errors import ModelError
+from support_model import edit, line_of
+
+# Written by Eclipse EMF 2.43 for a metamodel that was scrambled by hand.
+BY_ECLIPSE = """<?xml version="1.0" encoding="UTF-8"?>
+<ecore:EPackage xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" \
+xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+    xmlns:ecore="http://www.eclipse.org/emf/2002/Ecore" name="rich" nsURI="http://x/rich" \
+nsPrefix="">
+  <eAnnotations source="\N{LATIN SMALL LETTER E WITH ACUTE} &lt;> &quot;&#xA;x">
+    <details key="a"/>
+    <details key="b" value=""/>
+  </eAnnotations>
+  <eAnnotations/>
+  <eClassifiers xsi:type="ecore:EDataType" name="D" instanceClassName="java.util.Date"
+      serializable="false"/>
+  <eClassifiers xsi:type="ecore:EEnum" name="E">
+    <eLiterals name="A" literal="A"/>
+    <eLiterals name="B" value="3" literal="bee"/>
+  </eClassifiers>
+  <eClassifiers xsi:type="ecore:EClass" name="A" abstract="true" interface="true"
+      eSuperTypes="#//B #//sub/C http://www.eclipse.org/emf/2002/Ecore#//EObject">
+    <eOperations name="op" lowerBound="1" eType="#//A" eExceptions="#//D">
+      <eParameters name="p" upperBound="-2" eType="#//B"/>
+      <eParameters name="q" ordered="false" unique="false" \
+eType="ecore:EDataType http://www.eclipse.org/emf/2002/Ecore#//EString"/>
+    </eOperations>
+    <eOperations name="vo"/>
+    <eStructuralFeatures xsi:type="ecore:EReference" name="bs" upperBound="-1" eType="#//B"
+        containment="true" eOpposite="#//B/a"/>
+    <eStructuralFeatures xsi:type="ecore:EAttribute" name="k" eType="#//E" changeable="false"
+        volatile="true" transient="true" defaultValueLiteral="bee" derived="true"
+        iD="true"/>
+  </eClassifiers>
+  <eClassifiers xsi:type="ecore:EClass" name="B">
+    <eStructuralFeatures xsi:type="ecore:EReference" name="a" eType="#//A" eOpposite="#//A/bs"/>
+    <eStructuralFeatures xsi:type="ecore:EReference" name="o" ordered="false" \
+eType="ecore:EClass http://www.eclipse.org/emf/2002/Ecore#//EObject"
+        resolveProxies="false"/>
+  </eClassifiers>
+  <eSubpackages name="sub" nsURI="http://x/rich/sub" nsPrefix="rich.sub">
+    <eClassifiers xsi:type="ecore:EClass" name="C"/>
+  </eSubpackages>
+</ecore:EPackage>
+"""
+
+
+def _loaded(path: Path) -> Any:
+    return ResourceSet().get_resource(URI(str(path))).contents[0]
+
+
+def _copy(folder: Path) -> Path:
+    for name in (MISSION_FILE, FAULTS_FILE):
+        shutil.copy(metamodel_folder() / name, folder / name)
+    return folder
+
+
+def test_committed_metamodels_are_what_the_writer_writes() -> None:
+    both = load_metamodels()
+    folder = metamodel_folder()
+
+    mission = dumps_metamodel(both.mission)
+    faults = dumps_metamodel(both.faults, hrefs={both.mission: MISSION_FILE})
+
+    assert mission == (folder / MISSION_FILE).read_bytes()
+    assert faults == (folder / FAULTS_FILE).read_bytes()
+
+
+def test_metamodels_that_pyecore_loaded_by_itself_are_written_alike() -> None:
+    path = metamodel_folder() / MISSION_FILE
+
+    assert dumps_metamodel(_loaded(path)) == path.read_bytes()
+
+
+def test_everything_that_pyecore_loses_is_written(tmp_path: Path) -> None:
+    path = tmp_path / "rich.ecore"
+    path.write_text(BY_ECLIPSE, encoding="utf-8")
+
+    assert dumps_metamodel(_loaded(path)).decode("utf-8") == BY_ECLIPSE
+
+
+def test_attributes_of_the_root_wrap_without_its_namespaces(tmp_path: Path) -> None:
+    long = "http://x/rich/very/long/namespace/that/goes/beyond/the/width/of/eighty/columns"
+    path = tmp_path / "rich.ecore"
+    text = BY_ECLIPSE.replace('nsURI="http://x/rich" nsPrefix', f'nsURI="{long}"\n    nsPrefix')
+    path.write_text(text, encoding="utf-8")
+
+    assert dumps_metamodel(_loaded(path)).decode("utf-8") == text
+
+
+def test_package_made_by_script_has_defaults_of_ecore() -> None:
+    robot = EClass("Robot")
+    robot.eStructuralFeatures.append(EAttribute("name", EString))
+    robot.eStructuralFeatures.append(EReference("next", robot))
+    package = EPackage("p", nsURI="http://p", nsPrefix="p")
+    package.eClassifiers.append(robot)
+
+    string = "ecore:EDataType http://www.eclipse.org/emf/2002/Ecore#//EString"
+    assert dumps_metamodel(package).decode("utf-8").splitlines()[3:-1] == [
+        '  <eClassifiers xsi:type="ecore:EClass" name="Robot">',
+        f'    <eStructuralFeatures xsi:type="ecore:EAttribute" name="name" eType="{string}"/>',
+        '    <eStructuralFeatures xsi:type="ecore:EReference" name="next" eType="#//Robot"/>',
+        "  </eClassifiers>",
+    ]
+
+
+def test_reference_to_an_unknown_metamodel_is_an_error() -> None:
+    with pytest.raises(ModelError, match=r"refers to '//Identified' of another metamodel"):
+        dumps_metamodel(load_metamodels().faults)
+
+
+def test_metamodels_with_comments_load(tmp_path: Path) -> None:
+    folder = _copy(tmp_path)
+    edit(folder / MISSION_FILE, "  <eClassifiers", "  <!-- robots --><?p i?>\n  <eClassifiers")
+
+    both = read_metamodels(folder)
+
+    assert dumps_metamodel(both.mission) == (metamodel_folder() / MISSION_FILE).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "message"),
+    [
+        ('name="Mission"', 'name="Missions"', "<ecore:EPackage", "has no class Mission"),
+        ('name="mission"', 'name="m"', "<ecore:EPackage", "expected the name mission"),
+        ('name="SensorType"', 'name="Kind"', "#//SensorType", "'#//SensorType', which is no EEnum"),
+        ("Ecore#//EDouble", "Ecore#//EFloat", "#//EFloat", "has type 'EFloat'; expected EString"),
+        ('lowerBound="1"', 'lowerBound="x"', 'lowerBound="x"', "has lowerBound 'x', which is no"),
+        ('lowerBound="2"', 'lowerBound="-1"', 'lowerBound="-1"', "has bounds -1 and -1"),
+        ('containment="true"', 'contained="true"', "missionArea", "has no attribute 'contained'"),
+        (
+            'defaultValueLiteral="1.0"',
+            'defaultValueLiteral="?"',
+            '"tolerance" eT',
+            "has the default '?'",
+        ),
+        ("ecore:EReference", "ecore:EFeature", "EFeature", "has xsi:type 'ecore:EFeature'"),
+        ('name="DEPTH"', 'name="GPS_POSITION"', 'value="2"', "has the name of line"),
+    ],
+)
+def test_broken_metamodel_is_refused_at_its_line(
+    tmp_path: Path, old: str, new: str, place: str, message: str
+) -> None:
+    folder = _copy(tmp_path)
+    path = folder / MISSION_FILE
+    edit(path, old, new)
+
+    with pytest.raises(ModelError) as caught:
+        read_metamodels(folder)
+
+    first = next(line for line in str(caught.value).splitlines() if message in line)
+    assert first.startswith(f"{path}:{line_of(path, place)}: ")
+
+
+def test_class_that_inherits_from_itself_is_refused(tmp_path: Path) -> None:
+    folder = _copy(tmp_path)
+    edit(
+        folder / MISSION_FILE,
+        'name="Stay" eSuperTypes="#//GoalTask"',
+        'name="Stay" eSuperTypes="#//Stay"',
+    )
+
+    with pytest.raises(ModelError, match="inherits from itself"):
+        read_metamodels(folder)
+
+
+def test_missing_metamodel_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match=r"mission.ecore:1: mission.ecore cannot be read"):
+        read_metamodels(tmp_path)
