@@ -6,7 +6,7 @@ import pytest
 
 from support_cli import mrsfi
 
-COMMANDS = ("validate", "generate", "simulate", "evolve", "replay", "report")
+COMMANDS = ("validate", "generate", "simulate", "evolve", "replay", "report", "import", "diff")
 
 _LIGHT_START = """
 import sys

@@ -25,9 +25,14 @@ _COMMANDS = MappingProxyType(
         "evolve": "Search the most critical fault specifications.",
         "replay": "Fly evaluations of a campaign again and compare.",
         "report": "Write figures, tables and summary of a campaign anew.",
+        "import": "Make a mission folder from a model of the paper's prototype.",
+        "diff": "Print the difference of two models in the words of the model.",
     }
 )
 """Subcommands and their one-line help: ``mrsfi --help`` need not import them."""
+
+_MODULES = MappingProxyType({"import": "import_model"})
+"""Modules of the subcommands whose names Python does not allow."""
 
 
 _HELP = """Find the faults that break a multi-robot mission.
@@ -44,6 +49,11 @@ In this order:
   mrsfi evolve uuv_sampling --case a     search; ends with the ten worst
   mrsfi replay runs/uuv_sampling-a-1 --best --log flight.log
   mrsfi report runs/uuv_sampling-a-1
+
+\b
+Beside it:
+  mrsfi import published.xmi             a model of the paper's prototype as a mission
+  mrsfi diff old.xmi uuv_sampling        what changed in a model?
 
 Results go to standard output, progress to standard error.
 
@@ -69,7 +79,7 @@ class CommandGroup(click.Group):
         """Import one subcommand."""
         if cmd_name not in _COMMANDS:
             return None
-        module = import_module(f"mrsfi_runtime.cli.{cmd_name}")
+        module = import_module(f"mrsfi_runtime.cli.{_MODULES.get(cmd_name, cmd_name)}")
         return cast("click.Command", module.command)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature

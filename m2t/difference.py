@@ -1,0 +1,189 @@
+"""The difference of two models in the words of the model, for reviews.
+
+Models are compared by what their files say, element by element: elements with ID by class and
+ID, wherever they stand; coordinates, message fields and properties as values; the task of a goal
+and the type of a fault feature by feature. Line breaks, comments, order of attributes, spelling of
+numbers, and how a reference names its target are no difference.
+
+Notes
+-----
+The files need not be valid: a review may be about what broke them. They must be well-formed.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+from m2t.entries import Entry, Value, read_models
+from mrsfi_runtime.errors import ModelError
+
+What: TypeAlias = Literal["changed", "added", "removed", "moved", "reordered"]
+
+_SHOWN_IDS = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One difference.
+
+    Attributes
+    ----------
+    what
+        What happened to the element; ``reordered`` is said of its container.
+    element
+        Class and ID, such as ``robot r2``.
+    feature
+        Feature that has changed, or whose elements were reordered; else empty.
+    old, new
+        What it was and is: values of the feature, container of a moved element, IDs in order.
+    text
+        The change as a line.
+    """
+
+    what: What
+    element: str
+    feature: str
+    old: str
+    new: str
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def difference(old: Path, new: Path) -> tuple[Change, ...]:
+    """Return how a model differs from an older one.
+
+    Parameters
+    ----------
+    old, new
+        Each a mission folder or an ``.xmi`` file. A file is compared with what a folder has of
+        its kind: mission or faults.
+
+    Returns
+    -------
+    tuple of Change
+        In the order of the new model, mission first; removed elements come before those that
+        remained in the same place.
+
+    Raises
+    ------
+    ModelError
+        If a file cannot be read, is no model, or if the two have no kind of model in common.
+    """
+    olds, news = read_models(old), read_models(new)
+    kinds = list(dict.fromkeys((*olds, *news)))
+    if not (old.is_dir() and new.is_dir()):
+        kinds = [kind for kind in kinds if kind in olds and kind in news]
+    if not kinds:
+        found = f"{_listed(olds)} in {old} and {_listed(news)} in {new}"
+        message = f"found {found}; expected two models of the same kind; give the right files"
+        raise ModelError(message)
+    changes: list[Change] = []
+    for kind in sorted(kinds, key=lambda name: name != "Mission"):
+        changes.extend(_compare_roots(olds.get(kind), news.get(kind)))
+    return tuple(changes)
+
+
+def _listed(kinds: Sequence[str] | dict[str, Entry]) -> str:
+    return " and ".join(f"a {kind}" for kind in kinds) or "no model"
+
+
+def _compare_roots(old: Entry | None, new: Entry | None) -> Iterator[Change]:
+    if old is not None and new is not None:
+        yield from _Comparison(old, new).compare(old, new)
+    elif new is not None:
+        yield _whole("added", new)
+    elif old is not None:
+        yield _whole("removed", old)
+
+
+def _whole(what: What, entry: Entry) -> Change:
+    inside = sum(1 for _ in entry.walk()) - 1
+    text = f"{entry.label} {what} ({inside} elements)"
+    return Change(what, entry.label, "", "", "", text)
+
+
+class _Comparison:
+    """Compares two models of a kind; knows where each element stands in both."""
+
+    def __init__(self, old: Entry, new: Entry) -> None:
+        self._old = {entry.key: entry for entry in old.walk()}
+        self._new = {entry.key: entry for entry in new.walk()}
+
+    def compare(self, old: Entry, new: Entry) -> Iterator[Change]:
+        """Yield how an element and all in it has changed."""
+        for name in dict.fromkeys((*new.values, *old.values)):
+            before, after = old.values.get(name), new.values.get(name)
+            if before != after:
+                yield _changed(new, name, before, after)
+        for name in dict.fromkeys((*new.children, *old.children)):
+            yield from self._compare_children(name, old, new)
+
+    def _compare_children(self, name: str, old: Entry, new: Entry) -> Iterator[Change]:
+        before, after = old.children.get(name, []), new.children.get(name, [])
+        for entry in before:
+            if entry.key not in self._new:
+                yield _placed("removed", entry, "from")
+        for entry in after:
+            yield from self._compare_entry(entry, new)
+        stayed = {entry.key for entry in before} & {entry.key for entry in after}
+        orders = [[each for each in entries if each.key in stayed] for entries in (before, after)]
+        if [each.key for each in orders[0]] != [each.key for each in orders[1]]:
+            yield _reordered(new, name, *map(_ids, orders))
+
+    def _compare_entry(self, entry: Entry, container: Entry) -> Iterator[Change]:
+        earlier = self._old.get(entry.key)
+        if earlier is None:
+            yield _placed("added", entry, "to")
+            yield from self._moved_into(entry)
+            return
+        yield from self._move(earlier, entry, container)
+        yield from self.compare(earlier, entry)
+
+    def _moved_into(self, added: Entry) -> Iterator[Change]:
+        """Yield what an added element took over from elsewhere."""
+        for children in added.children.values():
+            for entry in children:
+                if entry.key in self._old:
+                    yield from self._compare_entry(entry, added)
+                else:
+                    yield from self._moved_into(entry)
+
+    def _move(self, earlier: Entry, entry: Entry, container: Entry) -> Iterator[Change]:
+        source = earlier.container
+        is_root = source is not None and source.container is None and container.container is None
+        if source is None or is_root or source.key == container.key:
+            return
+        text = f"{entry.label} moved from {source.label} to {container.label}"
+        yield Change("moved", entry.label, "", source.label, container.label, text)
+
+
+def _changed(entry: Entry, name: str, before: Value, after: Value) -> Change:
+    old, new = ("none" if value is None else value for value in (before, after))
+    text = f"{entry.label}: {name} {old} → {new}"
+    return Change("changed", entry.label, name, old, new, text)
+
+
+def _placed(what: What, entry: Entry, preposition: str) -> Change:
+    container = entry.container
+    where = ""
+    if container is not None and container.container is not None:
+        where = f" {preposition} {container.label}"
+    about = f" ({entry.about})" if entry.about and what == "added" else ""
+    place = container.label if container is not None and where else ""
+    old, new = (place, "") if what == "removed" else ("", place)
+    return Change(what, entry.label, "", old, new, f"{entry.label} {what}{where}{about}")
+
+
+def _reordered(entry: Entry, name: str, old: str, new: str) -> Change:
+    where = f"{entry.label}: " if entry.container is not None else ""
+    return Change(
+        "reordered", entry.label, name, old, new, f"{where}{name} reordered: {old} → {new}"
+    )
+
+
+def _ids(entries: Sequence[Entry]) -> str:
+    ids = [entry.identity for entry in entries]
+    return " ".join(ids[:_SHOWN_IDS]) + (" ..." if len(ids) > _SHOWN_IDS else "")

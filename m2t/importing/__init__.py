@@ -1,0 +1,1 @@
+"""Bring models that were published for the paper's prototype into mission folders."""

@@ -1,0 +1,66 @@
+"""Campaign files that an imported mission begins with: the paper's two cases."""
+
+from typing import Any
+
+_CASE_A = """\
+# Written by `mrsfi import`. Case study A of the paper (section V-B 1): fitness function (1).
+
+[search]
+algorithm = "paper"      # paper | random | drift
+population = 20
+generations = 50
+faults = 20
+crossover = 0.7
+mutation = 0.7
+selection = "roulette"
+fitness = "weighted"     # equation (1): 0.3 x all violations + 0.7 x distinct violated goals
+seed = 1
+mission_seed = 1
+"""
+
+_CASE_B = """\
+# Written by `mrsfi import`. Case study B of the paper (section V-B 1): fitness function (2)
+# on one collision-focused and one energy-focused goal.
+
+[search]
+algorithm = "paper"      # paper | random | drift
+population = 20
+generations = 50
+faults = 20
+crossover = 0.7
+mutation = 0.7
+selection = "roulette"
+fitness = "focused"      # equation (2): violations of the chosen goals
+goals = [{goals}]
+seed = 1
+mission_seed = 1
+"""
+
+
+def campaign_files(mission: Any) -> dict[str, bytes]:
+    """Return the campaign files of a mission by name.
+
+    Parameters
+    ----------
+    mission
+        Root of a mission model.
+
+    Returns
+    -------
+    dict
+        ``case_a.toml``; and ``case_b.toml`` if the mission has both a goal that avoids
+        collisions and one about energy, of which it names the first each.
+    """
+    files = {"case_a.toml": _CASE_A.encode("ascii")}
+    firsts = [_first(mission, "AvoidCollision"), _first(mission, "SufficientEnergy")]
+    goals = [goal for goal in firsts if goal is not None]
+    if len(goals) == len(firsts):
+        listed = ", ".join(f'"{goal}"' for goal in goals)
+        files["case_b.toml"] = _CASE_B.format(goals=listed).encode("ascii")
+    return files
+
+
+def _first(mission: Any, task: str) -> str | None:
+    """Return the ID of the first goal with a task; IDs need no quoting in TOML."""
+    found = (goal.ID for goal in mission.goals if goal.task.eClass.name == task)
+    return next(found, None)

@@ -1,0 +1,53 @@
+"""What an import did to a model beyond copying it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from m2t.document import Node
+
+Kind: TypeAlias = Literal["renamed", "dropped", "default", "inconsistent"]
+KINDS: tuple[Kind, ...] = ("renamed", "dropped", "default", "inconsistent")
+"""ID given or changed; left out; filled in; contradicting the rest of the model."""
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """One thing that a reader of the imported model should know.
+
+    Attributes
+    ----------
+    kind
+        One of ``KINDS``.
+    line
+        Line of the element in the published file.
+    element
+        The element, such as ``robots 'r1'``.
+    feature
+        What of the element: an attribute, a child, or ``ID``.
+    message
+        What was found, and what the import did about it.
+    """
+
+    kind: Kind
+    line: int
+    element: str
+    feature: str
+    message: str
+
+
+class Notes:
+    """Collects the notes of one import."""
+
+    def __init__(self) -> None:
+        self._notes: list[Note] = []
+
+    def add(self, kind: Kind, node: Node, feature: str, message: str) -> None:
+        """Add a note about an element of the published file."""
+        self._notes.append(Note(kind, node.line, node.description, feature, message))
+
+    def __iter__(self) -> Iterator[Note]:
+        """Yield the notes in the order of the file, by kind."""
+        for kind in KINDS:
+            found = [note for note in self._notes if note.kind == kind]
+            yield from sorted(found, key=lambda note: note.line)

@@ -1,0 +1,113 @@
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from m2t.load import load_mission_folder
+from support_cli import MISSION, ROOT, contents, edit, mrsfi, mrsfi_json, require_program
+from support_published import published
+
+
+@pytest.fixture(scope="session")
+def text() -> str:
+    return published(load_mission_folder(ROOT / "models" / MISSION))
+
+
+@pytest.fixture
+def file(text: str, place: Path) -> Path:
+    path = place / "Paper model.xmi"
+    path.write_text(text, encoding="ascii")
+    return path
+
+
+def test_an_imported_mission_generates_and_flies(file: Path, place: Path) -> None:
+    text = mrsfi("import", file, "--out", "models/harbour", cwd=place).stdout
+
+    mrsfi("generate", "harbour", cwd=place)
+    flight = mrsfi_json("simulate", "harbour", "--no-faults", cwd=place)
+    lines = text.splitlines()
+    assert lines[0].split() == ["written", "models/harbour/mission.xmi"]
+    assert any(line.startswith("kept          3 robots, 1 server, 8 obsta") for line in lines)
+    assert any(line.startswith("dropped       parentID of 15 elements (li") for line in lines)
+    assert lines[-1].split(maxsplit=1) == ["next", "mrsfi validate models/harbour"]
+    assert not any(goal["believed"] for goal in flight["goals"])
+
+
+def test_the_folder_is_named_after_the_file(file: Path, place: Path) -> None:
+    mrsfi("import", file, cwd=place)
+
+    assert "no difference" in mrsfi("diff", MISSION, "Paper_model", cwd=place).stdout
+    assert mrsfi("validate", "Paper_model", cwd=place).stdout.startswith("ok: Paper_model: ")
+
+
+def test_import_as_json_lists_every_note(file: Path, place: Path) -> None:
+    edit(file, 'ID="s2" parentID="r1"', 'ID="s2" parentID="r3"')
+
+    result = mrsfi_json("import", file, "--out", "models/harbour", cwd=place)
+
+    found = [note for note in result["notes"] if note["kind"] == "inconsistent"]
+    assert [(note["element"], note["feature"]) for note in found] == [("sensors 's2'", "parentID")]
+    assert result["folder"] == "models/harbour"
+    assert result["counts"]["faults"] == 30
+
+
+def test_import_into_an_existing_folder_needs_force(file: Path, place: Path) -> None:
+    before = contents(place)
+
+    error = mrsfi("import", file, "--out", f"models/{MISSION}", cwd=place, expected=2).stderr
+
+    assert "--force" in error
+    assert contents(place) == before
+    forced = mrsfi("import", file, "--out", f"models/{MISSION}", "--force", cwd=place).stdout
+    assert "case_a.toml" not in forced
+
+
+def test_import_of_a_broken_file_ends_with_3_and_writes_nothing(file: Path, place: Path) -> None:
+    edit(file, 'radius="2000.0"', 'radius="-1.0"')
+    before = contents(place)
+
+    error = mrsfi("import", file, cwd=place, expected=3).stderr
+
+    assert "Paper model.xmi:" in error
+    assert "[RadiusPositive]" in error
+    assert contents(place) == before
+
+
+def test_import_of_a_model_of_ours_says_that_it_needs_none(place: Path) -> None:
+    path = f"models/{MISSION}/mission.xmi"
+
+    assert "need no import" in mrsfi("import", path, cwd=place, expected=3).stderr
+
+
+def test_diff_works_with_git(place: Path) -> None:
+    git = require_program("git")
+    model = f"models/{MISSION}/mission.xmi"
+    identity = ["-c", "user.name=t", "-c", "user.email=t@example.org"]
+    for arguments in (["init", "-q"], ["add", "models"], [*identity, "commit", "-qm", "x"]):
+        subprocess.run([git, *arguments], cwd=place, check=True)
+    edit(place / model, 'name="JEN" speed="4.0"', 'name="JEN" speed="6.0"')
+    shown = subprocess.run(
+        [git, "show", f"HEAD:{model}"], cwd=place, check=True, capture_output=True
+    )
+    (place / "old.xmi").write_bytes(shown.stdout)
+
+    assert mrsfi("diff", "old.xmi", MISSION, cwd=place).stdout == "robot r2: speed 4.0 → 6.0\n"
+    assert mrsfi("diff", "old.xmi", "old.xmi", cwd=place).stdout == "no difference\n"
+    (change,) = mrsfi_json("diff", "old.xmi", model, cwd=place)["changes"]
+    assert (change["element"], change["old"], change["new"]) == ("robot r2", "4.0", "6.0")
+
+
+def test_diff_of_nothing_ends_with_2_and_of_no_model_with_3(place: Path) -> None:
+    (place / "text.xmi").write_text("text")
+
+    assert "nowhere" in mrsfi("diff", "nowhere", MISSION, cwd=place, expected=2).stderr
+    assert "text.xmi:1" in mrsfi("diff", "text.xmi", MISSION, cwd=place, expected=3).stderr
+
+
+@pytest.mark.parametrize("command", ["import", "diff"])
+def test_help_has_examples(command: str, place: Path) -> None:
+    text = mrsfi(command, "--help", cwd=place).stdout
+
+    assert f"Usage: mrsfi {command} " in text
+    assert f"Examples:\n    mrsfi {command}" in text
+    assert f"\n  {command} " in mrsfi("--help", cwd=place).stdout
