@@ -30,7 +30,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report test check docs clean
+.PHONY: help install generate validate simulate evolve report test interop check docs clean
 
 help: ## print this list
 	@echo "Targets:"
@@ -44,6 +44,7 @@ install: $(BASE) ## make the virtual environment .venv and install mrsfi into it
 
 generate: $(BASE) ## generate the middleware of MISSION from its models
 	$(BIN)/mrsfi generate "$(mission)"
+	$(BIN)/python -m m2t.classes generated/metamodel
 
 validate: $(BASE) ## check the models of MISSION
 	$(BIN)/mrsfi validate "$(mission)"
@@ -57,8 +58,11 @@ evolve: generate ## search critical fault specifications of MISSION; ends with t
 report: $(BASE) ## write the report of campaign folder OUT anew (default: the latest of runs/)
 	$(BIN)/mrsfi report $(if $(OUT),"$(OUT)")
 
-test: $(DEV) generate ## run the tests
-	$(BIN)/python -m pytest --numprocesses auto
+test: $(DEV) generate ## run the tests, but for those against Eclipse
+	$(BIN)/python -m pytest --numprocesses auto --ignore=tests/interop
+
+interop: $(DEV) generate ## compare with the real Eclipse EMF and Epsilon; needs Java 17 and Maven
+	$(BIN)/python -m pytest tests/interop
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
 	$(BIN)/ruff format --check .
@@ -69,6 +73,7 @@ check: $(DEV) ## check formatting, lint, types, imports and that generated code 
 	  echo "$(BIN)/mrsfi generate $$models --check"; \
 	  $(BIN)/mrsfi generate "$$models" --check || exit $$?; \
 	done
+	$(BIN)/python -m m2t.classes generated/metamodel --check
 
 docs: $(BASE) ## regenerate docs/fault-effects/: what each fault of a pool does, alone
 	@mkdir -p docs/fault-effects
@@ -79,6 +84,7 @@ docs: $(BASE) ## regenerate docs/fault-effects/: what each fault of a pool does,
 
 clean: ## remove .venv, caches and build products; campaigns in runs/ stay
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf tests/interop/java/target
 	find . -path ./runs -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BASE): $(SETUP) | $(VENV)/.created
