@@ -7,8 +7,16 @@ from pathlib import Path
 import click
 
 from m2t.diagnostics import Diagnostic
-from m2t.load import LoadedModels, load_mission_folder
+from m2t.fixes import mend
+from m2t.load import (
+    Inspection,
+    LoadedModels,
+    inspect_folder,
+    inspect_specification,
+    load_mission_folder,
+)
 from m2t.validate import validate_folder, validate_specification
+from m2t.xmi import write_atomically
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.missions import (
     MissionFolders,
@@ -17,7 +25,7 @@ from mrsfi_runtime.cli.missions import (
     mission_argument,
 )
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.errors import ModelError, MrsfiError
+from mrsfi_runtime.errors import ModelError, MrsfiError, UsageError
 
 _HELP = """Check the models of MISSION and print every defect.
 
@@ -30,11 +38,15 @@ Examples:
   mrsfi validate ../elsewhere/models/harbour
   mrsfi validate runs/uuv_sampling-a-1/critical/01.xmi
   mrsfi validate uuv_sampling --json | jq '.diagnostics[].constraint'
+  mrsfi validate uuv_sampling --fix
 
 Each defect is one line: file, line, severity, what was found and what was expected, and
 the constraint. Errors end with exit code 3, warnings alone do not. A mission without errors
 is flown once without faults, if its generated code is fresh: a goal that is violated even
 then is worth a warning.
+
+With --fix, what has one sensible remedy is mended first: the change is shown as a diff, and
+written once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
 """
 
 _LONGEST_FLIGHT = 100_000
@@ -45,9 +57,27 @@ _LONGEST_FLIGHT = 100_000
 @mission_argument
 @generated_option
 @click.option("--json", "is_json", is_flag=True, help="Print the diagnostics for a script.")
+@click.option("--fix", "is_fix", is_flag=True, help="Mend what has one remedy; show a diff first.")
+@click.option("--yes", "is_agreed", is_flag=True, help="With --fix: write without asking.")
 @click.pass_context
-def command(ctx: click.Context, mission: str, generated: Path | None, *, is_json: bool) -> None:
+def command(
+    ctx: click.Context,
+    mission: str,
+    generated: Path | None,
+    *,
+    is_json: bool,
+    is_fix: bool,
+    is_agreed: bool,
+) -> None:
     """Check the models of a mission and print every defect."""
+    if is_fix and is_json:
+        message = "--fix shows a diff and --json does not; give one of them"
+        raise UsageError(message)
+    if is_agreed and not is_fix:
+        message = "--yes agrees to what --fix would change; give both"
+        raise UsageError(message)
+    if is_fix:
+        _fix(_inspect(mission, generated), is_agreed=is_agreed)
     counts = ""
     if mission.endswith(".xmi"):
         name, diagnostics = mission, validate_specification(Path(mission))
@@ -64,6 +94,33 @@ def command(ctx: click.Context, mission: str, generated: Path | None, *, is_json
         _print_lines(name, diagnostics, counts)
     if _n_errors(diagnostics):
         ctx.exit(ModelError.exit_code)
+
+
+def _inspect(mission: str, generated: Path | None) -> Inspection:
+    if mission.endswith(".xmi"):
+        return inspect_specification(Path(mission))
+    return inspect_folder(find_mission(mission, generated).models)
+
+
+def _fix(inspection: Inspection, *, is_agreed: bool) -> None:
+    """Show what fixing would change, and write it if the user agrees."""
+    mending = mend(inspection)
+    if mending is None:
+        why = "" if inspection.draft else ": correct the errors of structure by hand first"
+        click.echo(f"nothing to fix{why}")
+        return
+    for found, title in mending.fixed:
+        click.echo(f"{found.path}:{found.line}: fix: {title} [{found.constraint}]")
+    for path in mending.respelt:
+        click.echo(f"{path}: is not as Eclipse writes it; layout and comments will be lost")
+    for line in mending.difference:
+        click.echo(line)
+    if not is_agreed and not click.confirm("Write these changes?"):
+        click.echo("nothing written")
+        return
+    for path, new in mending.contents.items():
+        write_atomically(path, new)
+        click.echo(f"fixed      {path}")
 
 
 def _n_errors(diagnostics: Sequence[Diagnostic]) -> int:

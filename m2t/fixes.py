@@ -1,0 +1,185 @@
+"""Mend what has one sensible remedy: what Epsilon offers as a quick fix, for scripts.
+
+A fix looks at the element anew and changes nothing if nothing is wrong, so that a fix may be
+offered to an element too many.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from difflib import unified_diff
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+from m2t.constraints.faults import broken_ticks, disordered_parameters
+from m2t.constraints.mission import strangers
+from m2t.diagnostics import Diagnostic
+from m2t.load import Inspection, LoadedModels
+from m2t.saving import saved
+
+Remedy: TypeAlias = Callable[[Any], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """A remedy for one constraint: what a user reads, and what it does to an element."""
+
+    title: str
+    mend: Remedy
+
+
+@dataclass(frozen=True, slots=True)
+class Mending:
+    """What fixing models would change.
+
+    Attributes
+    ----------
+    fixed
+        The defects that are gone afterwards, each with the title of its fix.
+    contents
+        New content by path, of the files that change.
+    difference
+        Lines of the unified diff of these files.
+    respelt
+        Files that change beyond the fixes, because they are not spelt as Eclipse writes them.
+    """
+
+    fixed: tuple[tuple[Diagnostic, str], ...]
+    contents: Mapping[Path, bytes]
+    difference: tuple[str, ...]
+    respelt: tuple[Path, ...]
+
+
+def mend(inspection: Inspection) -> Mending | None:
+    """Fix what can be fixed in models, in memory.
+
+    Parameters
+    ----------
+    inspection
+        What loading found; its objects are changed.
+
+    Returns
+    -------
+    Mending or None
+        Nothing is written yet. ``None`` if there is nothing that a fix can mend, or if errors
+        of structure come first.
+
+    Raises
+    ------
+    ModelError
+        If the models cannot be saved.
+    """
+    draft = inspection.draft
+    fixable = tuple(found for found in inspection.diagnostics if found.constraint in FIXES)
+    if draft is None or not fixable:
+        return None
+    places = {found.path for found in fixable}
+    old = {path: path.read_bytes() for path in saved(draft) if path in places}
+    respelt = tuple(_respelt(draft, old, fixable))
+    for found in fixable:
+        for element in _elements(draft, found):
+            FIXES[found.constraint].mend(element)
+    contents = {path: new for path, new in saved(draft).items() if old.get(path, new) != new}
+    fixed = tuple((found, FIXES[found.constraint].title) for found in fixable)
+    difference = tuple(_difference(draft, old, contents))
+    return Mending(fixed, MappingProxyType(contents), difference, respelt)
+
+
+def _difference(
+    draft: LoadedModels, old: Mapping[Path, bytes], new: Mapping[Path, bytes]
+) -> Iterator[str]:
+    """Yield the lines of the unified diff of files, each read in its own encoding."""
+    for file in draft.files:
+        if file.path in new:
+            before, after = (
+                versions[file.path].decode(file.encoding, "replace").splitlines()
+                for versions in (old, new)
+            )
+            yield from unified_diff(before, after, str(file.path), str(file.path), lineterm="")
+
+
+def _respelt(
+    draft: LoadedModels, old: Mapping[Path, bytes], fixable: tuple[Diagnostic, ...]
+) -> Iterator[Path]:
+    """Yield the files that saving would change although nothing in them is fixed yet."""
+    fixed_by_loading = {found.path for found in fixable if found.constraint == "UniqueReference"}
+    for path, text in saved(draft).items():
+        if path in old and path not in fixed_by_loading and text != old[path]:
+            yield path
+
+
+def _elements(draft: LoadedModels, found: Diagnostic) -> list[Any]:
+    """Return the elements that a diagnostic speaks of: those of its name in its line."""
+    place = (found.path, found.line, found.element)
+    return [
+        element
+        for element, node in draft.nodes.items()
+        if (node.path, node.line, node.description) == place
+    ]
+
+
+def _delete_self_dependence(goal: Any) -> None:
+    if goal in goal.dependentGoals:
+        goal.dependentGoals.remove(goal)
+
+
+def _add_members(task: Any) -> None:
+    goal = task.eContainer()
+    goal.members.extend(strangers(goal))
+
+
+def _delete_repeated_field(entry: Any) -> None:
+    if entry.eContainer() is None:  # deleted already: two defects of one name in one line
+        return
+    body = entry.eContainer().body
+    if next(other for other in body if other.name == entry.name) is not entry:
+        body.remove(entry)
+
+
+def _order_random_bounds(kind: Any) -> None:
+    if kind.LOWER_BOUND > kind.UPPER_BOUND:
+        _exchange(kind, "LOWER_BOUND", "UPPER_BOUND")
+
+
+def _order_search_bounds(kind: Any) -> None:
+    for name in disordered_parameters(kind):
+        _exchange(kind, f"{name}_MIN", f"{name}_MAX")
+
+
+def _order_window(fault: Any) -> None:
+    if fault.start > fault.finish:
+        _exchange(fault, "start", "finish")
+
+
+def _round_ticks(kind: Any) -> None:
+    for name in broken_ticks(kind):
+        setattr(kind, name, float(round(getattr(kind, name))))
+
+
+def _exchange(element: Any, one: str, other: str) -> None:
+    first, second = getattr(element, one), getattr(element, other)
+    setattr(element, one, second)
+    setattr(element, other, first)
+
+
+def _nothing(_: Any) -> None:
+    """Leave the element as it is: the list of objects holds every element once already."""
+
+
+FIXES: Mapping[str, Fix] = MappingProxyType(
+    {
+        "UniqueReference": Fix("Delete the repeated references", _nothing),
+        "GoalDependsOnOthers": Fix(
+            "Delete the goal from its own dependentGoals", _delete_self_dependence
+        ),
+        "AvoidCollisionMembers": Fix("Add the robots to the members of the goal", _add_members),
+        "UniqueMessageField": Fix("Delete the repeated field", _delete_repeated_field),
+        "RandomBoundsOrdered": Fix("Exchange LOWER_BOUND and UPPER_BOUND", _order_random_bounds),
+        "SearchBoundsOrdered": Fix(
+            "Exchange the lowest and the highest value", _order_search_bounds
+        ),
+        "WholeTicks": Fix("Round to whole ticks", _round_ticks),
+        "WindowOrdered": Fix("Exchange start and finish", _order_window),
+    }
+)
+"""Fixes by constraint; the ``.evl`` files offer the same under the same titles."""

@@ -1,0 +1,100 @@
+import subprocess
+from pathlib import Path
+
+from support_cli import MISSION, command_line, contents, edit, mrsfi, stop_specification
+
+RIGHT = 'LOWER_BOUND="11.0" UPPER_BOUND="30.0"'
+WRONG = 'LOWER_BOUND="30.0" UPPER_BOUND="11.0"'
+
+
+def _answered(answer: str, *arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command_line(*arguments),
+        check=False,
+        cwd=cwd,
+        input=answer,
+        capture_output=True,
+        encoding="utf-8",
+        timeout=120,
+    )
+
+
+def test_fix_shows_the_diff_and_writes_what_was_right_before(place: Path) -> None:
+    faults = place / "models" / MISSION / "faults.xmi"
+    before = faults.read_bytes()
+    edit(faults, RIGHT, WRONG)
+
+    text = mrsfi("validate", MISSION, "--fix", "--yes", cwd=place).stdout
+
+    assert faults.read_bytes() == before
+    assert f"-    <randomSensorEnergyPerSample {WRONG}>" in text.splitlines()
+    assert f"+    <randomSensorEnergyPerSample {RIGHT}>" in text.splitlines()
+    assert "fix: Exchange LOWER_BOUND and UPPER_BOUND [RandomBoundsOrdered]" in text
+    assert text.splitlines()[-1].startswith(f"ok: {MISSION}")
+
+
+def test_fix_writes_when_the_user_agrees(place: Path) -> None:
+    faults = place / "models" / MISSION / "faults.xmi"
+    before = faults.read_bytes()
+    edit(faults, RIGHT, WRONG)
+
+    done = _answered("y\n", "validate", MISSION, "--fix", cwd=place)
+
+    assert done.returncode == 0
+    assert faults.read_bytes() == before
+
+
+def test_fix_writes_nothing_when_the_user_does_not_agree(place: Path) -> None:
+    edit(place / "models" / MISSION / "faults.xmi", RIGHT, WRONG)
+    before = contents(place / "models")
+
+    refused = _answered("n\n", "validate", MISSION, "--fix", cwd=place)
+    silent = _answered("", "validate", MISSION, "--fix", cwd=place)
+
+    assert refused.returncode == 3
+    assert "nothing written" in refused.stdout
+    assert silent.returncode != 0
+    assert contents(place / "models") == before
+
+
+def test_fix_of_a_flawless_mission_says_so(place: Path) -> None:
+    before = contents(place / "models")
+
+    text = mrsfi("validate", MISSION, "--fix", cwd=place).stdout
+
+    assert text.splitlines()[0] == "nothing to fix"
+    assert contents(place / "models") == before
+
+
+def test_fix_leaves_errors_of_structure_to_the_user(place: Path) -> None:
+    edit(place / "models" / MISSION / "mission.xmi", 'name="LEN" speed="5.0"', 'speed="fast"')
+    before = contents(place / "models")
+
+    text = mrsfi("validate", MISSION, "--fix", "--yes", cwd=place, expected=3).stdout
+
+    assert text.startswith("nothing to fix: correct the errors of structure by hand first")
+    assert contents(place / "models") == before
+
+
+def test_fix_tells_when_a_file_loses_its_layout(place: Path) -> None:
+    faults = place / "models" / MISSION / "faults.xmi"
+    edit(faults, RIGHT, WRONG)
+    edit(faults, "<startRobot>", "<!-- why --><startRobot>")
+
+    text = mrsfi("validate", MISSION, "--fix", "--yes", cwd=place).stdout
+
+    assert "is not as Eclipse writes it; layout and comments will be lost" in text
+
+
+def test_fix_mends_a_written_specification(place: Path) -> None:
+    models = place / "models" / MISSION
+    path = stop_specification(models / "byhand.xmi", [(200, 100)])
+
+    mrsfi("validate", path, "--fix", "--yes", cwd=place)
+
+    assert 'start="100" finish="200"' in path.read_text(encoding="ascii")
+
+
+def test_fix_options_that_make_no_sense_together_are_refused(place: Path) -> None:
+    assert "--json" in mrsfi("validate", MISSION, "--fix", "--json", cwd=place, expected=2).stderr
+    assert "--fix" in mrsfi("validate", MISSION, "--yes", cwd=place, expected=2).stderr

@@ -1,0 +1,219 @@
+"""Every fix mends what its constraint found, and changes nothing else."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from m2t.diagnostics import CONSTRAINTS
+from m2t.fixes import FIXES, Mending, mend
+from m2t.load import inspect_folder, inspect_specification
+from m2t.validate import validate_folder
+from support_broken import BROKEN
+from support_model import FAULTS, MISSION, copy_models, edit
+
+BOUNDS = (
+    '<fixedObstacleCoordinates NEW_X="200.0" NEW_X_MIN="{}.0" NEW_X_MAX="{}.0" NEW_Y="-450.0" '
+    'NEW_Y_MIN="{}.0" NEW_Y_MAX="{}.0" NEW_Z="1.0">'
+)
+
+
+class Mended(NamedTuple):
+    """An edit that breaks a constraint, and the lines that its fix removes and adds."""
+
+    constraint: str
+    file: str
+    old: str
+    new: str
+    removed: tuple[str, ...]
+    added: tuple[str, ...]
+
+
+MENDED = [
+    Mended(
+        "UniqueReference",
+        MISSION,
+        'members="r2 r3 r1">\n    <area ID="a2"',
+        'members="r2 r3 r2 r2 r1">\n    <area ID="a2"',
+        ('<goals ID="g2" name="StayWithinMissionArea" members="r2 r3 r2 r2 r1">',),
+        ('<goals ID="g2" name="StayWithinMissionArea" members="r2 r3 r1">',),
+    ),
+    Mended(
+        "GoalDependsOnOthers",
+        MISSION,
+        'name="GatherSamples" members="r2"',
+        'name="GatherSamples" members="r2" dependentGoals="g1 g4"',
+        ('<goals ID="g4" name="GatherSamples" members="r2" dependentGoals="g1 g4">',),
+        ('<goals ID="g4" name="GatherSamples" members="r2" dependentGoals="g1">',),
+    ),
+    Mended(
+        "AvoidCollisionMembers",
+        MISSION,
+        'name="AvoidCollision" members="r2 r3 r1"',
+        'name="AvoidCollision" members="r3"',
+        ('<goals ID="g1" name="AvoidCollision" members="r3">',),
+        ('<goals ID="g1" name="AvoidCollision" members="r3 r2 r1">',),
+    ),
+    Mended(
+        "UniqueMessageField",
+        MISSION,
+        '<body name="TEMPERATURE" type="Int"/>',
+        '<body name="TEMPERATURE" type="Int"/>\n      <body name="TEMPERATURE" type="Double"/>',
+        ('<body name="TEMPERATURE" type="Double"/>',),
+        (),
+    ),
+    Mended(
+        "RandomBoundsOrdered",
+        FAULTS,
+        'LOWER_BOUND="1" UPPER_BOUND="50"',
+        'LOWER_BOUND="51" UPPER_BOUND="50"',
+        ('<randomSampleRate LOWER_BOUND="51" UPPER_BOUND="50">',),
+        ('<randomSampleRate LOWER_BOUND="50" UPPER_BOUND="51">',),
+    ),
+    Mended(
+        "SearchBoundsOrdered",
+        FAULTS,
+        'NEW_X="200.0" NEW_Y="-450.0"',
+        'NEW_X="200.0" NEW_X_MIN="9.0" NEW_X_MAX="8.0" NEW_Y="-450.0" NEW_Y_MIN="1.0" '
+        'NEW_Y_MAX="0.0"',
+        (BOUNDS.format(9, 8, 1, 0),),
+        (BOUNDS.format(8, 9, 0, 1),),
+    ),
+    Mended(
+        "WholeTicks",
+        FAULTS,
+        'DELAY="200.0"',
+        'DELAY="2.5" DELAY_MAX="3.7"',
+        ('<delayMessage DELAY="2.5" DELAY_MAX="3.7">',),
+        ('<delayMessage DELAY="2.0" DELAY_MAX="4.0">',),
+    ),
+    Mended(
+        "WindowOrdered",
+        FAULTS,
+        '<faults ID="f2" name="f2"',
+        '<faults ID="f2" name="f2" start="9" finish="8"',
+        ('<faults ID="f2" name="f2" start="9" finish="8">',),
+        ('<faults ID="f2" name="f2" start="8" finish="9">',),
+    ),
+]
+
+
+def _mended(folder: Path) -> Mending:
+    mending = mend(inspect_folder(folder))
+    assert mending is not None
+    return mending
+
+
+@pytest.mark.parametrize("case", MENDED, ids=lambda case: case.constraint)
+def test_a_fix_changes_the_lines_that_are_wrong_and_no_other(tmp_path: Path, case: Mended) -> None:
+    folder = copy_models(tmp_path)
+    path = folder / case.file
+    edit(path, case.old, case.new)
+    found = [entry for entry in validate_folder(folder) if entry.constraint == case.constraint]
+
+    mending = _mended(folder)
+
+    assert found
+    assert mending.fixed == tuple((entry, FIXES[case.constraint].title) for entry in found)
+    assert list(mending.contents) == [path]
+    assert mending.respelt == ()
+    lines = mending.difference[2:]
+    assert [line[1:].strip() for line in lines if line.startswith("-")] == list(case.removed)
+    assert [line[1:].strip() for line in lines if line.startswith("+")] == list(case.added)
+    path.write_bytes(mending.contents[path])
+    assert validate_folder(folder) == ()
+
+
+def test_every_fix_is_tried() -> None:
+    assert {case.constraint for case in MENDED} == set(FIXES)
+
+
+@pytest.mark.parametrize("name", FIXES)
+def test_a_fix_mends_every_broken_model_of_its_constraint(tmp_path: Path, name: str) -> None:
+    for number, broken in enumerate(entry for entry in BROKEN if entry.constraint == name):
+        folder = copy_models(tmp_path / str(number))
+        edit(folder / broken.file, broken.old, broken.new)
+
+        for path, content in _mended(folder).contents.items():
+            path.write_bytes(content)
+
+        assert name not in [found.constraint for found in validate_folder(folder)]
+
+
+def test_flawless_models_have_nothing_to_fix(tmp_path: Path) -> None:
+    assert mend(inspect_folder(copy_models(tmp_path))) is None
+
+
+def test_errors_of_structure_come_first(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
+    edit(folder / MISSION, 'speed="5.0"', 'speed="fast"')
+
+    assert mend(inspect_folder(folder)) is None
+
+
+def test_all_fixes_of_both_files_are_made_at_once(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
+    edit(folder / FAULTS, 'ID="f2" name="f2"', 'ID="f2" name="f2" start="5" finish="4"')
+    edit(folder / MISSION, 'ID="g2" name', 'ID="g2" dependentGoals="g2" name')
+
+    mending = _mended(folder)
+
+    assert [found.constraint for found, _ in mending.fixed] == [
+        "GoalDependsOnOthers",
+        "WindowOrdered",
+        "RandomBoundsOrdered",
+    ]
+    assert list(mending.contents) == [folder / MISSION, folder / FAULTS]
+
+
+def test_two_repeated_fields_in_one_line_leave_the_first(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    body = '<body name="TEMPERATURE" type="{}"/>'
+    edit(
+        folder / MISSION,
+        body.format("Int"),
+        body.format("Int") + body.format("Double") + body.format("String"),
+    )
+
+    mending = _mended(folder)
+
+    assert mending.respelt == (folder / MISSION,)
+    assert mending.contents[folder / MISSION].count(b'"TEMPERATURE"') == 2  # sensor and field
+    assert body.format("Int").encode() in mending.contents[folder / MISSION]
+
+
+def test_a_fix_keeps_the_encoding_of_the_file(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    path = folder / MISSION
+    edit(path, '"ASCII"', '"UTF-8"')
+    edit(path, 'name="LEN"', 'name="Löwe"')
+    before = path.read_bytes()
+    edit(path, 'ID="g2"', 'ID="g2" dependentGoals="g2"')
+
+    assert _mended(folder).contents[path] == before
+
+
+def test_a_specification_is_mended_without_touching_its_mission(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    path = folder / FAULTS
+    before = path.read_bytes()
+    edit(path, 'LOWER_BOUND="11.0" UPPER_BOUND="30.0"', 'LOWER_BOUND="30.0" UPPER_BOUND="11.0"')
+
+    mending = mend(inspect_specification(path))
+
+    assert mending is not None
+    assert mending.contents == {path: before}
+
+
+def test_a_file_without_a_fix_is_left_as_it_is_spelt(tmp_path: Path) -> None:
+    folder = copy_models(tmp_path)
+    edit(folder / MISSION, "<servers ", "<!-- ashore -->\n  <servers ")
+    edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
+
+    assert list(_mended(folder).contents) == [folder / FAULTS]
+
+
+def test_fixes_belong_to_constraints() -> None:
+    assert set(FIXES) <= set(CONSTRAINTS)
