@@ -53,9 +53,9 @@ class Constraint:
     meaning
         What it asks for.
     evl
-        File that its twin for Epsilon belongs to; empty where EVL cannot judge it.
+        File beside the metamodels that states it for Epsilon; empty if none does.
     reason
-        Why it cannot; empty where it can.
+        Why none does; empty if one does.
     """
 
     severity: Severity

@@ -182,4 +182,4 @@ FIXES: Mapping[str, Fix] = MappingProxyType(
         "WindowOrdered": Fix("Exchange start and finish", _order_window),
     }
 )
-"""Fixes by constraint."""
+"""Fixes by constraint; the ``.evl`` files offer the same under the same titles."""

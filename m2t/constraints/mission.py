@@ -45,7 +45,7 @@ def point(coordinates: Any) -> tuple[float, float]:
 
 
 def distance(one: tuple[float, float], other: tuple[float, float]) -> float:
-    """Return the distance of two points, rounded so that Java reckons the same."""
+    """Return the distance of two points, rounded as ``mission.evl`` rounds it."""
     dx, dy = one[0] - other[0], one[1] - other[1]
     return math.sqrt(dx * dx + dy * dy)
 

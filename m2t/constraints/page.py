@@ -1,0 +1,62 @@
+"""The page of docs/ that lists all constraints."""
+
+from m2t.diagnostics import CONSTRAINTS, Constraint
+from m2t.fixes import FIXES
+
+_PAGE = """# Constraints
+
+Made from `CONSTRAINTS` in `m2t/diagnostics.py`; do not edit. After a change, write it anew:
+
+```sh
+python -c "import m2t.constraints.page as p; print(p.constraints_page(), end='')" \\
+    > docs/constraints.md
+```
+
+`mrsfi validate MISSION` checks all of them. Those with a file in the last column are stated
+in EVL as well, beside the metamodels, with the same name, severity and message: an error is a
+`constraint`, a warning a `critique`. In Eclipse, run `metamodels/faults.evl` with Epsilon on
+the fault model together with its mission, or `metamodels/mission.evl` on a mission alone; the
+first imports the second. `tests/interop` compares both, constraint by constraint.
+
+Structure is checked before sense: what a constraint would say about missing parts helps nobody.
+Messages of EVL know no line numbers. Where a model is spelt otherwise than Eclipse writes it,
+they quote numbers as Eclipse would write them (`-5.0`, not `-5`).
+
+| constraint | severity | meaning | fix | EVL |
+|---|---|---|---|---|
+{rows}
+
+## Why some are not stated in EVL
+
+{reasons}
+- `FaultFreeMission` (warning, told by `mrsfi validate` alone) needs a flight: a goal is violated
+  although nothing fails.
+- `ResolvedReference` is stated for references to other files; a dangling one within its own file
+  makes Eclipse refuse it.
+
+## Fixes
+
+`mrsfi validate MISSION --fix` mends what has one sensible remedy: it shows the change as a
+diff, asks, and writes the file as Eclipse would. Epsilon offers the same remedies under the
+same titles as quick fixes. A repeated reference is mended by loading and saving alone.
+"""
+
+
+def constraints_page() -> str:
+    """Return the page, in Markdown, with every constraint in the order of its checks."""
+    rows = "\n".join(_row(name, constraint) for name, constraint in CONSTRAINTS.items())
+    by_reason: dict[str, list[str]] = {}
+    for name, constraint in CONSTRAINTS.items():
+        if constraint.reason:
+            by_reason.setdefault(constraint.reason, []).append(f"`{name}`")
+    reasons = "\n".join(
+        f"- {reason[0].upper()}{reason[1:]}:\n  {', '.join(names)}."
+        for reason, names in by_reason.items()
+    )
+    return _PAGE.format(rows=rows, reasons=reasons)
+
+
+def _row(name: str, constraint: Constraint) -> str:
+    fix = FIXES[name].title if name in FIXES else ""
+    evl = f"`{constraint.evl}`" if constraint.evl else "none"
+    return f"| `{name}` | {constraint.severity} | {constraint.meaning} | {fix} | {evl} |"
