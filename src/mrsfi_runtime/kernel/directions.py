@@ -1,11 +1,16 @@
 """Unit vectors of whole degrees: the only trigonometry of the kernel.
 
 A table reads the same in the interpreter and in compiled code, where ``math.sin`` need not.
+States carry it, because a compiler would copy a constant tuple at every use.
 """
 
 import math
 
+from mrsfi_runtime.kernel.state import PointState
+
 N_DIRECTIONS = 360
 
-COSINES = tuple(math.cos(math.radians(degrees)) for degrees in range(N_DIRECTIONS))
-SINES = tuple(math.sin(math.radians(degrees)) for degrees in range(N_DIRECTIONS))
+DIRECTIONS = tuple(
+    PointState(math.cos(math.radians(degrees)), math.sin(math.radians(degrees)))
+    for degrees in range(N_DIRECTIONS)
+)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.delivery import believe, note
-from mrsfi_runtime.kernel.directions import COSINES, N_DIRECTIONS, SINES
+from mrsfi_runtime.kernel.directions import N_DIRECTIONS
 from mrsfi_runtime.kernel.injections import (
     ACTIVATE,
     ACTIVATION,
@@ -169,10 +169,11 @@ def misplace(ci: State, injection: InjectionState) -> bool:
         radius = PURPOSE_POSITION_RADIUS if is_robot else PURPOSE_OBSTACLE_RADIUS
         angle = PURPOSE_POSITION_ANGLE if is_robot else PURPOSE_OBSTACLE_ANGLE
         target = injection.target
-        direction = choice(N_DIRECTIONS, mission.seed, mission.tick, target, angle)
+        drawn = choice(N_DIRECTIONS, mission.seed, mission.tick, target, angle)
+        direction = ci.directions[drawn]
         reach = mission.radius * math.sqrt(uniform(mission.seed, mission.tick, target, radius))
-        x = mission.x + reach * COSINES[direction]
-        y = mission.y + reach * SINES[direction]
+        x = mission.x + reach * direction.x
+        y = mission.y + reach * direction.y
         z = ci.robots[target].z if is_robot else 0.0
     if is_robot:
         return believe(ci, POSITION, injection.target, x, y, z)

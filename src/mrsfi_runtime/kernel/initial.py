@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from mrsfi_runtime.kernel import tasks
-from mrsfi_runtime.kernel.directions import COSINES, N_DIRECTIONS, SINES
+from mrsfi_runtime.kernel.directions import DIRECTIONS, N_DIRECTIONS
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
 from mrsfi_runtime.kernel.state import (
     CommandState,
@@ -108,6 +108,7 @@ def initial_state(mission: Mission, seed: int) -> State:
         hazards=[],
         waypoints=[],
         chances=[],
+        directions=list(DIRECTIONS),
         commands=[],
         switches=[],
     )
@@ -127,11 +128,11 @@ def initial_state(mission: Mission, seed: int) -> State:
                 gps=len(state.sensors) + gps[0] if gps else -1,
             )
         )
-        direction = choice(N_DIRECTIONS, key, 0, index, PURPOSE_HEADING)
+        heading = state.directions[choice(N_DIRECTIONS, key, 0, index, PURPOSE_HEADING)]
         state.commands.append(
             CommandState(
-                heading_x=COSINES[direction],
-                heading_y=SINES[direction],
+                heading_x=heading.x,
+                heading_y=heading.y,
                 speed=float(robot.speed),
                 heading_claimed=0,
                 speed_claimed=0,

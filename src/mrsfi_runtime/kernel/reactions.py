@@ -12,7 +12,7 @@ import math
 
 from mrsfi_runtime.kernel.commands import set_speed, steer, switch_sensor
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.directions import COSINES, N_DIRECTIONS, SINES
+from mrsfi_runtime.kernel.directions import N_DIRECTIONS
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
 from mrsfi_runtime.kernel.state import GoalState, State
 from mrsfi_runtime.kernel.tasks import ROBOT_RADIUS, distance, inside, sensor_power, ticks_left
@@ -55,17 +55,18 @@ def evade(ci: State, goal: GoalState, index: int) -> None:
     best = -1
     most = 0.0
     for degrees in range(0, N_DIRECTIONS, CANDIDATE_STEP):
-        x = COSINES[degrees]
-        y = SINES[degrees]
+        heading = ci.directions[degrees]
         mission = ci.mission
-        out = distance(robot.x + reach * x, robot.y + reach * y, mission.x, mission.y)
+        x = robot.x + reach * heading.x
+        y = robot.y + reach * heading.y
+        out = distance(x, y, mission.x, mission.y)
         if out <= mission.radius:
-            clear = clearance(ci, goal, index, x, y, limit)
+            clear = clearance(ci, goal, index, heading.x, heading.y, limit)
             if best < 0 or clear > most:
                 best = degrees
                 most = clear
     if best >= 0:
-        steer(ci, index, COSINES[best], SINES[best])
+        steer(ci, index, ci.directions[best].x, ci.directions[best].y)
 
 
 @kernel
@@ -183,10 +184,9 @@ def roam(ci: State, goal: GoalState, index: int) -> None:
     for attempt in range(ROAM_ATTEMPTS):
         entity = index * ROAM_ATTEMPTS + attempt
         degrees = choice(N_DIRECTIONS, mission.seed, mission.tick, entity, PURPOSE_ROAM)
-        x = COSINES[degrees]
-        y = SINES[degrees]
-        if inside(robot.x + 2.0 * step * x, robot.y + 2.0 * step * y, goal):
-            steer(ci, index, x, y)
+        turn = ci.directions[degrees]
+        if inside(robot.x + 2.0 * step * turn.x, robot.y + 2.0 * step * turn.y, goal):
+            steer(ci, index, turn.x, turn.y)
             return
     steer(ci, index, goal.x - robot.x, goal.y - robot.y)
 

@@ -116,7 +116,7 @@ class MemberState:
 
 @dataclass(slots=True)
 class PointState:
-    """A point of a trajectory."""
+    """A point of a trajectory, or a unit vector."""
 
     x: float
     y: float
@@ -146,7 +146,10 @@ class SwitchState:
 
 @dataclass(slots=True)
 class State:
-    """All that is known: by the simulation the truth, by the collective intelligence a belief."""
+    """All that is known: by the simulation the truth, by the collective intelligence a belief.
+
+    ``directions`` are the unit vectors of whole degrees.
+    """
 
     mission: MissionState
     robots: list[RobotState]
@@ -157,5 +160,6 @@ class State:
     hazards: list[int]
     waypoints: list[PointState]
     chances: list[int]
+    directions: list[PointState]
     commands: list[CommandState]
     switches: list[SwitchState]
