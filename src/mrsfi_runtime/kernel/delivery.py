@@ -37,10 +37,7 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
     What travels in no message (the map, sampling rates and costs) is set back to what the
     model says, so that no effect outlives its window.
     """
-    tick = ci.mission.tick
-    for injection in plan.messages:
-        if injection.start <= tick <= injection.finish:
-            keep(ci, injection)
+    remember(ci, plan)
     for index in range(len(ci.robots)):
         robot = ci.robots[index]
         sent = inbox.robots[index]
@@ -59,8 +56,28 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
     for obstacle in ci.obstacles:
         obstacle.x = obstacle.model_x
         obstacle.y = obstacle.model_y
+    withhold(ci, plan)
+
+
+@kernel
+def remember(ci: State, plan: Plan) -> None:
+    """Remember what was believed of every property whose messages are held back now."""
+    tick = ci.mission.tick
     for injection in plan.messages:
-        if injection.start <= tick <= injection.finish:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
+            keep(ci, injection)
+
+
+@kernel
+def withhold(ci: State, plan: Plan) -> None:
+    """Take back what was just delivered of every property whose messages are held back now."""
+    tick = ci.mission.tick
+    for injection in plan.messages:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
             hold_back(ci, plan, injection)
 
 

@@ -61,7 +61,9 @@ def falsify(ci: State, inbox: State, plan: Plan) -> None:
     """Apply every active fault that changes a value of the local state."""
     tick = ci.mission.tick
     for injection in plan.reports:
-        if injection.start <= tick <= injection.finish:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
             if injection.affected in (POSITION, OBSTACLE):
                 changed = misplace(ci, injection)
             elif injection.affected in (RATE, COST):
@@ -210,7 +212,9 @@ def issue(ci: State, orders: Orders, plan: Plan, tick: int) -> None:
     if tick >= ci.mission.duration:
         return
     for injection in plan.commands:
-        if injection.start <= tick <= injection.finish:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
             forge(ci, orders, plan, injection, tick)
 
 

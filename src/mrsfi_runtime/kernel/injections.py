@@ -51,7 +51,7 @@ class FaultTally:
 
 @dataclass(slots=True)
 class Plan:
-    """All injections of one fault specification, by what they act on.
+    """All injections of one fault specification, by what they act on, each list by start.
 
     ``messages`` are delayed and blocked ones, ``reports`` falsify what is believed,
     ``commands`` are forged. ``held`` is room for delayed messages; ``tallies`` has one entry
@@ -85,7 +85,13 @@ def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Pla
                 laid_out.reports.append(injection)
             else:
                 laid_out.commands.append(injection)
+    for injections in (laid_out.messages, laid_out.reports, laid_out.commands):
+        injections.sort(key=_start)
     return laid_out
+
+
+def _start(injection: InjectionState) -> int:
+    return injection.start
 
 
 def _injection(number: int, timed: TimedFault, fault: Fault, target: Target) -> InjectionState:
