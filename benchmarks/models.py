@@ -17,7 +17,7 @@ from m2t.load import load_mission_folder
 from m2t.saving import saved
 from m2t.validate import validate_folder
 
-SIZES = (10, 30, 100, 300, 1_000)
+SIZES = (10, 30, 100, 300, 1_000, 2_000)
 FAULTS_PER_ROBOT = 10
 
 _HEAD = (

@@ -76,23 +76,28 @@ class Report:
 
     def __init__(self) -> None:
         self._found: list[Diagnostic] = []
+        self._n_errors = 0
 
     def add(self, node: Node, constraint: str, finding: str) -> None:
         """Add a defect of an element; ``finding`` completes a sentence that begins with it."""
         severity = CONSTRAINTS[constraint].severity
         element = node.description
         message = f"{element} {finding}"
-        self._found.append(Diagnostic(node.path, node.line, element, constraint, severity, message))
+        self._add(Diagnostic(node.path, node.line, element, constraint, severity, message))
 
     def add_file(self, path: Path, line: int, constraint: str, finding: str) -> None:
         """Add a defect of a whole file."""
         severity = CONSTRAINTS[constraint].severity
-        self._found.append(Diagnostic(path, line, path.name, constraint, severity, finding))
+        self._add(Diagnostic(path, line, path.name, constraint, severity, finding))
+
+    def _add(self, found: Diagnostic) -> None:
+        self._found.append(found)
+        self._n_errors += found.severity == "error"
 
     @property
     def n_errors(self) -> int:
         """Number of defects found so far that stop loading."""
-        return sum(found.severity == "error" for found in self._found)
+        return self._n_errors
 
     def __iter__(self) -> Iterator[Diagnostic]:
         return iter(self._found)

@@ -16,6 +16,7 @@ from m2t.metamodels import (
     features,
     is_contained,
     is_reference,
+    lineage,
     load_metamodels,
     reference_type,
 )
@@ -213,6 +214,9 @@ class _Entries:
         key = (*place, self._counts[place])
         self._counts[place] += 1
         entry = Entry(metaclass.name, _plain(identity), key, container)
+        kind = node.qualified.get((XSI, "type"), "").rpartition(":")[2]
+        if kind not in {"", metaclass.name}:
+            entry.values["class"] = _plain(kind)
         self._fill(entry, node, metaclass, "")
         entry.about = _about(entry)
         return entry
@@ -239,7 +243,7 @@ class _Entries:
         children = [child for child in node.children if child.tag == name]
         if declared.name == "GoalTask":
             self._task(entry, feature, children)
-        elif entry.kind == "Fault":
+        elif any(kind.name == "FaultType" for kind in lineage(declared)):
             self._fault_type(entry, feature, children)
         elif _has_id(declared):
             entry.children[prefix + name] = [
@@ -272,6 +276,10 @@ class _Entries:
             texts = node.attributes.get(name, "").split()
             texts += [child.attributes.get("href", child.text.strip()) for child in children]
             return " ".join(_plain(self._targets.name(node, text)) for text in texts) or None
+        if feature.many:
+            texts = [text for text in (node.attributes.get(name),) if text is not None]
+            texts += [child.text for child in children]
+            return " ".join(str(_literal(feature, text)) for text in texts) or None
         text = node.attributes.get(name, children[0].text if children else None)
         return _literal(feature, text)
 

@@ -76,8 +76,9 @@ def mend(inspection: Inspection) -> Mending | None:
     places = {found.path for found in fixable}
     old = {path: path.read_bytes() for path in saved(draft) if path in places}
     respelt = tuple(_respelt(draft, old, fixable))
+    elements = _elements_by_place(draft)
     for found in fixable:
-        for element in _elements(draft, found):
+        for element in elements[found.path, found.line, found.element]:
             FIXES[found.constraint].mend(element)
     contents = {path: new for path, new in saved(draft).items() if old.get(path, new) != new}
     fixed = tuple((found, FIXES[found.constraint].title) for found in fixable)
@@ -108,14 +109,12 @@ def _respelt(
             yield path
 
 
-def _elements(draft: LoadedModels, found: Diagnostic) -> list[Any]:
-    """Return the elements that a diagnostic speaks of: those of its name in its line."""
-    place = (found.path, found.line, found.element)
-    return [
-        element
-        for element, node in draft.nodes.items()
-        if (node.path, node.line, node.description) == place
-    ]
+def _elements_by_place(draft: LoadedModels) -> Mapping[tuple[Path, int, str], list[Any]]:
+    """Return the elements that a diagnostic may speak of: those of its name in its line."""
+    found: dict[tuple[Path, int, str], list[Any]] = {}
+    for element, node in draft.nodes.items():
+        found.setdefault((node.path, node.line, node.description), []).append(element)
+    return found
 
 
 def _delete_self_dependence(goal: Any) -> None:

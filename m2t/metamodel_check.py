@@ -8,9 +8,12 @@ import re
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
+from pyecore.ecore import EObject
+
 from m2t.diagnostics import shown
 from m2t.document import Node, Report
 from m2t.files import XMI, XSI
+from m2t.metamodel_contract import CONTRACT, SUPERTYPES, Need
 
 ECORE = "http://www.eclipse.org/emf/2002/Ecore"
 VALUE_TYPES = ("EString", "EInt", "EDouble")
@@ -23,6 +26,14 @@ _NUMBER = re.compile(r"-?[0-9]{1,15}(\.[0-9]{1,15})?", re.ASCII)
 _ANY = re.compile(r".*", re.DOTALL)
 _SOME = re.compile(r".+", re.DOTALL)
 
+_MAX_ANCESTORS = 50
+_TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))
+_STORED: Mapping[str, str] = MappingProxyType(
+    {
+        **dict.fromkeys(("volatile", "transient", "derived"), "false"),
+        "changeable": "true",
+    }
+)
 _ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
 
 _FEATURE = {
@@ -124,6 +135,60 @@ class MetamodelCheck:
             self._report.add(root, "RequiredFeature", finding)
         for classifier in _named(root, "eClassifiers"):
             self._classifier(classifier)
+        if not self._report.n_errors:
+            self._check_contract(root, name)
+
+    def _check_contract(self, root: Node, package: str) -> None:
+        """Check that the classes and features are there that code reads."""
+        seen: set[Node] = set()
+        for class_name, needs in CONTRACT[package].items():
+            node = self._classifiers.get(f"{root.path.name}#//{class_name}")
+            if node is None or self._kinds.get(node) != "EClass":
+                finding = f"has no class {class_name}, which mrsfi reads; restore it"
+                self._report.add(root, "RequiredFeature", finding)
+                continue
+            lineage = self._lineage(node)
+            self._check_supertype(node, lineage, SUPERTYPES[package].get(class_name))
+            features = {feature.attributes["name"]: feature for feature in _features(lineage)}
+            for name, need in needs.items():
+                feature = features.get(name)
+                if feature is None:
+                    finding = f"has no feature {name}; mrsfi reads {need} of that name; restore it"
+                    self._report.add(node, "RequiredFeature", finding)
+                elif feature not in seen and not self._meets(feature, need):
+                    seen.add(feature)
+                    finding = (
+                        f"of {class_name} is read as {need}, which is not what it declares; "
+                        "restore it"
+                    )
+                    self._report.add(feature, "RequiredFeature", finding)
+
+    def _check_supertype(self, node: Node, lineage: Mapping[Node, None], name: str | None) -> None:
+        if name is not None and name not in {known.attributes["name"] for known in lineage}:
+            finding = f"does not inherit from {name}, on which mrsfi relies; restore eSuperTypes"
+            self._report.add(node, "RequiredFeature", finding)
+
+    def _meets(self, feature: Node, need: Need) -> bool:
+        """Return whether a feature is declared as code reads it."""
+        given = feature.attributes
+        holding = "value"
+        if self._kinds[feature] == "EReference":
+            holding = "part" if given.get("containment") == "true" else "link"
+        is_many = given.get("upperBound", "1") != "1"
+        return (
+            (holding, is_many) == (need.holding, need.is_many)
+            and (given.get("iD") == "true") == need.is_id
+            and int(given.get("lowerBound", "0")) >= need.n_least
+            and need.type in self._type_names(feature)
+        )
+
+    def _type_names(self, feature: Node) -> set[str]:
+        """Return the names of what a feature's values are: its type and the type's supertypes."""
+        target = feature.attributes["eType"]
+        classifier = self._target(feature, target)
+        if classifier is None:
+            return {target.removeprefix(_ECORE_TYPE)}
+        return {known.attributes["name"] for known in self._lineage(classifier)}
 
     def _element(self, node: Node, kind: str) -> None:
         self._kinds[node] = kind
@@ -189,21 +254,24 @@ class MetamodelCheck:
         for target in supertypes:
             self._require(node, target, "EClass")
         n_errors = self._report.n_errors
-        if len(set(supertypes)) < len(supertypes) or self._is_circular(node, (node,)):
+        ancestors = self._ancestors(node)
+        if len(set(supertypes)) < len(supertypes) or node in ancestors:
             finding = "inherits from itself, or twice from one class; correct eSuperTypes"
             self._report.add(node, "ResolvedReference", finding)
-        seen: dict[str, Node] = {}
+        if len(ancestors) > _MAX_ANCESTORS:
+            finding = f"inherits from more than {_MAX_ANCESTORS} classes; expected fewer; join some"
+            self._report.add(node, "FileSize", finding)
         if self._report.n_errors == n_errors:
-            self._check_features(node, seen)
+            self._check_features(node)
 
-    def _check_features(self, node: Node, seen: dict[str, Node]) -> None:
-        """Check the features of a class; ``seen`` takes them with all inherited ones by name."""
-        for owner in self._lineage(node):
-            for feature in _named(owner, "eStructuralFeatures"):
-                first = seen.setdefault(feature.attributes["name"], feature)
-                if first is not feature:
-                    finding = f"has a name that {node.description} has twice; rename one"
-                    self._report.add(feature, "UniqueId", finding)
+    def _check_features(self, node: Node) -> None:
+        """Check the features of a class, whose names differ from those that it inherits."""
+        seen: dict[str, Node] = {}
+        for feature in _features(self._lineage(node)):
+            first = seen.setdefault(feature.attributes["name"], feature)
+            if first is not feature:
+                finding = f"has a name that {node.description} has twice; rename one"
+                self._report.add(feature, "UniqueId", finding)
         for feature in _named(node, "eStructuralFeatures"):
             self._feature(feature)
 
@@ -214,6 +282,7 @@ class MetamodelCheck:
         if is_count and (lower == "-1" or upper == "0" or int(lower) > int(upper) > -1):
             finding = f"has bounds {lower} and {upper}; expected a lower one first; correct them"
             self._report.add(node, "NumberSyntax", finding)
+        self._check_storage(node)
         target = node.attributes.get("eType", "")
         if self._kinds.get(node) == "EReference":
             self._require(node, target, "EClass")
@@ -226,6 +295,22 @@ class MetamodelCheck:
         else:
             self._require(node, target, "EEnum")
             self._default(node, _ANY, self._literals(node, target))
+
+    def _check_storage(self, node: Node) -> None:
+        """Refuse features whose values no file keeps, keeps in no order, or Python cannot name."""
+        for name, usual in _STORED.items():
+            if node.attributes.get(name, usual) != usual:
+                finding = f"has {name}, with which files do not keep its values; delete {name}"
+                self._report.add(node, "KnownFeature", finding)
+        if (
+            node.attributes.get("ordered") == "false"
+            and node.attributes.get("upperBound", "1") != "1"
+        ):
+            finding = "has ordered, with which its values would change places; delete ordered"
+            self._report.add(node, "KnownFeature", finding)
+        if node.attributes.get("name") in _TAKEN_NAMES:
+            finding = "has a name that every element uses itself; expected another; rename it"
+            self._report.add(node, "ReservedId", finding)
 
     def _value_type(self, node: Node, name: str) -> None:
         if name not in VALUE_TYPES:
@@ -265,17 +350,33 @@ class MetamodelCheck:
             if found is not None:
                 yield found
 
-    def _is_circular(self, node: Node, path: tuple[Node, ...]) -> bool:
-        return any(
-            parent in path or self._is_circular(parent, (*path, parent))
-            for parent in self._parents(node)
-        )
+    def _ancestors(self, node: Node) -> dict[Node, None]:
+        """Return what a class inherits from, itself if circularly; all of it, unless too much."""
+        found = dict.fromkeys(self._parents(node))
+        pending = list(found)
+        while pending and len(found) <= _MAX_ANCESTORS:
+            parents = [parent for parent in self._parents(pending.pop()) if parent not in found]
+            found |= dict.fromkeys(parents)
+            pending += parents
+        return found
 
     def _lineage(self, node: Node) -> dict[Node, None]:
+        """Return a class after all that it inherits from, none of it circular."""
         found: dict[Node, None] = {}
+        self._collect(node, found)
+        return found
+
+    def _collect(self, node: Node, found: dict[Node, None]) -> None:
         for parent in self._parents(node):
-            found |= self._lineage(parent)
-        return {**found, node: None}
+            if parent not in found:
+                self._collect(parent, found)
+        found[node] = None
+
+
+def _features(lineage: Mapping[Node, None]) -> Iterator[Node]:
+    """Yield the features of classes that have a name."""
+    for owner in lineage:
+        yield from _named(owner, "eStructuralFeatures")
 
 
 def _named(node: Node, tag: str) -> list[Node]:

@@ -200,6 +200,15 @@ def conforms(metaclass: Any, wanted: Any) -> bool:
 
 
 @cache
+def base_class(metaclass: Any) -> Any:
+    """Return the most general concrete class of a lineage: what code knows an element as.
+
+    A team's own subclass of a class only adds to it.
+    """
+    return next((known for known in lineage(metaclass) if not known.abstract), metaclass)
+
+
+@cache
 def is_contained(feature: Any) -> bool:
     """Return whether a feature contains elements."""
     return isinstance(feature, EReference) and bool(feature.containment)

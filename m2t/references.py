@@ -67,6 +67,7 @@ class _Resolver:
         self._report = report
         self._named: dict[tuple[Node, str], set[Node]] = {}
         self._files: dict[tuple[Path, str], Path | None] = {}
+        self._listed: dict[Any, str] = {}
 
     def resolve(self, reference: Reference) -> None:
         """Find the nodes of one reference."""
@@ -110,7 +111,7 @@ class _Resolver:
         element = find(place.file, unquote(target.rpartition("#")[2]))
         wanted_class = reference_type(reference.feature)
         if element is None or not conforms(element.metaclass, wanted_class):
-            self._report_element(reference, target, element, _known(place.tree, wanted_class))
+            self._report_element(reference, target, element, self._known(place.tree, wanted_class))
             return None
         return element
 
@@ -153,6 +154,12 @@ class _Resolver:
         file = files.at_resolved(path)
         tree = self._tree if self._neighbour is None else self._neighbour.tree
         return (False, None) if file is None or tree is None else (True, _Place(file, tree))
+
+    def _known(self, tree: ModelTree, wanted: Any) -> str:
+        """Return the IDs that would fit, for the message; a tree is complete by now."""
+        if wanted not in self._listed:
+            self._listed[wanted] = _known(tree, wanted)
+        return self._listed[wanted]
 
     def _neighbour_name(self) -> str:
         return "mission.xmi" if self._neighbour is None else self._neighbour.path.name

@@ -112,7 +112,7 @@ def require_value(feature: Any, text: str) -> None:
         )
     value = reader(feature, text)
     allowed = RANGES.get(feature.name)
-    if allowed is not None and value not in allowed:
+    if allowed is not None and isinstance(value, int | float) and value not in allowed:
         raise BadValueError(
             allowed.constraint,
             f"has {feature.name} {shown(text)}; expected {allowed}; correct it",

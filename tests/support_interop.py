@@ -4,11 +4,12 @@ import json
 import os
 import shutil
 import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import zip_longest
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import pytest
@@ -18,6 +19,8 @@ Note: TypeAlias = Callable[..., None]
 
 ROOT = Path(__file__).parent.parent
 METAMODELS = tuple(str(ROOT / "metamodels" / name) for name in ("mission.ecore", "faults.ecore"))
+
+NO_PROJECTS: Mapping[str, Path] = MappingProxyType({})
 
 _PROJECT = ROOT / "tests" / "interop" / "java"
 _TARGET = _PROJECT / "target"
@@ -32,7 +35,8 @@ def harness(command: str, request: dict[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     command
-        ``resave`` loads, validates and saves every file of ``models`` into folder ``out``;
+        ``resave`` loads, validates and saves every file of ``models`` into folder ``out``, with
+        the folders in ``projects`` open by their names;
         ``evl`` checks every list of files in ``models`` by the programs in ``evl``; ``eol``
         and ``egl`` run ``program`` over the files of ``models`` together, ``egl`` into
         ``target``.
@@ -131,10 +135,19 @@ def difference(path: Path, old: bytes, new: bytes) -> str:
     return next((f"{path}:{n}: {a!r} became {b!r}" for n, (a, b) in pairs if a != b), "")
 
 
-def resave(paths: Sequence[Path], out: Path, metamodels: Sequence[str] = METAMODELS) -> list[Saved]:
-    """Return what Eclipse makes of files, each loaded and saved by itself."""
+def resave(
+    paths: Sequence[Path],
+    out: Path,
+    metamodels: Sequence[str] = METAMODELS,
+    projects: Mapping[str, Path] = NO_PROJECTS,
+) -> list[Saved]:
+    """Return what Eclipse makes of files, each loaded and saved by itself.
+
+    Files below the folder of a project are loaded as those of a workspace that has it.
+    """
     files = [str(path) for path in paths]
-    request = {"metamodels": metamodels, "models": files, "out": str(out)}
+    folders = {name: str(folder) for name, folder in projects.items()}
+    request = {"metamodels": metamodels, "models": files, "out": str(out), "projects": folders}
     answer = harness("resave", request)
     return [_saved(path, found) for path, found in zip(paths, answer["models"], strict=True)]
 

@@ -8,7 +8,7 @@ Source paper, section III-B b).
 from typing import Any
 
 from m2t.constraints.findings import Findings, number
-from m2t.metamodels import features, is_contained, slots
+from m2t.metamodels import base_class, features, is_contained, lineage, reference_type, slots
 
 _FIELD_OF_TYPE = {
     "RemainingEnergyCapacityReport": "ENERGY",
@@ -51,8 +51,14 @@ def check_faults(specification: Any, duration: int, findings: Findings) -> None:
 def fault_types(fault: Any) -> tuple[Any, ...]:
     """Return the fault types that a fault contains; a sound fault contains one."""
     given = (feature for feature in features(fault.eClass) if fault.eIsSet(feature))
-    values = (fault.eGet(feature) for feature in given if is_contained(feature))
+    values = (fault.eGet(feature) for feature in given if _holds_fault_type(feature))
     return tuple(value for value in values if value is not None)
+
+
+def _holds_fault_type(feature: Any) -> bool:
+    """Return whether a feature contains a fault type, not something that a team has added."""
+    kinds = lineage(reference_type(feature)) if is_contained(feature) else ()
+    return not feature.many and any(kind.name == "FaultType" for kind in kinds)
 
 
 def is_set(element: Any, name: str) -> bool:
@@ -66,8 +72,8 @@ def disordered_parameters(kind: Any) -> list[str]:
     return [
         feature.name
         for feature in features(kind.eClass)
-        if is_set(kind, f"{feature.name}_MIN")
-        and is_set(kind, f"{feature.name}_MAX")
+        if _has_number(kind, f"{feature.name}_MIN")
+        and _has_number(kind, f"{feature.name}_MAX")
         and getattr(kind, f"{feature.name}_MIN") > getattr(kind, f"{feature.name}_MAX")
     ]
 
@@ -75,7 +81,11 @@ def disordered_parameters(kind: Any) -> list[str]:
 def broken_ticks(kind: Any) -> list[str]:
     """Return the numbers of ticks of a fault type that are not whole."""
     names = (name + suffix for name in _TICKS for suffix in ("", "_MIN", "_MAX"))
-    return [name for name in names if is_set(kind, name) and getattr(kind, name) % 1]
+    return [name for name in names if _has_number(kind, name) and getattr(kind, name) % 1]
+
+
+def _has_number(kind: Any, name: str) -> bool:
+    return is_set(kind, name) and isinstance(getattr(kind, name), int | float)
 
 
 def _check_window(fault: Any, duration: int, findings: Findings) -> None:
@@ -106,8 +116,8 @@ def _check_window(fault: Any, duration: int, findings: Findings) -> None:
 
 
 def _check_parameters(kind: Any, findings: Findings) -> None:
-    names = [feature.name for feature in features(kind.eClass)]
-    if "LOWER_BOUND" in names and kind.LOWER_BOUND > kind.UPPER_BOUND:
+    has_bounds = all(_has_number(kind, name) for name in ("LOWER_BOUND", "UPPER_BOUND"))
+    if has_bounds and kind.LOWER_BOUND > kind.UPPER_BOUND:
         findings.add(
             kind,
             "RandomBoundsOrdered",
@@ -132,11 +142,11 @@ def _check_parameters(kind: Any, findings: Findings) -> None:
 
 def _check_field(kind: Any, findings: Findings) -> None:
     """Check that the affected message carries what the fault falsifies."""
-    type_name = kind.eClass.name
+    type_name = base_class(kind.eClass).name
     wanted = next((name for end, name in _FIELD_OF_TYPE.items() if type_name.endswith(end)), None)
-    if wanted is None:
+    message = getattr(kind, "affectedMessage", None)
+    if wanted is None or message is None:
         return
-    message = kind.affectedMessage
     carried = [entry.name for entry in message.body]
     if wanted not in carried:
         findings.add(

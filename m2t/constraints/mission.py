@@ -9,8 +9,12 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from pyecore.ecore import EObject
+
+from m2t.constraints.contact import Discs
 from m2t.constraints.findings import Findings, identities, number
 from m2t.diagnostics import shown
+from m2t.metamodels import base_class, lineage
 
 ROBOT_RADIUS = 1.0
 
@@ -62,8 +66,15 @@ def areas(mission: Any) -> Iterator[Any]:
     for goal in mission.goals:
         if goal.area is not None:
             yield goal.area
-        if goal.task.eClass.findEStructuralFeature("area") is not None:
-            yield goal.task.area
+        own = getattr(goal.task, "area", None)
+        if own is not None and _is_area(own):
+            yield own
+
+
+def _is_area(value: Any) -> bool:
+    """Return whether a value of a task that a team has added is an area, as those of ours are."""
+    kinds = lineage(value.eClass) if isinstance(value, EObject) else ()
+    return any(kind.name == "Area" for kind in kinds)
 
 
 def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:
@@ -109,23 +120,22 @@ def _check_area(mission: Any, area: Any, findings: Findings) -> None:
 
 
 def _check_starts(mission: Any, findings: Findings) -> None:
-    """Check that no robot starts in contact with something."""
-    others = [
-        (obstacle, point(obstacle.area.center), obstacle.area.radius)
-        for obstacle in mission.obstacles
-    ]
+    """Check that no robot starts in contact with an obstacle or with a robot before it."""
+    others: Discs[Any] = Discs(distance)
+    for obstacle in mission.obstacles:
+        reach = obstacle.area.radius + ROBOT_RADIUS
+        others.add(obstacle, point(obstacle.area.center), reach)
     for robot in mission.robots:
         place = point(robot.position)
-        for other, center, radius in others:
-            if distance(place, center) < radius + ROBOT_RADIUS:
-                findings.add(
-                    robot,
-                    "RobotStartsClear",
-                    f"starts in contact with {findings.describe(other)}; expected some distance; "
-                    "correct its position",
-                )
-                break
-        others.append((robot, place, ROBOT_RADIUS))
+        touched = others.first_around(place)
+        if touched is not None:
+            findings.add(
+                robot,
+                "RobotStartsClear",
+                f"starts in contact with {findings.describe(touched)}; expected some distance; "
+                "correct its position",
+            )
+        others.add(robot, place, ROBOT_RADIUS + ROBOT_RADIUS)
 
 
 def _check_goal(mission: Any, goal: Any, findings: Findings) -> None:
@@ -135,7 +145,7 @@ def _check_goal(mission: Any, goal: Any, findings: Findings) -> None:
             "GoalDependsOnOthers",
             "depends on itself; expected other goals; delete it from dependentGoals",
         )
-    check = _TASK_CHECKS.get(goal.task.eClass.name)
+    check = _TASK_CHECKS.get(base_class(goal.task.eClass).name)
     if check is not None:
         check(mission, goal, findings)
     for message in goal.messages:

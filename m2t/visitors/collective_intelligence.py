@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
+from m2t.metamodels import base_class
 from m2t.naming import constant, identifier, snake_case
 from m2t.visitors.base import ModelVisitor
 from m2t.visitors.topics import robot_views
@@ -76,7 +77,7 @@ class CollectiveIntelligenceVisitor(ModelVisitor):
 
     def visit_Goal(self, goal: Any) -> GoalView:
         """Return what the template needs to know about one goal."""
-        task = goal.task.eClass.name
+        task = base_class(goal.task.eClass).name
         return GoalView(
             name=identifier(goal.ID),
             constant=constant(goal.ID),

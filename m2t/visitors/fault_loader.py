@@ -4,15 +4,18 @@ from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
 
+from m2t.constraints.faults import fault_types
 from m2t.environment import Call, Expression, Table
-from m2t.visitors.base import ModelVisitor, features, lineage
+from m2t.metamodel_contract import BOUNDS, parameters
+from m2t.metamodels import base_class
+from m2t.visitors.base import ModelVisitor, features
 from m2t.visitors.mission_loader import functions
 from mrsfi_runtime.errors import ModelError
 
 if TYPE_CHECKING:
     from m2t.load import LoadedModels
 
-_BOUNDS = ("_MIN", "_MAX")
+_NUMBERS = ("EInt", "EDouble")
 
 
 class FaultLoaderVisitor(ModelVisitor):
@@ -51,7 +54,7 @@ class FaultLoaderVisitor(ModelVisitor):
             (
                 ("id", fault.ID),
                 ("name", fault.name),
-                ("type", fault_type.eClass.name),
+                ("type", base_class(fault_type.eClass).name),
                 ("target", self.visit(fault_type)),
                 *((("values", values),) if values else ()),
                 *((("bounds", bounds),) if bounds.entries else ()),
@@ -78,12 +81,7 @@ class FaultLoaderVisitor(ModelVisitor):
 
 def _fault_type(fault: Any) -> Any:
     """Return the one fault type that a fault contains."""
-    contained = [
-        value
-        for feature in features(fault)
-        if any(parent.name == "FaultType" for parent in _types(feature))
-        and (value := getattr(fault, feature.name)) is not None
-    ]
+    contained = fault_types(fault)
     if len(contained) != 1:
         raise ModelError(
             f"fault '{fault.ID}' contains {len(contained)} fault types; expected exactly one"
@@ -91,16 +89,15 @@ def _fault_type(fault: Any) -> Any:
     return contained[0]
 
 
-def _types(feature: Any) -> list[Any]:
-    return lineage(feature.eType) if getattr(feature, "containment", False) else []
-
-
 def _parameters(fault_type: Any) -> list[str]:
-    """Return the names of the parameters in the order of the metamodel."""
+    """Return the names of the parameters; a team's own type has its numbers as parameters."""
+    known = parameters(base_class(fault_type.eClass).name)
+    if known is not None:
+        return list(known)
     return [
         feature.name
         for feature in features(fault_type)
-        if not hasattr(feature, "containment") and not feature.name.endswith(_BOUNDS)
+        if feature.eType.name in _NUMBERS and not feature.many and not feature.name.endswith(BOUNDS)
     ]
 
 
@@ -111,7 +108,7 @@ def _values(fault_type: Any) -> tuple[Expression, ...]:
 def _bounds(fault_type: Any) -> Table:
     """Return the bounds that the model sets: parameter to (lowest, highest)."""
     pairs = {
-        name: tuple(_bound(fault_type, f"{name}{suffix}") for suffix in _BOUNDS)
+        name: tuple(_bound(fault_type, f"{name}{suffix}") for suffix in BOUNDS)
         for name in _parameters(fault_type)
     }
     return Table(tuple((name, pair) for name, pair in pairs.items() if pair != (None, None)))

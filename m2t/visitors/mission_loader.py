@@ -5,6 +5,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from m2t.environment import Call, Expression
+from m2t.metamodels import base_class
 from m2t.visitors.base import ModelVisitor
 
 _PROPERTY_FEATURES = ("stringProperties", "intProperties", "doubleProperties")
@@ -144,7 +145,7 @@ class MissionLoaderVisitor(ModelVisitor):
 
     def visit_GoalTask(self, task: Any) -> Call:
         """Return a task that has no features: its members and goal say everything."""
-        return Call(task.eClass.name)
+        return Call(base_class(task.eClass).name)
 
     def visit_AvoidCollision(self, task: Any) -> Call:
         """Return an AvoidCollision task."""

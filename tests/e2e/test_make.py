@@ -18,6 +18,7 @@ TARGETS = (
     "evolve",
     "report",
     "test",
+    "interop",
     "check",
     "docs",
     "clean",

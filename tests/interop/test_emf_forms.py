@@ -100,6 +100,38 @@ def test_a_split_mission_keeps_its_files_as_eclipse_keeps_them(tmp_path: Path, n
     _require_same(emf, saved(load_mission_folder(folder)), "(b) split mission", note)
 
 
+def test_addresses_of_a_workspace_are_read_and_written_as_eclipse_does(
+    tmp_path: Path, note: Note
+) -> None:
+    project, folder = tmp_path / "checkout", tmp_path / "checkout" / "models" / "uuv"
+    (project / "shared").mkdir(parents=True)
+    folder.mkdir(parents=True)
+    (project / ".project").write_text(
+        "<projectDescription><name>Survey</name></projectDescription>", encoding="ascii"
+    )
+    models = load_mission_folder(MODELS)
+    robot, goal = models.mission.robots[0], models.mission.goals[2]
+    places = {
+        models.mission: "models/uuv/mission.xmi",
+        robot: "shared/robot%201.xmi",
+        goal: "shared/goal.xmi",
+        models.faults: "models/uuv/faults.xmi",
+    }
+    hrefs = {root: f"platform:/resource/Survey/{place}" for root, place in places.items()}
+    for root, place in places.items():
+        others = {other: href for other, href in hrefs.items() if other is not root}
+        (project / place.replace("%20", " ")).write_bytes(dumps(root, hrefs=others))
+
+    emf = resave(sorted(project.rglob("*.xmi")), tmp_path / "out", projects={"Survey": project})
+
+    ours = saved(load_mission_folder(folder))
+    referring = [file.path.name for file in emf if b"platform:/resource/Survey" in file.original]
+    assert referring == ["faults.xmi", "mission.xmi", "goal.xmi"]
+    assert b"platform:" not in b"".join(ours.values())
+    assert b'href="../../shared/robot%201.xmi#r1"' in ours[folder / "mission.xmi"]
+    _require_same(emf, ours, "(b) addresses of a workspace", note)
+
+
 def _require_same(emf: list[Saved], ours: Mapping[Path, bytes], part: str, note: Note) -> None:
     different = [
         difference(file.path, file.content, ours.get(file.path, b""))

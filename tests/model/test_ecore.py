@@ -154,6 +154,9 @@ def test_metamodels_with_comments_load(tmp_path: Path) -> None:
         ),
         ("ecore:EReference", "ecore:EFeature", "EFeature", "has xsi:type 'ecore:EFeature'"),
         ('name="DEPTH"', 'name="GPS_POSITION"', 'value="2"', "has the name of line"),
+        ('name="servers"', 'name="eContents"', '"eContents"', "a name that every element uses"),
+        ('"robots" low', '"robots" ordered="false" low', '"robots"', "values would change places"),
+        ('name="center"', 'name="center" volatile="true"', '"center"', "do not keep its values"),
     ],
 )
 def test_broken_metamodel_is_refused_at_its_line(

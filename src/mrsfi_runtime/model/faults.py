@@ -35,8 +35,21 @@ class Fault:
 
     @property
     def kind(self) -> FaultType:
-        """The fault's type."""
-        return FAULT_TYPES[self.type]
+        """The fault's type.
+
+        Raises
+        ------
+        SpecificationError
+            If the runtime does not know it.
+        """
+        try:
+            return FAULT_TYPES[self.type]
+        except KeyError:
+            message = (
+                f"fault '{self.id}' is of type '{self.type}', of which the runtime knows no "
+                "effect; expected a type of mrsfi_runtime/model/fault_types.py; add it there"
+            )
+            raise SpecificationError(message) from None
 
 
 class TimedFault(NamedTuple):

@@ -5,11 +5,14 @@ import com.google.gson.JsonObject;
 import java.io.File;
 import java.io.IOException;
 import java.util.ArrayList;
+import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Map;
 import org.eclipse.emf.common.util.URI;
 import org.eclipse.emf.ecore.EObject;
 import org.eclipse.emf.ecore.EPackage;
 import org.eclipse.emf.ecore.InternalEObject;
+import org.eclipse.emf.ecore.plugin.EcorePlugin;
 import org.eclipse.emf.ecore.resource.Resource;
 import org.eclipse.emf.ecore.resource.ResourceSet;
 import org.eclipse.emf.ecore.resource.impl.ResourceSetImpl;
@@ -20,13 +23,20 @@ import org.eclipse.emf.ecore.xmi.impl.XMIResourceFactoryImpl;
 final class Models {
 
     private final List<EPackage> packages = new ArrayList<>();
+    private final Map<URI, URI> projects = new LinkedHashMap<>();
 
     /**
-     * Loads the metamodels of a request.
+     * Loads the metamodels of a request, and opens its projects as a workspace would.
      *
-     * @param request has the paths of .ecore files under "metamodels"
+     * @param request has the paths of .ecore files under "metamodels", and may have the folders of
+     *     projects by name under "projects"
      */
     Models(JsonObject request) {
+        if (request.has("projects")) {
+            request.getAsJsonObject("projects")
+                    .entrySet()
+                    .forEach(project -> open(project.getKey(), project.getValue().getAsString()));
+        }
         ResourceSet metamodels = resources();
         for (String path : paths(request, "metamodels")) {
             Resource resource = metamodels.getResource(uri(path), true);
@@ -48,7 +58,24 @@ final class Models {
 
     /** Loads a file by itself; what it refers to is loaded once somebody asks for it. */
     Resource load(String path) {
-        return resources().getResource(uri(path), true);
+        return resources().getResource(inWorkspace(uri(path)), true);
+    }
+
+    private void open(String name, String path) {
+        URI folder = URI.createURI(uri(path) + "/");
+        EcorePlugin.getPlatformResourceMap().put(name, folder);
+        projects.put(folder, URI.createPlatformResourceURI(name + "/", true));
+    }
+
+    /** Returns the address by which a workspace knows a file of an open project. */
+    private URI inWorkspace(URI file) {
+        for (var project : projects.entrySet()) {
+            URI found = file.replacePrefix(project.getKey(), project.getValue());
+            if (found != null) {
+                return found;
+            }
+        }
+        return file;
     }
 
     /** Returns the metamodels in the order of the request. */

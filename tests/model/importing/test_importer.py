@@ -1,7 +1,6 @@
 """Models published for the paper's prototype become mission folders, with every figure."""
 
-import random
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,32 +11,9 @@ from m2t.importing.importer import Imported, import_published
 from m2t.load import LoadedModels, load_mission_folder, load_specification
 from m2t.metamodels import features, is_contained, is_reference
 from m2t.validate import validate_folder
-from mrsfi_runtime.errors import ModelError, UsageError
 from support_generation import ALL_TASKS, write_mission
-from support_model import MODELS, edit, line_of
+from support_model import MODELS, edit
 from support_published import published, xmi_id
-
-
-@pytest.fixture(scope="module")
-def paper() -> LoadedModels:
-    return load_mission_folder(MODELS)
-
-
-@pytest.fixture(scope="module")
-def text(paper: LoadedModels) -> str:
-    return published(paper)
-
-
-@pytest.fixture
-def file(text: str, tmp_path: Path) -> Path:
-    path = tmp_path / "published.xmi"
-    path.write_text(text, encoding="ascii")
-    return path
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    return tmp_path / "models" / "imported"
 
 
 def figures(root: Any, place: str = "") -> Iterator[tuple[str, Any]]:
@@ -243,61 +219,6 @@ def test_what_is_not_known_is_dropped_and_listed(
     assert (folder / "mission.xmi").read_bytes() == (MODELS / "mission.xmi").read_bytes()
 
 
-ERRORS = [
-    ('sensor="', 'sensor="_nowhere', "ResolvedReference"),
-    ('sensor="{s4}"', 'sensor="{r2}"', "ReferenceType"),
-    ('sensor="{s4}"', 'sensor="{s4} {s2}"', "SingleValue"),
-    ('sensor="{s4}"', 'sensor="{s2}"', "SensorOfMember"),
-    ('sensor="{s4}"', "", "RequiredFeature"),
-    ("<avoidCollision ", '<sufficientEnergy xmi:id="_e"/><avoidCollision ', "SingleValue"),
-    ("<position ", '<position xmi:id="_p"/><position ', "SingleValue"),
-    ("<stopRobot ", "<stopEverything ", "ExactlyOneFaultType"),
-    ("<stopRobot ", '<startRobot affectedRobot="{r1}"/><stopRobot ', "ExactlyOneFaultType"),
-    ('xmi:id="{r2}"', 'xmi:id="{r1}"', "UniqueId"),
-    ('duration="1000.0"', 'duration="1000.5"', "NumberSyntax"),
-    ('duration="1000.0"', 'duration="soon"', "NumberSyntax"),
-    ('speed="5.0"', 'speed="-5.0"', "SpeedNotNegative"),
-    ('samplesPerSecond="5"', "", "SamplesPerSecondPositive"),
-    ('type="PRESSURE"', 'type="TASTE"', "EnumLiteral"),
-    ('radius="4.0"', "", "RadiusPositive"),
-    ("<mission ", "<mission><robots/></mission><mission ", "SingleValue"),
-    ("acs_project_setup", "acs_project_other", "RootElement"),
-    ("<setup:Setup", "<!DOCTYPE x [<!ENTITY e 'e'>]><setup:Setup", "NoDocumentType"),
-    ("</setup:Setup>", "", "WellFormedXml"),
-]
-
-
-@pytest.mark.parametrize(("old", "new", "constraint"), ERRORS)
-def test_what_cannot_be_a_model_is_refused_and_nothing_written(
-    old: str, new: str, constraint: str, file: Path, folder: Path, paper: LoadedModels
-) -> None:
-    elements = [*paper.mission.robots, *(s for r in paper.mission.robots for s in r.sensors)]
-    ids = {element.ID: xmi_id(element) for element in elements}
-    place = old.format(**ids)
-    edit(file, place, new.format(**ids))
-
-    with pytest.raises(ModelError) as caught:
-        import_published(file, folder)
-
-    lines = str(caught.value).splitlines()
-    assert any(f"[{constraint}]" in line for line in lines)
-    assert all(line.startswith(f"{file}:") for line in lines)
-    assert list(file.parent.iterdir()) == [file]
-
-
-def test_an_error_of_the_result_names_the_line_of_the_published_file(
-    file: Path, folder: Path
-) -> None:
-    edit(file, 'ID="o5"', 'ID="o5" colour="grey"')
-    edit(file, 'radius="30.0"', 'radius="-30.0"')
-
-    with pytest.raises(ModelError) as caught:
-        import_published(file, folder)
-
-    line = line_of(file, 'radius="-30.0"')
-    assert str(caught.value).startswith(f"{file}:{line}: area 'a11' has radius '-30.0'")
-
-
 @pytest.mark.parametrize(
     "root",
     ['p:Setup xmlns:p="acs_project_setup"', 'Setup xmlns="acs_project_setup"'],
@@ -368,108 +289,3 @@ def test_without_collision_or_energy_goal_there_is_no_case_b(file: Path, folder:
     imported = import_published(file, folder)
 
     assert imported.files == ("mission.xmi", "faults.xmi", "case_a.toml")
-
-
-def test_an_existing_folder_is_refused(file: Path, folder: Path) -> None:
-    import_published(file, folder)
-    edit(folder / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
-    before = (folder / "mission.xmi").read_bytes()
-
-    with pytest.raises(UsageError, match="--force"):
-        import_published(file, folder)
-
-    assert (folder / "mission.xmi").read_bytes() == before
-
-
-def test_force_replaces_the_models_and_keeps_all_else(file: Path, folder: Path) -> None:
-    import_published(file, folder)
-    edit(folder / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
-    edit(folder / "case_a.toml", "seed = 1", "seed = 7")
-    (folder / "notes.md").write_text("mine")
-
-    imported = import_published(file, folder, is_forced=True)
-
-    assert difference(MODELS, folder) == ()
-    assert "seed = 7" in (folder / "case_a.toml").read_text()
-    assert (folder / "notes.md").read_text() == "mine"
-    assert imported.files == ("mission.xmi", "faults.xmi")
-    assert [path.name for path in folder.parent.iterdir()] == [folder.name]
-
-
-def test_force_with_a_broken_file_leaves_the_folder_as_it_was(file: Path, folder: Path) -> None:
-    import_published(file, folder)
-    before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    edit(file, 'speed="5.0"', 'speed="-5.0"')
-
-    with pytest.raises(ModelError):
-        import_published(file, folder, is_forced=True)
-
-    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
-    assert [path.name for path in folder.parent.iterdir()] == [folder.name]
-
-
-def test_force_never_touches_a_folder_that_is_no_mission(file: Path, tmp_path: Path) -> None:
-    place = tmp_path / "home"
-    place.mkdir()
-    (place / "letter.txt").write_text("dear")
-
-    with pytest.raises(UsageError, match=r"holds no mission\.xmi"):
-        import_published(file, place, is_forced=True)
-
-    assert [path.name for path in place.iterdir()] == ["letter.txt"]
-
-
-def _cut(text: str, draw: random.Random) -> str:
-    start = draw.randrange(len(text))
-    return text[:start] + text[start + draw.randrange(1, 200) :]
-
-
-def _double_a_line(text: str, draw: random.Random) -> str:
-    lines = text.splitlines(keepends=True)
-    at = draw.randrange(len(lines))
-    return "".join([*lines[:at], lines[at], *lines[at:]])
-
-
-def _lose_a_line(text: str, draw: random.Random) -> str:
-    lines = text.splitlines(keepends=True)
-    del lines[draw.randrange(len(lines))]
-    return "".join(lines)
-
-
-def _exchange_values(text: str, draw: random.Random) -> str:
-    pieces = text.split('"')
-    one, two = (draw.randrange(1, len(pieces), 2) for _ in range(2))
-    pieces[one], pieces[two] = pieces[two], pieces[one]
-    return '"'.join(pieces)
-
-
-def _exchange_tags(text: str, draw: random.Random) -> str:
-    tags = ("robots", "area", "goals", "center", "task", "sensors", "faults", "goalArea", "members")
-    one, two = draw.sample(tags, 2)
-    return text.replace(f"<{one} ", f"<{two} ").replace(f"</{one}>", f"</{two}>")
-
-
-@pytest.mark.parametrize(
-    "damage", [_cut, _double_a_line, _lose_a_line, _exchange_values, _exchange_tags]
-)
-def test_a_damaged_file_imports_as_a_valid_mission_or_is_refused(
-    damage: Callable[[str, random.Random], str], text: str, file: Path, folder: Path
-) -> None:
-    draw = random.Random(7)
-    for number in range(12):
-        file.write_text(damage(text, draw), encoding="ascii")
-        place = folder.with_name(f"imported_{number}")
-        refusal = _refusal(file, place)
-        if refusal is None:
-            load_mission_folder(place)
-        else:
-            assert refusal.startswith(f"{file}:")
-            assert not place.exists()
-
-
-def _refusal(file: Path, folder: Path) -> str | None:
-    try:
-        import_published(file, folder)
-    except ModelError as refused:
-        return str(refused)
-    return None
