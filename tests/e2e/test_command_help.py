@@ -6,7 +6,17 @@ import pytest
 
 from support_cli import mrsfi
 
-COMMANDS = ("validate", "generate", "simulate", "evolve", "replay", "report", "import", "diff")
+COMMANDS = (
+    "validate",
+    "generate",
+    "simulate",
+    "evolve",
+    "replay",
+    "report",
+    "bridge",
+    "import",
+    "diff",
+)
 
 _LIGHT_START = """
 import sys

@@ -29,6 +29,6 @@ def pytest_terminal_summary(
     if not lines and missing():
         lines = [f"nothing was compared: {missing()}"]
     if lines:
-        terminalreporter.section("Eclipse EMF and Epsilon")
+        terminalreporter.section("Compared with the real thing")
         for line in lines:
             terminalreporter.write_line(line)

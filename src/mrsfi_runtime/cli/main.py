@@ -25,6 +25,7 @@ _COMMANDS = MappingProxyType(
         "evolve": "Search the most critical fault specifications.",
         "replay": "Fly evaluations of a campaign again and compare.",
         "report": "Write figures, tables and summary of a campaign anew.",
+        "bridge": "Run a rosbridge server for simulators and collective intelligences.",
         "import": "Make a mission folder from a model of the paper's prototype.",
         "diff": "Print the difference of two models in the words of the model.",
     }
@@ -52,6 +53,7 @@ In this order:
 
 \b
 Beside it:
+  mrsfi bridge                           a rosbridge server that needs no ROS
   mrsfi import published.xmi             a model of the paper's prototype as a mission
   mrsfi diff old.xmi uuv_sampling        what changed in a model?
 

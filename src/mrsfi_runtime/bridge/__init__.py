@@ -1,0 +1,1 @@
+"""The embedded rosbridge server: protocol, topics, services, rosapi, sockets."""

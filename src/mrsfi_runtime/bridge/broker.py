@@ -1,0 +1,198 @@
+"""Topics: who publishes, who subscribes, and what is delivered. Knows no sockets."""
+
+from collections.abc import Callable, Hashable
+from typing import Any, TypeAlias
+
+from mrsfi_runtime.bridge.encodings import PLAIN, Outgoing
+from mrsfi_runtime.bridge.names import check_name
+from mrsfi_runtime.bridge.structures import Structure
+from mrsfi_runtime.bridge.type_table import TypeTable
+from mrsfi_runtime.errors import ProtocolError
+
+Receive: TypeAlias = Callable[[Outgoing], None]
+"""Takes a message for a subscriber."""
+
+
+class Publication:
+    """What a client publishes on a topic: whether its last message is kept, and which it is."""
+
+    __slots__ = ("is_latched", "last", "n_bytes")
+
+    def __init__(self, *, is_latched: bool) -> None:
+        self.is_latched = is_latched
+        self.last: Outgoing | None = None
+        self.n_bytes = 0
+
+
+class Topic:
+    """A topic in use."""
+
+    __slots__ = ("name", "publishers", "structure", "subscribers")
+
+    def __init__(self, name: str, structure: Structure) -> None:
+        self.name = name
+        self.structure = structure
+        self.publishers: dict[Hashable, Publication] = {}
+        self.subscribers: dict[Hashable, Receive] = {}
+
+
+class Broker:
+    """Delivers messages from publishers to subscribers, in order, before it returns.
+
+    Clients are told apart by any hashable object. A topic lives while somebody publishes or
+    subscribes.
+
+    Parameters
+    ----------
+    types
+        Types that topics may have.
+    max_topics
+        Topics at a time.
+    max_latched_bytes
+        What the last messages of latched topics may take together.
+    """
+
+    def __init__(self, types: TypeTable, max_topics: int, max_latched_bytes: int) -> None:
+        self._types = types
+        self._max_topics = max_topics
+        self._max_latched_bytes = max_latched_bytes
+        self._n_latched_bytes = 0
+        self._topics: dict[str, Topic] = {}
+        self._used: dict[Hashable, set[Topic]] = {}
+
+    @property
+    def topics(self) -> dict[str, Topic]:
+        """Topics in use, by name, in the order in which they came."""
+        return self._topics
+
+    def advertise(
+        self, client: Hashable, name: str, type_name: str, *, is_latched: bool = False
+    ) -> None:
+        """Let a client publish on a topic.
+
+        Raises
+        ------
+        ProtocolError
+            If the type is unknown or conflicts, or there are too many topics.
+        """
+        topic = self._topic(name, type_name)
+        self._use(client, topic)
+        publication = topic.publishers.setdefault(client, Publication(is_latched=is_latched))
+        publication.is_latched = is_latched
+
+    def unadvertise(self, client: Hashable, name: str) -> None:
+        """End the publications of a client on a topic, and forget what they latched."""
+        topic = self._topics.get(name)
+        if topic is not None and self._stop_publishing(client, topic):
+            self._release(client, topic)
+
+    def publish(self, client: Hashable, name: str, message: Any) -> None:
+        """Deliver a message to all subscribers of a topic.
+
+        Raises
+        ------
+        ProtocolError
+            If the client does not advertise the topic, the message does not fit its type, or
+            latched messages take too much.
+        """
+        topic = self._topics.get(name)
+        publication = None if topic is None else topic.publishers.get(client)
+        if topic is None or publication is None:
+            raise ProtocolError(
+                f"topic '{name}' is not advertised; advertise it before you publish"
+            )
+        outgoing = Outgoing(topic.structure, topic.structure.convert(message))
+        if publication.is_latched:
+            self._latch(topic, publication, outgoing)
+        for receive in tuple(topic.subscribers.values()):
+            receive(outgoing)
+
+    def subscribe(
+        self, client: Hashable, name: str, type_name: str | None, receive: Receive
+    ) -> None:
+        """Have a client receive what is published on a topic, and at once what is latched.
+
+        A client that subscribes again gets what is latched only once.
+
+        Raises
+        ------
+        ProtocolError
+            If the type is unknown or conflicts, or there are too many topics.
+        """
+        topic = self._topic(name, type_name)
+        self._use(client, topic)
+        is_known = client in topic.subscribers
+        topic.subscribers[client] = receive
+        latched = [publication.last for publication in topic.publishers.values()]
+        for outgoing in latched:
+            if outgoing is not None and not is_known:
+                receive(outgoing)
+
+    def unsubscribe(self, client: Hashable, name: str) -> None:
+        """End the subscription of a client to a topic."""
+        topic = self._topics.get(name)
+        if topic is not None and topic.subscribers.pop(client, None) is not None:
+            self._release(client, topic)
+
+    def leave(self, client: Hashable) -> None:
+        """End everything that a client does on topics."""
+        for topic in tuple(self._used.get(client, ())):
+            self._stop_publishing(client, topic)
+            topic.subscribers.pop(client, None)
+            self._release(client, topic)
+
+    def topics_of(self, type_name: str) -> list[str]:
+        """Return the names of the topics of a type."""
+        topics = self._topics.values()
+        return [topic.name for topic in topics if topic.structure.name == type_name]
+
+    def _latch(self, topic: Topic, publication: Publication, outgoing: Outgoing) -> None:
+        """Keep a message for those who subscribe later."""
+        n_bytes = len(outgoing.frames(topic.name, PLAIN))
+        n_all_bytes = self._n_latched_bytes + n_bytes - publication.n_bytes
+        if n_all_bytes > self._max_latched_bytes:
+            limit = self._max_latched_bytes
+            raise ProtocolError(f"topic '{topic.name}': latched messages take {limit} bytes")
+        self._n_latched_bytes = n_all_bytes
+        publication.last, publication.n_bytes = outgoing, n_bytes
+
+    def _stop_publishing(self, client: Hashable, topic: Topic) -> bool:
+        publication = topic.publishers.pop(client, None)
+        if publication is None:
+            return False
+        self._n_latched_bytes -= publication.n_bytes
+        return True
+
+    def _topic(self, name: str, type_name: str | None) -> Topic:
+        """Return the topic of a name, after checks that its type agrees."""
+        topic = self._topics.get(name)
+        if topic is None:
+            return self._new(name, type_name)
+        if type_name is not None:
+            wanted = self._types.message(type_name).name
+            if wanted != topic.structure.name:
+                raise ProtocolError(f"topic '{name}' carries {topic.structure.name}, not {wanted}")
+        return topic
+
+    def _new(self, name: str, type_name: str | None) -> Topic:
+        check_name(name, "topic")
+        if type_name is None:
+            raise ProtocolError(f"topic '{name}' has no type yet; name one")
+        if len(self._topics) >= self._max_topics:
+            raise ProtocolError(f"topic '{name}': there are {self._max_topics} topics, the limit")
+        return Topic(name, self._types.message(type_name))
+
+    def _use(self, client: Hashable, topic: Topic) -> None:
+        self._topics[topic.name] = topic
+        self._used.setdefault(client, set()).add(topic)
+
+    def _release(self, client: Hashable, topic: Topic) -> None:
+        """Forget what nobody uses any more."""
+        if client in topic.publishers or client in topic.subscribers:
+            return
+        used = self._used[client]
+        used.discard(topic)
+        if not used:
+            del self._used[client]
+        if not topic.publishers and not topic.subscribers:
+            self._topics.pop(topic.name, None)

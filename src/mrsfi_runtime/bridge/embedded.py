@@ -1,0 +1,260 @@
+"""The server in a thread of this process, and clients of it that need no socket."""
+
+import asyncio
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from types import TracebackType
+from typing import Any, Self
+
+from mrsfi_runtime.bridge.encodings import Outgoing
+from mrsfi_runtime.bridge.server import BridgeServer
+from mrsfi_runtime.bridge.session import Hub
+from mrsfi_runtime.bridge.settings import Settings
+from mrsfi_runtime.errors import TransportClosed
+
+_JOIN_S = 10.0
+
+
+class Failure:
+    """The first error that arose in the server's thread: ``error``, once ``event`` is set."""
+
+    def __init__(self) -> None:
+        self.event = threading.Event()
+        self.error: BaseException | None = None
+
+    def is_set(self) -> bool:
+        """Return whether there is an error."""
+        return self.event.is_set()
+
+    def wait(self, timeout_s: float | None = None) -> bool:
+        """Wait for an error; return whether there is one."""
+        return self.event.wait(timeout_s)
+
+    def note(self, error: BaseException) -> None:
+        """Keep an error, unless there was one before."""
+        if self.error is None:
+            self.error = error
+        self.event.set()
+
+
+class LocalClient:
+    """A client of the server in its own process; used in the server's thread only.
+
+    What its callbacks raise is kept in ``EmbeddedBridge.failed``.
+
+    Parameters
+    ----------
+    hub
+        What all clients share.
+    failed
+        Where errors of callbacks go.
+    """
+
+    def __init__(self, hub: Hub, failed: Failure) -> None:
+        self._hub = hub
+        self._failed = failed
+        self._callbacks: dict[str, list[Callable[[dict[str, Any]], None]]] = {}
+
+    def advertise(self, topic: str, type_name: str) -> None:
+        """Prepare to publish on a topic.
+
+        Raises
+        ------
+        ProtocolError
+            If the type is unknown or conflicts.
+        """
+        self._hub.broker.advertise(self, topic, type_name)
+
+    def publish(self, topic: str, message: dict[str, Any]) -> None:
+        """Deliver a message to all subscribers.
+
+        Raises
+        ------
+        ProtocolError
+            If the topic was not advertised or the message does not fit its type.
+        """
+        self._hub.broker.publish(self, topic, message)
+
+    def subscribe(
+        self, topic: str, type_name: str, callback: Callable[[dict[str, Any]], None]
+    ) -> None:
+        """Have a callback receive every message of a topic; it may not change them.
+
+        Raises
+        ------
+        ProtocolError
+            If the type is unknown or conflicts.
+        """
+        callbacks = self._callbacks.setdefault(topic, [])
+        callbacks.append(callback)
+
+        def receive(outgoing: Outgoing) -> None:
+            for each in callbacks:
+                try:
+                    each(outgoing.message)
+                except Exception as error:  # noqa: BLE001 - kept for the one who waits for it
+                    self._failed.note(error)
+
+        self._hub.broker.subscribe(self, topic, type_name, receive)
+
+    def advertise_service(
+        self, name: str, type_name: str, handler: Callable[[dict[str, Any]], dict[str, Any]]
+    ) -> None:
+        """Have a function answer the calls of a service.
+
+        Raises
+        ------
+        ProtocolError
+            If the type is unknown.
+        """
+
+        def ask(call_id: str, request: dict[str, Any]) -> None:
+            try:
+                self._hub.services.respond(self, call_id, handler(request))
+            except Exception as error:  # noqa: BLE001 - kept for the one who waits for it
+                self._failed.note(error)
+                self._hub.services.drop(call_id, f"its provider failed: {error}")
+
+        self._hub.services.advertise(self, name, type_name, ask)
+
+    def call(
+        self, service: str, request: dict[str, Any], reply: Callable[[bool, Any], None]
+    ) -> None:
+        """Call a service; ``reply`` gets success and the response, or failure and the reason."""
+        self._hub.services.call(self, service, request, reply)
+
+    def close(self) -> None:
+        """End everything that the client does."""
+        self._callbacks.clear()
+        self._hub.broker.leave(self)
+        self._hub.services.leave(self)
+
+
+class EmbeddedBridge:
+    """A rosbridge server in a thread of its own.
+
+    Parameters
+    ----------
+    settings
+        Address, access, limits; by default any free port of this machine.
+
+    Attributes
+    ----------
+    url
+        Where clients connect, once started.
+    failed
+        The first error that arose in the server's thread.
+    """
+
+    def __init__(self, settings: Settings | None = None) -> None:
+        self._settings = settings or Settings()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._server: BridgeServer | None = None
+        self._stop: asyncio.Event | None = None
+        self._ready = threading.Event()
+        self._refusal: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="mrsfi-bridge", daemon=True)
+        self.url = ""
+        self.failed = Failure()
+
+    def start(self) -> None:
+        """Start the thread; return once the server listens.
+
+        Raises
+        ------
+        TransportError
+            If the address cannot be bound.
+        UsageError
+            If the settings would open the server to strangers.
+        """
+        self._thread.start()
+        self._ready.wait()
+        if self._refusal is not None:
+            self._thread.join()
+            raise self._refusal
+
+    def local_client(self) -> LocalClient:
+        """Return a client that needs no socket.
+
+        Raises
+        ------
+        TransportClosed
+            If the server does not run.
+        """
+        if self._server is None:
+            raise TransportClosed("the embedded server does not run; start it first")
+        return LocalClient(self._server.hub, self.failed)
+
+    def call_soon(self, function: Callable[[], None]) -> None:
+        """Call a function in the server's thread; what it raises is kept in ``failed``.
+
+        Raises
+        ------
+        TransportClosed
+            If the server does not run.
+        """
+        if self._loop is None:
+            raise TransportClosed("the embedded server does not run")
+        try:
+            self._loop.call_soon_threadsafe(self._call, function)
+        except RuntimeError as error:
+            raise TransportClosed(f"the embedded server ended: {self.failed.error}") from error
+
+    def close(self) -> None:
+        """End the server and its thread; a second time does nothing."""
+        loop, stop = self._loop, self._stop
+        if loop is not None and stop is not None:
+            self._loop = None
+            with suppress(RuntimeError):  # it ended by itself
+                loop.call_soon_threadsafe(stop.set)
+            self._thread.join(_JOIN_S)
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._serve())
+        except BaseException as error:  # noqa: BLE001 - raised in the thread that waits
+            self.failed.note(error)
+            if not self._ready.is_set():
+                self._refusal = error
+                self._ready.set()
+
+    async def _serve(self) -> None:
+        loop = asyncio.get_running_loop()
+        loop.set_exception_handler(self._note)
+        server = BridgeServer(self._settings)
+        await server.start()
+        self._stop = asyncio.Event()
+        self._server, self._loop, self.url = server, loop, server.url
+        self._ready.set()
+        try:
+            await self._stop.wait()
+        finally:
+            self._server = None
+            await server.close()
+
+    def _call(self, function: Callable[[], None]) -> None:
+        try:
+            function()
+        except Exception as error:  # noqa: BLE001 - kept for the one who waits for it
+            self.failed.note(error)
+        if self._server is not None:
+            self._server.flush()
+
+    def _note(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """Keep what asyncio could not raise anywhere."""
+        loop.default_exception_handler(context)
+        error = context.get("exception")
+        self.failed.note(error or RuntimeError(str(context.get("message"))))

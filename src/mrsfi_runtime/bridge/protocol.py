@@ -1,0 +1,204 @@
+"""From texts to operations: JSON, the fields of every operation, fragments.
+
+References
+----------
+https://github.com/RobotWebTools/rosbridge_suite/blob/ros1/ROSBRIDGE_PROTOCOL.md
+"""
+
+import json
+from collections.abc import Callable, Iterator
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeAlias
+
+from mrsfi_runtime.errors import ProtocolError
+
+Operation: TypeAlias = dict[str, Any]
+
+_MAX_SHOWN = 100
+_LONGEST_ID = 256
+_MAX_FRAGMENTS = 100_000
+_FRAGMENT_BYTES = 64
+"""What a fragment takes beside its letters."""
+
+_MAX_UNFINISHED = 16
+_DECODER = json.JSONDecoder()
+
+
+class _Field(NamedTuple):
+    """A field of an operation."""
+
+    kinds: tuple[type, ...]
+    is_required: bool = False
+
+
+_TEXT = _Field((str,))
+_NAME = _Field((str,), is_required=True)
+_NUMBER = _Field((int, float))
+_COUNT = _Field((int,))
+_SOME = _Field((int, type(None)))
+_ID = _Field((str, int, type(None)))
+
+_FIELDS = MappingProxyType(
+    {
+        "advertise": {"topic": _NAME, "type": _NAME, "latch": _Field((bool,)), "id": _ID},
+        "unadvertise": {"topic": _NAME, "id": _ID},
+        "publish": {"topic": _NAME, "msg": _Field((dict,)), "latch": _Field((bool,)), "id": _ID},
+        "subscribe": {
+            "topic": _NAME,
+            "type": _Field((str, type(None))),
+            "throttle_rate": _NUMBER,
+            "queue_length": _COUNT,
+            "fragment_size": _SOME,
+            "compression": _TEXT,
+            "id": _ID,
+        },
+        "unsubscribe": {"topic": _NAME, "id": _ID},
+        "call_service": {
+            "service": _NAME,
+            "args": _Field((dict, list, type(None))),
+            "timeout": _Field((int, float, type(None))),
+            "fragment_size": _SOME,
+            "compression": _TEXT,
+            "id": _ID,
+        },
+        "service_response": {
+            "service": _NAME,
+            "id": _Field((str, int), is_required=True),
+            "result": _Field((bool, type(None))),
+        },
+        "advertise_service": {"service": _NAME, "type": _NAME, "id": _ID},
+        "unadvertise_service": {"service": _NAME, "id": _ID},
+        "set_level": {"level": _NAME, "id": _ID},
+        "fragment": {
+            "id": _Field((str, int), is_required=True),
+            "data": _NAME,
+            "num": _Field((int,), is_required=True),
+            "total": _Field((int,), is_required=True),
+        },
+    }
+)
+"""Fields that an operation may have; others are ignored, as the genuine server does."""
+
+
+def operations(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
+    """Yield the JSON values of a text, which may hold several of them.
+
+    Parameters
+    ----------
+    text
+        Content of a frame.
+    refuse
+        Told once if a part of the text is no JSON.
+    """
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError):
+        yield from _several(text, refuse)
+    else:
+        yield value
+
+
+def _several(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
+    """Yield the values that follow each other in a text."""
+    position = 0
+    while position < len(text):
+        try:
+            value, position = _DECODER.raw_decode(text, position)
+        except (ValueError, RecursionError) as error:
+            reason = str(error) if isinstance(error, ValueError) else "nested too deeply"
+            refuse(f"bad JSON at letter {position + 1} of {len(text)}: {reason:.{_MAX_SHOWN}}")
+            return
+        yield value
+        while position < len(text) and text[position] in " \t\r\n":
+            position += 1
+
+
+def check_operation(value: Any) -> Operation:
+    """Return an operation whose fields are of the right kind.
+
+    Raises
+    ------
+    ProtocolError
+        If the value is no operation, or a field is missing or wrong.
+    """
+    if not isinstance(value, dict):
+        raise ProtocolError(f"found {value!r:.{_MAX_SHOWN}}, expected an object with 'op'")
+    op = value.get("op")
+    fields = _FIELDS.get(op) if isinstance(op, str) else None
+    if fields is None:
+        known = ", ".join(_FIELDS)
+        raise ProtocolError(f"unknown op {op!r:.{_MAX_SHOWN}}, expected one of {known}")
+    for name, field in fields.items():
+        if name not in value:
+            if field.is_required:
+                raise ProtocolError(f"{op}: field '{name}' is missing")
+        elif type(value[name]) not in field.kinds:
+            kinds = " or ".join(kind.__name__ for kind in field.kinds)
+            raise ProtocolError(
+                f"{op}: '{name}' is {value[name]!r:.{_MAX_SHOWN}}, expected {kinds}"
+            )
+    if len(str(value.get("id", ""))) > _LONGEST_ID:
+        raise ProtocolError(f"{op}: 'id' is longer than {_LONGEST_ID} letters")
+    return value
+
+
+class Fragments:
+    """Puts messages together that arrive in fragments.
+
+    Parameters
+    ----------
+    max_bytes
+        What unfinished messages may take together.
+    """
+
+    def __init__(self, max_bytes: int) -> None:
+        self._max_bytes = max_bytes
+        self._parts: dict[str | int, dict[int, str]] = {}
+        self._totals: dict[str | int, int] = {}
+        self.n_bytes = 0
+
+    def add(self, fragment: Operation) -> str | None:
+        """Take a fragment; return the message that it completes.
+
+        Raises
+        ------
+        ProtocolError
+            If the fragment makes no sense, or unfinished messages take too much; those of its
+            message are forgotten then.
+        """
+        fragment_id, number, total = fragment["id"], fragment["num"], fragment["total"]
+        try:
+            self._check(fragment_id, number, total, _size(fragment["data"]))
+        except ProtocolError:
+            self._forget(fragment_id)
+            raise
+        parts = self._parts.setdefault(fragment_id, {})
+        self._totals[fragment_id] = total
+        self.n_bytes -= _size(parts.pop(number, None))
+        parts[number] = fragment["data"]
+        self.n_bytes += _size(fragment["data"])
+        if len(parts) < total:
+            return None
+        return "".join(part for _, part in sorted(self._forget(fragment_id).items()))
+
+    def _check(self, fragment_id: str | int, number: int, total: int, size: int) -> None:
+        if not 0 <= number < total <= _MAX_FRAGMENTS:
+            raise ProtocolError(f"fragment {number} of {total}, of at most {_MAX_FRAGMENTS}")
+        if self._totals.get(fragment_id, total) != total:
+            raise ProtocolError(f"fragments disagree: {total} and {self._totals[fragment_id]}")
+        if fragment_id not in self._parts and len(self._parts) >= _MAX_UNFINISHED:
+            raise ProtocolError(
+                f"{_MAX_UNFINISHED} messages in fragments are unfinished, the limit"
+            )
+        if self.n_bytes + size > self._max_bytes:
+            raise ProtocolError(f"unfinished messages take over {self._max_bytes} bytes, the limit")
+
+    def _forget(self, fragment_id: str | int) -> dict[int, str]:
+        parts = self._parts.pop(fragment_id, {})
+        self._totals.pop(fragment_id, None)
+        self.n_bytes -= sum(map(_size, parts.values()))
+        return parts
+
+
+def _size(part: str | None) -> int:
+    return 0 if part is None else len(part) + _FRAGMENT_BYTES

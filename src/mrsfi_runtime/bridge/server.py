@@ -1,0 +1,168 @@
+"""The server: listens, keeps its clients within their limits, and shares out what they send."""
+
+import asyncio
+import socket
+from functools import partial
+
+from websockets.frames import CloseCode
+
+from mrsfi_runtime.bridge.broker import Broker
+from mrsfi_runtime.bridge.connection import Connection
+from mrsfi_runtime.bridge.rosapi import provide_rosapi
+from mrsfi_runtime.bridge.services import Services
+from mrsfi_runtime.bridge.session import LOGGER, Counts, Hub
+from mrsfi_runtime.bridge.settings import Settings
+from mrsfi_runtime.bridge.uses import Budget
+from mrsfi_runtime.errors import TransportError
+
+_BACKLOG = 512
+_CHECKS_S = 0.25
+_SHAKING = 256
+"""Sockets beside those of clients: shaking hands, refused, or closing."""
+
+
+class BridgeServer:
+    """A rosbridge server in the asyncio loop that runs when it is made.
+
+    Parameters
+    ----------
+    settings
+        Address, access, limits.
+
+    Raises
+    ------
+    UsageError
+        If the settings would open the server to strangers.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        settings.check()
+        self.settings = settings
+        self._loop = asyncio.get_running_loop()
+        self.hub = _hub(settings, self._loop)
+        self.url = ""
+        self._server: asyncio.Server | None = None
+        self._connections: set[Connection] = set()
+        self._dirty: dict[Connection, None] = {}
+        self._held: dict[Connection, int] = {}
+        self._n_held = 0
+        self._is_flush_due = False
+        self._checks: asyncio.TimerHandle | None = None
+
+    @property
+    def counts(self) -> Counts:
+        """What the server did since it started."""
+        return self.hub.counts
+
+    @property
+    def n_held_bytes(self) -> int:
+        """Bytes that wait for and from clients, but for less than 64 KiB of each."""
+        return self._n_held
+
+    async def start(self) -> None:
+        """Listen.
+
+        Raises
+        ------
+        TransportError
+            If the address cannot be bound.
+        """
+        host, port = self.settings.host, self.settings.port
+        try:
+            self._server = await self._loop.create_server(
+                partial(Connection, self), host, port, backlog=_BACKLOG
+            )
+        except OSError as error:
+            message = f"{host}:{port}: cannot listen: {error.strerror}; choose another port"
+            raise TransportError(message) from error
+        bound = self._server.sockets[0].getsockname()
+        name = (
+            f"[{host}]"
+            if self._server.sockets[0].family is socket.AF_INET6 and ":" in host
+            else host
+        )
+        self.url = f"ws://{name}:{bound[1]}"
+        self._checks = self._loop.call_later(_CHECKS_S, self._check)
+        LOGGER.info("listening on %s", self.url)
+
+    async def close(self) -> None:
+        """Take leave of all clients, and cut off those that take too long."""
+        if self._server is None:
+            return
+        self._server.close()
+        if self._checks is not None:
+            self._checks.cancel()
+        for connection in tuple(self._connections):
+            connection.close(CloseCode.GOING_AWAY, "the server ends")
+        self.flush()
+        end = self._loop.time() + 1.0
+        while self._connections and self._loop.time() < end:
+            await asyncio.sleep(0.01)
+        for connection in tuple(self._connections):
+            connection.abort("did not close")
+        await asyncio.sleep(0)
+        self._server = None
+
+    # What connections call.
+
+    def enter(self, connection: Connection) -> bool:
+        """Take a new socket in; return whether there is room for it to shake hands."""
+        if len(self._connections) >= self.settings.limits.clients + _SHAKING:
+            return False
+        self._connections.add(connection)
+        return True
+
+    def admits_client(self) -> bool:
+        """Return whether there is room for another client."""
+        n_clients = sum(connection.is_client for connection in self._connections)
+        return n_clients < self.settings.limits.clients
+
+    def dirty(self, connection: Connection) -> None:
+        """Note that a connection has something to write; it will before the loop goes on."""
+        self._dirty[connection] = None
+        if not self._is_flush_due:
+            self._is_flush_due = True
+            self._loop.call_soon(self._flush_soon)
+
+    def flush(self) -> None:
+        """Have all connections write what they have."""
+        while self._dirty:
+            connections, self._dirty = self._dirty, {}
+            for connection in connections:
+                connection.write()
+
+    def hold(self, connection: Connection, n_bytes: int) -> None:
+        """Note what waits for and from a client; beyond the limit of all, who has most goes."""
+        self._n_held += n_bytes - self._held.pop(connection, 0)
+        if n_bytes:
+            self._held[connection] = n_bytes
+        if self._n_held > self.settings.limits.total_bytes:
+            largest = max(self._held, key=self._held.__getitem__)
+            largest.abort(f"{self._n_held} bytes wait for and from all clients, most of them here")
+            self._n_held -= self._held.pop(largest)
+
+    def gone(self, connection: Connection) -> None:
+        """Forget a connection."""
+        self._connections.discard(connection)
+        self._dirty.pop(connection, None)
+        self._n_held -= self._held.pop(connection, 0)
+
+    def _flush_soon(self) -> None:
+        self._is_flush_due = False
+        self.flush()
+
+    def _check(self) -> None:
+        now = self._loop.time()
+        for connection in tuple(self._connections):
+            connection.check(now)
+        self._checks = self._loop.call_later(_CHECKS_S, self._check)
+
+
+def _hub(settings: Settings, loop: asyncio.AbstractEventLoop) -> Hub:
+    limits = settings.limits
+    broker = Broker(settings.types, limits.topics, limits.latched_bytes)
+    services = Services(settings.types, loop, limits.service_s, limits.services, limits.uses)
+    waiting = Budget(limits.total_bytes)
+    hub = Hub(settings.types, limits, loop, broker, services, waiting)
+    provide_rosapi(hub)
+    return hub

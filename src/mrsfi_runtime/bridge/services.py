@@ -1,0 +1,248 @@
+"""Services: who provides them, which calls wait for an answer. Knows no sockets."""
+
+from collections.abc import Callable, Hashable
+from itertools import count
+from typing import Any, NamedTuple, Protocol, TypeAlias
+
+from mrsfi_runtime.bridge.names import check_name
+from mrsfi_runtime.bridge.type_table import ServiceType, TypeTable
+from mrsfi_runtime.errors import ProtocolError
+
+Ask: TypeAlias = Callable[[str, dict[str, Any]], None]
+"""Passes a call on to its provider: identifier of the call, and the request."""
+
+Reply: TypeAlias = Callable[[bool, Any], None]
+"""Answers a caller: whether the call succeeded, and the response or the reason."""
+
+
+_LONGEST_S = 3600.0
+
+OWN: Hashable = "the server itself"
+"""Provider of the services that nobody else may provide."""
+
+
+class Timer(Protocol):
+    """Something that happens later, unless it is cancelled."""
+
+    def cancel(self) -> None:
+        """Prevent it."""
+
+
+class Scheduler(Protocol):
+    """A clock that calls back; an asyncio loop is one."""
+
+    def time(self) -> float:
+        """Return the time in seconds since any start."""
+
+    def call_later(self, delay: float, callback: Callable[[], object], /) -> Timer:
+        """Call back after some seconds."""
+
+
+class Service(NamedTuple):
+    """A service and its provider."""
+
+    type: ServiceType
+    owner: Hashable
+    ask: Ask
+
+
+class Call(NamedTuple):
+    """A call that waits for its answer."""
+
+    service: str
+    type: ServiceType
+    owner: Hashable
+    caller: Hashable
+    reply: Reply
+    timer: Timer
+
+
+class Services:
+    """Passes calls to providers and answers to callers; every call gets one answer.
+
+    Parameters
+    ----------
+    types
+        Types that services may have.
+    scheduler
+        Clock for the time-out of calls.
+    timeout_s
+        Time that a provider has.
+    max_services, max_calls
+        Services at a time, and calls of one client under way.
+    """
+
+    def __init__(
+        self,
+        types: TypeTable,
+        scheduler: Scheduler,
+        timeout_s: float,
+        max_services: int,
+        max_calls: int,
+    ) -> None:
+        self._types = types
+        self._scheduler = scheduler
+        self._timeout_s = timeout_s
+        self._max_services = max_services
+        self._max_calls = max_calls
+        self._services: dict[str, Service] = {}
+        self._calls: dict[str, Call] = {}
+        self._n_calls: dict[Hashable, int] = {}
+        self._numbers = count(1)
+
+    @property
+    def services(self) -> dict[str, Service]:
+        """Services by name, in the order in which they came."""
+        return self._services
+
+    def advertise(self, owner: Hashable, name: str, type_name: str, ask: Ask) -> bool:
+        """Let a client provide a service, in the place of a provider before it.
+
+        Returns
+        -------
+        bool
+            Whether another client provided it before.
+
+        Raises
+        ------
+        ProtocolError
+            If the type is unknown or the name is taken by the server itself.
+        """
+        check_name(name, "service")
+        service_type = self._types.service(type_name)
+        known = self._services.get(name)
+        if known is None and len(self._services) >= self._max_services:
+            raise ProtocolError(f"service '{name}': there are {self._max_services}, the limit")
+        if known is not None and known.owner == OWN != owner:
+            raise ProtocolError(f"service '{name}' is the server's own; choose another name")
+        is_taken = known is not None and known.owner != owner
+        if known is not None and is_taken:
+            self._abandon(known.owner, name)
+        self._services[name] = Service(service_type, owner, ask)
+        return is_taken
+
+    def unadvertise(self, owner: Hashable, name: str) -> None:
+        """End a service, and answer those who wait for it.
+
+        Raises
+        ------
+        ProtocolError
+            If the client does not provide it.
+        """
+        known = self._services.get(name)
+        if known is None or known.owner != owner:
+            raise ProtocolError(f"service '{name}' is not one that you advertised")
+        del self._services[name]
+        self._abandon(owner, name)
+
+    def call(
+        self, caller: Hashable, name: str, arguments: Any, reply: Reply, timeout_s: float = 0
+    ) -> None:
+        """Pass a call to its provider; whatever happens, the caller gets one answer.
+
+        Parameters
+        ----------
+        caller
+            Who calls.
+        name
+            The service.
+        arguments
+            Fields of the request by name, or in order.
+        reply
+            Takes the answer.
+        timeout_s
+            Time that the caller gives the provider, at most an hour; 0 leaves it to the server.
+        """
+        service = self._services.get(name)
+        if service is None:
+            reply(False, f"Service {name} does not exist")
+            return
+        if self._n_calls.get(caller, 0) >= self._max_calls:
+            reply(False, f"{self._max_calls} of your calls are under way, the limit")
+            return
+        try:
+            request = service.type.request.convert(_named(arguments, service.type))
+        except ProtocolError as error:
+            reply(False, f"request of service {name}: {error}")
+            return
+        call_id = f"service_request:{name}:{next(self._numbers)}"
+        wait_s = min(timeout_s, _LONGEST_S) if timeout_s > 0 else self._timeout_s
+        reason = f"no answer within {wait_s:g} s"
+        timer = self._scheduler.call_later(wait_s, lambda: self.drop(call_id, reason))
+        self._calls[call_id] = Call(name, service.type, service.owner, caller, reply, timer)
+        self._n_calls[caller] = self._n_calls.get(caller, 0) + 1
+        service.ask(call_id, request)
+
+    def respond(self, owner: Hashable, call_id: Any, values: Any) -> None:
+        """Pass the response of a provider to the caller.
+
+        Raises
+        ------
+        ProtocolError
+            If no such call waits, or the response does not fit the type of the service; the
+            caller is told that, too.
+        """
+        call = self._taken(owner, call_id)
+        try:
+            response = call.type.response.convert(values)
+        except ProtocolError as error:
+            reason = f"response of service {call.service}: {error}"
+            call.reply(False, reason)
+            raise ProtocolError(reason) from error
+        call.reply(True, response)
+
+    def refuse(self, owner: Hashable, call_id: Any, reason: str) -> None:
+        """Tell the caller that the provider failed.
+
+        Raises
+        ------
+        ProtocolError
+            If no such call waits.
+        """
+        self._taken(owner, call_id).reply(False, reason)
+
+    def drop(self, call_id: str, reason: str) -> None:
+        """Tell the caller that there will be no answer, unless it had one."""
+        if call_id in self._calls:
+            call = self._forget(call_id)
+            call.reply(False, f"Service {call.service}: {reason}")
+
+    def leave(self, client: Hashable) -> None:
+        """End the services and the calls of a client, and answer those who wait for it."""
+        for name in [name for name, known in self._services.items() if known.owner == client]:
+            del self._services[name]
+        for call_id in [key for key, call in self._calls.items() if call.caller == client]:
+            self._forget(call_id)
+        for call_id in [key for key, call in self._calls.items() if call.owner == client]:
+            self.drop(call_id, "its provider left")
+
+    def _abandon(self, owner: Hashable, name: str) -> None:
+        for call_id, call in tuple(self._calls.items()):
+            if call.owner == owner and call.service == name:
+                self.drop(call_id, "its provider gave it up")
+
+    def _taken(self, owner: Hashable, call_id: Any) -> Call:
+        call = self._calls.get(call_id) if isinstance(call_id, str) else None
+        if call is None or call.owner != owner:
+            raise ProtocolError(f"no call {call_id!r:.100} waits for your answer")
+        return self._forget(call_id)
+
+    def _forget(self, call_id: str) -> Call:
+        call = self._calls.pop(call_id)
+        call.timer.cancel()
+        n_left = self._n_calls[call.caller] - 1
+        if n_left:
+            self._n_calls[call.caller] = n_left
+        else:
+            del self._n_calls[call.caller]
+        return call
+
+
+def _named(arguments: Any, service_type: ServiceType) -> Any:
+    """Return the fields of a request; a list gives them in order."""
+    if not isinstance(arguments, list):
+        return arguments
+    fields = service_type.request.definition.fields
+    if len(arguments) > len(fields):
+        raise ProtocolError(f"{len(arguments)} arguments, expected at most {len(fields)}")
+    return {field.name: value for field, value in zip(fields, arguments, strict=False)}

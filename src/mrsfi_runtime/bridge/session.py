@@ -1,0 +1,254 @@
+"""One client of the server: what it asks for, and what it is told. Knows no sockets."""
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from mrsfi_runtime.bridge.broker import Broker
+from mrsfi_runtime.bridge.encodings import text_frames
+from mrsfi_runtime.bridge.names import absolute
+from mrsfi_runtime.bridge.protocol import Fragments, Operation, check_operation, operations
+from mrsfi_runtime.bridge.services import Scheduler, Services
+from mrsfi_runtime.bridge.settings import Limits
+from mrsfi_runtime.bridge.subscription import Subscription, Wish, settled, wanted_encoding, wish
+from mrsfi_runtime.bridge.type_table import TypeTable
+from mrsfi_runtime.bridge.uses import Budget, Uses
+from mrsfi_runtime.errors import ProtocolError
+
+LOGGER = logging.getLogger("mrsfi.bridge")
+
+LEVELS = ("info", "warning", "error", "none")
+_MAX_REASON = 500
+_LOGGED_FIRST = 10
+_LOGGED_EVERY = 1000
+
+
+@dataclass(slots=True)
+class Counts:
+    """What the server did since it started."""
+
+    clients: int = 0
+    received: int = 0
+    sent: int = 0
+    dropped: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Hub:
+    """What all clients share.
+
+    Parameters
+    ----------
+    types
+        Types that topics and services may have.
+    limits
+        What clients may use.
+    scheduler
+        Clock.
+    broker, services
+        What there is.
+    waiting
+        Bytes of throttled messages that wait for their time.
+    counts
+        What was done.
+    """
+
+    types: TypeTable
+    limits: Limits
+    scheduler: Scheduler
+    broker: Broker
+    services: Services
+    waiting: Budget
+    counts: Counts = field(default_factory=Counts)
+
+
+class Session:
+    """Carries out the operations of one client.
+
+    Parameters
+    ----------
+    hub
+        What all clients share.
+    name
+        Name of the client in the log.
+    send
+        Takes frames for the client.
+    """
+
+    def __init__(self, hub: Hub, name: str, send: Callable[[bytes], None]) -> None:
+        self.name = name
+        self._hub = hub
+        self._send = send
+        self._level = "none"
+        self._adverts: Uses[None] = Uses(hub.limits.uses)
+        self._wishes: Uses[Wish] = Uses(hub.limits.uses)
+        self._subscriptions: dict[str, Subscription] = {}
+        self._fragments = Fragments(2 * hub.limits.frame_bytes)
+        self._n_dropped = 0
+        self._operations: dict[str, Callable[[Operation], None]] = {
+            "publish": self._publish,
+            "advertise": self._advertise,
+            "unadvertise": self._unadvertise,
+            "subscribe": self._subscribe,
+            "unsubscribe": self._unsubscribe,
+            "call_service": self._call_service,
+            "service_response": self._service_response,
+            "advertise_service": self._advertise_service,
+            "unadvertise_service": self._unadvertise_service,
+            "set_level": self._set_level,
+            "fragment": self._fragment,
+        }
+
+    @property
+    def n_waiting_bytes(self) -> int:
+        """What messages take whose fragments have not all come."""
+        return self._fragments.n_bytes
+
+    def receive(self, text: str) -> None:
+        """Carry out the operations of a text; what is wrong is dropped, counted and logged."""
+        for value in operations(text, self._drop):
+            self._hub.counts.received += 1
+            try:
+                operation = check_operation(value)
+                self._operations[operation["op"]](operation)
+            except ProtocolError as error:
+                self._drop(str(error), value.get("id") if isinstance(value, dict) else None)
+
+    def leave(self) -> None:
+        """End everything that the client does."""
+        self._hub.broker.leave(self)
+        self._hub.services.leave(self)
+        for topic in tuple(self._subscriptions):
+            self._end(topic)
+        if self._n_dropped:
+            LOGGER.info("%s: %d operations dropped in all", self.name, self._n_dropped)
+
+    def status(self, level: str, text: str, operation_id: Any = None) -> None:
+        """Tell the client something, if it asked for that level."""
+        if LEVELS.index(level) < LEVELS.index(self._level):
+            return
+        operation = {"op": "status", "level": level, "msg": text}
+        if operation_id is not None:
+            operation["id"] = operation_id
+        self._send(text_frames(operation))
+
+    def _drop(self, reason: str, operation_id: Any = None) -> None:
+        reason = reason[:_MAX_REASON]
+        self._hub.counts.dropped += 1
+        self._n_dropped += 1
+        if self._n_dropped <= _LOGGED_FIRST or self._n_dropped % _LOGGED_EVERY == 0:
+            LOGGER.warning("%s: dropped no. %d: %s", self.name, self._n_dropped, reason)
+        if self._level != "none":
+            self.status("error", reason, operation_id)
+
+    def _advertise(self, operation: Operation) -> None:
+        topic, use_id = absolute(operation["topic"]), operation.get("id")
+        self._adverts.check(topic, use_id)
+        is_latched = operation.get("latch", False)
+        self._hub.broker.advertise(self, topic, operation["type"], is_latched=is_latched)
+        self._adverts.add(topic, use_id, None)
+
+    def _unadvertise(self, operation: Operation) -> None:
+        topic = absolute(operation["topic"])
+        if topic not in self._adverts:
+            raise ProtocolError(f"topic '{topic}' is not one that you advertise")
+        if self._adverts.remove(topic, operation.get("id")):
+            self._hub.broker.unadvertise(self, topic)
+
+    def _publish(self, operation: Operation) -> None:
+        topic = absolute(operation["topic"])
+        if topic not in self._adverts:
+            self._join(topic, is_latched=operation.get("latch", False))
+        self._hub.broker.publish(self, topic, operation.get("msg", {}))
+
+    def _join(self, name: str, *, is_latched: bool) -> None:
+        """Advertise a topic in use for a client that publishes on it without further ado."""
+        topic = self._hub.broker.topics.get(name)
+        if topic is not None:
+            type_name = topic.structure.name
+            self._advertise({"topic": name, "type": type_name, "latch": is_latched})
+
+    def _subscribe(self, operation: Operation) -> None:
+        topic, use_id = operation["topic"], operation.get("id")
+        wanted = wish(operation)
+        self._wishes.check(topic, use_id)
+        subscription = self._subscriptions.get(topic)
+        if subscription is None:
+            subscription = self._new_subscription(topic)
+        wishes = {**self._wishes.of(topic), use_id: wanted}
+        subscription.wish = settled(wishes.values())
+        self._hub.broker.subscribe(
+            (self, topic), absolute(topic), operation.get("type"), subscription.receive
+        )
+        self._subscriptions[topic] = subscription
+        self._wishes.add(topic, use_id, wanted)
+
+    def _new_subscription(self, topic: str) -> Subscription:
+        return Subscription(self._hub.scheduler, self._hub.waiting, self._deliver, topic)
+
+    def _unsubscribe(self, operation: Operation) -> None:
+        topic = operation["topic"]
+        if topic not in self._wishes:
+            raise ProtocolError(f"topic '{topic}' is not one that you subscribe to")
+        if self._wishes.remove(topic, operation.get("id")):
+            self._end(topic)
+        else:
+            self._subscriptions[topic].wish = settled(self._wishes.of(topic).values())
+
+    def _end(self, topic: str) -> None:
+        """End the subscription to a topic, as the client spells it."""
+        self._subscriptions.pop(topic).close()
+        self._hub.broker.unsubscribe((self, topic), absolute(topic))
+
+    def _call_service(self, operation: Operation) -> None:
+        encoding = wanted_encoding(operation)
+        answer = {"op": "service_response", "service": operation["service"]}
+        if operation.get("id") is not None:
+            answer["id"] = operation["id"]
+
+        def reply(is_ok: bool, values: Any) -> None:
+            self._send(text_frames({**answer, "values": values, "result": is_ok}, encoding))
+
+        arguments = operation.get("args")
+        if arguments is None:
+            arguments = {}
+        name = absolute(operation["service"])
+        self._hub.services.call(self, name, arguments, reply, operation.get("timeout") or 0)
+
+    def _service_response(self, operation: Operation) -> None:
+        """Pass an answer on: as with the genuine server, values count for more than result."""
+        values = operation.get("values")
+        if operation.get("result") is False and not isinstance(values, dict):
+            reason = values if isinstance(values, str) else "the provider reported a failure"
+            self._hub.services.refuse(self, operation["id"], reason)
+        else:
+            self._hub.services.respond(self, operation["id"], {} if values is None else values)
+
+    def _advertise_service(self, operation: Operation) -> None:
+        name = operation["service"]
+
+        def ask(call_id: str, request: dict[str, Any]) -> None:
+            call = {"op": "call_service", "id": call_id, "service": name, "args": request}
+            self._send(text_frames(call))
+
+        if self._hub.services.advertise(self, absolute(name), operation["type"], ask):
+            self.status("warning", f"service '{name}' had another provider before you")
+
+    def _unadvertise_service(self, operation: Operation) -> None:
+        self._hub.services.unadvertise(self, absolute(operation["service"]))
+
+    def _set_level(self, operation: Operation) -> None:
+        if operation["level"] not in LEVELS:
+            expected = ", ".join(LEVELS)
+            raise ProtocolError(f"level '{operation['level']:.20}', expected one of {expected}")
+        self._level = operation["level"]
+
+    def _fragment(self, operation: Operation) -> None:
+        text = self._fragments.add(operation)
+        if text is not None:
+            self.receive(text)
+
+    def _deliver(self, frames: bytes) -> None:
+        self._hub.counts.sent += 1
+        self._send(frames)

@@ -1,0 +1,262 @@
+"""Checks of messages against their types: every field there, of the right kind, none besides.
+
+A message in normal form is what JSON carries: a dictionary with all fields in the order of
+the definition, times as ``secs`` and ``nsecs``, arrays of bytes as base64 text.
+"""
+
+import base64
+import binascii
+import sys
+import time
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+from mrsfi_runtime.bridge.definitions import (
+    FLOATS,
+    INTEGER_BITS,
+    SCALAR,
+    TIMES,
+    VARIABLE,
+    Definition,
+    Field,
+)
+from mrsfi_runtime.errors import ProtocolError
+
+Convert: TypeAlias = Callable[[Any], Any]
+"""Returns the normal form of a value, or raises ``FieldError``."""
+
+Default: TypeAlias = Callable[[], Any]
+"""Returns the value of a field that is missing."""
+
+HEADER = "std_msgs/Header"
+BYTE_ARRAYS = ("uint8", "char")
+"""Element types of the arrays that JSON carries as base64 text."""
+
+_LARGEST = int(sys.float_info.max)
+_MAX_SHOWN = 60
+
+
+class FieldError(ProtocolError):
+    """A value does not fit the type of its field.
+
+    Parameters
+    ----------
+    found
+        What is wrong, without the field.
+    """
+
+    def __init__(self, found: str) -> None:
+        super().__init__(found)
+        self.found = found
+        self.path: list[str] = []
+
+    def __str__(self) -> str:
+        place = ".".join(reversed(self.path)).replace(".[", "[")
+        return f"field '{place}': {self.found}" if place else self.found
+
+
+def mismatch(value: Any, expected: str) -> FieldError:
+    """Return the error of a value of the wrong kind."""
+    shown = repr(value)
+    if len(shown) > _MAX_SHOWN:
+        shown = f"{shown[:_MAX_SHOWN]}…"
+    return FieldError(f"found {shown}, expected {expected}")
+
+
+class Structure:
+    """The checks of one message type.
+
+    Parameters
+    ----------
+    definition
+        What a message of the type holds.
+    find
+        Returns the structure of a message type that a field names.
+    """
+
+    __slots__ = ("_fields", "definition", "nested")
+
+    def __init__(self, definition: Definition, find: Callable[[str], "Structure"]) -> None:
+        self.definition = definition
+        self.nested: dict[str, Structure] = {}
+        fields = []
+        for field in definition.fields:
+            convert, default = self._element(field.type, find)
+            if field.length != SCALAR:
+                convert, default = _array(field, convert, default)
+            fields.append((field.name, convert, default))
+        if definition.name == HEADER:
+            fields = [(name, c, now if name == "stamp" else d) for name, c, d in fields]
+        self._fields: tuple[tuple[str, Convert, Default], ...] = tuple(fields)
+
+    @property
+    def name(self) -> str:
+        """Full name of the type."""
+        return self.definition.name
+
+    def default(self) -> dict[str, Any]:
+        """Return the message whose fields were all left out."""
+        return {name: default() for name, _, default in self._fields}
+
+    def convert(self, value: Any) -> dict[str, Any]:
+        """Return the normal form of a message.
+
+        Raises
+        ------
+        FieldError
+            If a field is unknown or of the wrong kind.
+        """
+        if not isinstance(value, dict):
+            raise mismatch(value, f"the fields of {self.name}")
+        result = {}
+        n_found = 0
+        name = ""
+        try:
+            for name, convert, default in self._fields:
+                if name in value:
+                    result[name] = convert(value[name])
+                    n_found += 1
+                else:
+                    result[name] = default()
+        except FieldError as error:
+            error.path.append(name)
+            raise
+        if n_found != len(value):
+            raise self._unknown(value)
+        return result
+
+    def _unknown(self, value: dict[Any, Any]) -> FieldError:
+        known = [name for name, _, _ in self._fields]
+        unknown = next(name for name in value if name not in known)
+        names = ", ".join(known) or "none"
+        return FieldError(f"{self.name} has no field '{str(unknown)[:_MAX_SHOWN]}', only {names}")
+
+    def _element(
+        self, type_name: str, find: Callable[[str], "Structure"]
+    ) -> tuple[Convert, Default]:
+        """Return check and default of one value of a type."""
+        if type_name in INTEGER_BITS:
+            return _integer(type_name), int
+        if type_name in FLOATS:
+            return _number, float
+        if type_name == "bool":
+            return _boolean, bool
+        if type_name == "string":
+            return _text, str
+        if type_name in TIMES:
+            return _moment(signed=type_name == "duration"), _zero
+        structure = find(type_name)
+        self.nested[type_name] = structure
+        return structure.convert, structure.default
+
+
+def now() -> dict[str, int]:
+    """Return the time of day as ROS has it."""
+    secs, nsecs = divmod(time.time_ns(), 1_000_000_000)
+    return {"secs": secs, "nsecs": nsecs}
+
+
+def _zero() -> dict[str, int]:
+    return {"secs": 0, "nsecs": 0}
+
+
+def _integer(type_name: str) -> Convert:
+    bits, is_signed = INTEGER_BITS[type_name]
+    low = -(1 << bits - 1) if is_signed else 0
+    high = (1 << bits - is_signed) - 1
+
+    def convert(value: Any) -> int:
+        if type(value) is int and low <= value <= high:
+            return value
+        raise mismatch(value, f"{type_name}, {low} to {high}")
+
+    return convert
+
+
+def _number(value: Any) -> float:
+    if type(value) is float:
+        return value
+    if value is None:
+        return float("nan")  # what is no number travels as null
+    if type(value) is int and abs(value) <= _LARGEST:
+        return float(value)
+    raise mismatch(value, "a number")
+
+
+def _boolean(value: Any) -> bool:
+    if type(value) is bool:
+        return value
+    raise mismatch(value, "true or false")
+
+
+def _text(value: Any) -> str:
+    if type(value) is str and (value.isascii() or _is_unicode(value)):
+        return value
+    raise mismatch(value, "text")
+
+
+def _is_unicode(text: str) -> bool:
+    """Return whether a text has no half of a surrogate pair."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _moment(*, signed: bool) -> Convert:
+    part = _integer("int32" if signed else "uint32")
+
+    def convert(value: Any) -> dict[str, int]:
+        if value == "now":
+            return now()
+        if not isinstance(value, dict) or not value.keys() <= {"secs", "nsecs"}:
+            raise mismatch(value, "secs and nsecs")
+        return {"secs": part(value.get("secs", 0)), "nsecs": part(value.get("nsecs", 0))}
+
+    return convert
+
+
+def _array(field: Field, convert: Convert, default: Default) -> tuple[Convert, Default]:
+    """Return check and default of an array of what the arguments check."""
+    length = field.length
+    if field.type in BYTE_ARRAYS:
+        empty = base64.b64encode(bytes(length)).decode("ascii")
+        return _bytes(length, convert), lambda: empty
+
+    def convert_all(values: Any) -> list[Any]:
+        if not isinstance(values, list):
+            raise mismatch(values, f"a list of {field.type}")
+        _check_length(len(values), length)
+        result: list[Any] = []
+        try:
+            result.extend(map(convert, values))
+        except FieldError as error:
+            error.path.append(f"[{len(result)}]")
+            raise
+        return result
+
+    return convert_all, lambda: [default() for _ in range(length)]
+
+
+def _bytes(length: int, convert: Convert) -> Convert:
+    def convert_bytes(value: Any) -> str:
+        if isinstance(value, list):
+            _check_length(len(value), length)
+            return base64.b64encode(bytes(map(convert, value))).decode("ascii")
+        if not isinstance(value, str):
+            raise mismatch(value, "base64 text or a list of bytes")
+        try:
+            content = base64.b64decode(value, validate=True)
+        except (binascii.Error, ValueError):
+            raise mismatch(value, "base64 text") from None
+        _check_length(len(content), length)
+        return value
+
+    return convert_bytes
+
+
+def _check_length(found: int, length: int) -> None:
+    if length not in (VARIABLE, found):
+        message = f"found {found} elements, expected {length}"
+        raise FieldError(message)

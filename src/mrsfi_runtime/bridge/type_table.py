@@ -1,0 +1,163 @@
+"""The message and service types that the server knows, read from definition files.
+
+A folder of definitions holds ``PACKAGE/msg/TYPE.msg`` and ``PACKAGE/srv/TYPE.srv``, as ROS
+packages do. Types are named ``PACKAGE/TYPE`` or ``PACKAGE/msg/TYPE``.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from mrsfi_runtime.bridge.definitions import parse_message, parse_service
+from mrsfi_runtime.bridge.structures import Structure
+from mrsfi_runtime.errors import ProtocolError, UsageError
+
+STANDARD = Path(__file__).parent / "types"
+"""Definitions that come with the server."""
+
+_NAME = re.compile(r"([A-Za-z]\w*)/(?:(?:msg|srv)/)?([A-Za-z]\w*)", re.ASCII)
+_MAX_SHOWN = 80
+
+
+class ServiceType(NamedTuple):
+    """What a service takes and gives."""
+
+    name: str
+    request: Structure
+    response: Structure
+
+
+class TypeTable:
+    """Types by name; a definition is read when its type is first asked for.
+
+    Parameters
+    ----------
+    folders
+        Folders with definitions of the user's own; the first that has a type wins, and the
+        types that come with the server are the last resort.
+    """
+
+    def __init__(self, folders: Sequence[Path] = ()) -> None:
+        self._folders = (*folders, STANDARD)
+        self._structures: dict[str, Structure] = {}
+        self._services: dict[str, ServiceType] = {}
+        self._open: list[str] = []
+
+    def message(self, name: str) -> Structure:
+        """Return the structure of a message type.
+
+        Raises
+        ------
+        ProtocolError
+            If the type is unknown.
+        UsageError
+            If its definition is wrong.
+        """
+        known = self._structures.get(name)
+        if known is None:
+            known = self._structures[name] = self._message(full_name(name))
+        return known
+
+    def service(self, name: str) -> ServiceType:
+        """Return request and response of a service type.
+
+        Raises
+        ------
+        ProtocolError
+            If the type is unknown.
+        UsageError
+            If its definition is wrong.
+        """
+        known = self._services.get(name)
+        if known is None:
+            known = self._services[name] = self._service(full_name(name))
+        return known
+
+    def check(self) -> int:
+        """Read every definition of the user's folders and return their number.
+
+        Raises
+        ------
+        UsageError
+            If a folder has no definitions, or one of them is wrong.
+        """
+        n_read = 0
+        for folder in self._folders[:-1]:
+            names = tuple(_names(folder))
+            if not names:
+                message = f"{folder}: no definitions; expected {folder}/PACKAGE/msg/TYPE.msg"
+                raise UsageError(message)
+            for kind, name in names:
+                self._check_one(folder, kind, name)
+            n_read += len(names)
+        return n_read
+
+    def _check_one(self, folder: Path, kind: str, name: str) -> None:
+        try:
+            _ = self.message(name) if kind == "msg" else self.service(name)
+        except ProtocolError as error:
+            message = f"{folder}: {name}: {error}"
+            raise UsageError(message) from error
+
+    def _message(self, name: str) -> Structure:
+        if name in self._structures:
+            return self._structures[name]
+        if name in self._open:
+            message = f"type {name} contains itself: {' in '.join((name, *reversed(self._open)))}"
+            raise UsageError(message)
+        path = self._find(name, "msg")
+        self._open.append(name)
+        try:
+            structure = Structure(parse_message(name, _text(path), path), self.message)
+        finally:
+            self._open.pop()
+        self._structures[name] = structure
+        return structure
+
+    def _service(self, name: str) -> ServiceType:
+        path = self._find(name, "srv")
+        request, response = parse_service(name, _text(path), path)
+        return ServiceType(
+            name, Structure(request, self.message), Structure(response, self.message)
+        )
+
+    def _find(self, name: str, kind: str) -> Path:
+        package, _, type_name = name.partition("/")
+        for folder in self._folders:
+            path = folder / package / kind / f"{type_name}.{kind}"
+            if path.is_file():
+                return path
+        noun = "message" if kind == "msg" else "service"
+        file = f"{package}/{kind}/{type_name}.{kind}"
+        raise ProtocolError(f"unknown {noun} type '{name}'; add {file} to a folder of --types")
+
+
+def full_name(name: str) -> str:
+    """Return a type's name as ``PACKAGE/TYPE``.
+
+    Raises
+    ------
+    ProtocolError
+        If the name is none of a type.
+    """
+    match = _NAME.fullmatch(name)
+    if match is None:
+        message = f"'{name[:_MAX_SHOWN]}' is no type, expected 'package/Type'"
+        raise ProtocolError(message)
+    return f"{match[1]}/{match[2]}"
+
+
+def _names(folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield kind and name of every definition in a folder."""
+    for kind in ("msg", "srv"):
+        for path in sorted(folder.glob(f"*/{kind}/*.{kind}")):
+            yield kind, f"{path.parent.parent.name}/{path.stem}"
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        message = f"{path}: cannot be read: {error}"
+        raise UsageError(message) from error

@@ -1,0 +1,225 @@
+"""The server inside this process, with clients that need no socket."""
+
+import json
+import socket
+import threading
+from queue import Queue
+
+import pytest
+from websockets.sync.client import connect
+
+from mrsfi_runtime.bridge.embedded import EmbeddedBridge, LocalClient
+from mrsfi_runtime.bridge.settings import Settings
+from mrsfi_runtime.errors import ProtocolError, TransportClosed, TransportError, UsageError
+from support_bridge import FLOAT, parse_frames
+
+PATIENCE_S = 20.0
+
+
+@pytest.fixture
+def server():
+    with EmbeddedBridge() as bridge:
+        yield bridge
+
+
+def within(bridge, function):
+    """Call a function in the server's thread and return what it returns."""
+    results = Queue()
+    bridge.call_soon(lambda: results.put(function()))
+    return results.get(timeout=PATIENCE_S)
+
+
+def ask(connection, **operation):
+    connection.send(json.dumps(operation))
+    return json.loads(connection.recv(PATIENCE_S))
+
+
+def test_local_clients_and_sockets_share_topics(server):
+    local, received = server.local_client(), Queue()
+
+    def prepare():
+        local.advertise("/a", FLOAT)
+        local.subscribe("/b", FLOAT, received.put)
+
+    within(server, prepare)
+    with connect(server.url) as connection:
+        connection.send(json.dumps({"op": "subscribe", "topic": "/a", "type": FLOAT}))
+        connection.send(json.dumps({"op": "advertise", "topic": "/b", "type": FLOAT}))
+        connection.send(json.dumps({"op": "publish", "topic": "/b", "msg": {"data": 1}}))
+        assert received.get(timeout=PATIENCE_S) == {"data": 1.0}
+        server.call_soon(lambda: local.publish("/a", {"data": 2}))
+
+        assert json.loads(connection.recv(PATIENCE_S))["msg"] == {"data": 2.0}
+
+
+def test_what_is_published_in_one_go_leaves_in_one_write(server):
+    local = server.local_client()
+    names = [f"/t{number}" for number in range(18)]
+
+    def publish_all():
+        for name in names:
+            local.publish(name, {"data": 1.0})
+
+    within(server, lambda: [local.advertise(name, FLOAT) for name in names])
+    with connect(server.url) as connection:
+        for name in names:
+            connection.send(json.dumps({"op": "subscribe", "topic": name, "type": FLOAT}))
+        ask(connection, op="call_service", service="/rosapi/get_time")
+        writes = within(server, lambda: _writes(server))
+        server.call_soon(publish_all)
+        topics = [json.loads(connection.recv(PATIENCE_S))["topic"] for _ in names]
+
+        assert topics == names
+        assert [len(parse_frames(content)) for content in writes] == [18]
+
+
+def _writes(server):
+    """Return a list that fills with what is written to the only client."""
+    writes = []
+    (connection,) = server._server._connections
+    transport = connection._transport
+
+    class Recorder:
+        def write(self, content):
+            writes.append(content)
+            transport.write(content)
+
+        def __getattr__(self, name):
+            return getattr(transport, name)
+
+    connection._transport = Recorder()
+    return writes
+
+
+def test_local_clients_hear_each_other_before_publish_returns(server):
+    first, second, received = server.local_client(), server.local_client(), []
+
+    def talk():
+        second.subscribe("/t", FLOAT, received.append)
+        first.advertise("/t", FLOAT)
+        first.publish("/t", {"data": 1})
+        seen = list(received)
+        second.close()
+        first.publish("/t", {"data": 2})
+        return seen
+
+    assert within(server, talk) == [{"data": 1.0}]
+    assert received == [{"data": 1.0}]
+
+
+def test_a_service_of_a_local_client_answers_sockets(server):
+    local = server.local_client()
+    within(
+        server,
+        lambda: local.advertise_service(
+            "/add",
+            "rospy_tutorials/AddTwoInts",
+            lambda request: {"sum": request["a"] + request["b"]},
+        ),
+    )
+
+    with connect(server.url) as connection:
+        answer = ask(connection, op="call_service", service="/add", args={"a": 2, "b": 40})
+
+    assert (answer["result"], answer["values"]) == (True, {"sum": 42})
+
+
+def fail(_):
+    raise ValueError("on purpose")
+
+
+def test_the_error_of_a_callback_is_kept_and_others_still_receive(server):
+    local, received = server.local_client(), Queue()
+
+    def talk():
+        local.advertise("/t", FLOAT)
+        local.subscribe("/t", FLOAT, fail)
+        local.subscribe("/t", FLOAT, received.put)
+        local.publish("/t", {"data": 1})
+
+    server.call_soon(talk)
+
+    assert server.failed.wait(PATIENCE_S)
+    assert str(server.failed.error) == "on purpose"
+    assert received.get(timeout=PATIENCE_S) == {"data": 1.0}
+
+
+def test_the_error_of_a_service_is_kept_and_its_caller_told(server):
+    local = server.local_client()
+    within(server, lambda: local.advertise_service("/s", "std_srvs/Empty", fail))
+
+    with connect(server.url) as connection:
+        answer = ask(connection, op="call_service", service="/s")
+
+    assert answer["result"] is False
+    assert "its provider failed: on purpose" in answer["values"]
+    assert isinstance(server.failed.error, ValueError)
+
+
+def test_the_error_of_a_function_called_soon_is_kept(server):
+    server.call_soon(lambda: fail(None))
+
+    assert server.failed.wait(PATIENCE_S)
+    assert isinstance(server.failed.error, ValueError)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "reason"),
+    [
+        (lambda local: local.publish("/t", {"data": 1}), "not advertised"),
+        (lambda local: local.advertise("/t", "x/Y"), "unknown message type"),
+        (lambda local: local.subscribe("/rosout", FLOAT, print), "carries rosgraph_msgs/Log"),
+        (lambda local: local.advertise_service("/s", "x/Y", fail), "unknown service type"),
+    ],
+)
+def test_wrong_use_is_an_error_of_the_one_who_uses_it(server, wrong, reason):
+    server.call_soon(lambda: wrong(server.local_client()))
+
+    assert server.failed.wait(PATIENCE_S)
+    assert isinstance(server.failed.error, ProtocolError)
+    assert reason in str(server.failed.error)
+
+
+def test_a_port_in_use_is_told_where_the_server_is_started():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        bridge = EmbeddedBridge(Settings(port=port))
+
+        with pytest.raises(TransportError, match=f"127.0.0.1:{port}: cannot listen: .*choose"):
+            bridge.start()
+        bridge.close()
+
+
+def test_settings_that_open_the_server_are_refused_where_it_is_started():
+    with pytest.raises(UsageError, match="add --public"):
+        EmbeddedBridge(Settings("0.0.0.0")).start()
+
+
+def test_closing_twice_is_once_and_leaves_no_thread():
+    n_threads = threading.active_count()
+    bridge = EmbeddedBridge()
+    bridge.start()
+
+    bridge.close()
+    bridge.close()
+
+    assert threading.active_count() == n_threads
+    with pytest.raises(TransportClosed, match="does not run"):
+        bridge.call_soon(print)
+    with pytest.raises(TransportClosed, match="does not run"):
+        bridge.local_client()
+
+
+def test_a_server_that_was_never_started_can_be_closed():
+    EmbeddedBridge().close()
+
+
+def test_several_servers_are_apart():
+    with EmbeddedBridge() as first, EmbeddedBridge() as second:
+        locals_: list[LocalClient] = [bridge.local_client() for bridge in (first, second)]
+        for bridge, local in zip((first, second), locals_, strict=True):
+            within(bridge, lambda local=local: local.advertise("/t", FLOAT))
+
+        assert first.url != second.url
+        assert first.failed.error is None
+        assert second.failed.error is None

@@ -1,0 +1,236 @@
+"""From texts to operations: JSON, several objects in a frame, fragments, levels."""
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mrsfi_runtime.bridge.protocol import Fragments
+from mrsfi_runtime.bridge.settings import Limits
+from mrsfi_runtime.errors import ProtocolError
+from support_bridge import FLOAT, TEXT, Peer, new_hub
+
+
+@pytest.fixture
+def peer():
+    return Peer(new_hub()[0])
+
+
+def told(peer):
+    peer.tell(op="set_level", level="error")
+    return peer
+
+
+def test_several_objects_may_share_a_frame(peer):
+    operations = [
+        {"op": "advertise", "topic": "/t", "type": FLOAT},
+        {"op": "subscribe", "topic": "/t"},
+        {"op": "publish", "topic": "/t", "msg": {"data": 1}},
+    ]
+
+    peer.session.receive(" \n".join(map(json.dumps, operations)))
+
+    assert peer.messages() == [{"data": 1.0}]
+
+
+def test_what_precedes_bad_json_is_carried_out(peer):
+    told(peer).session.receive('{"op":"advertise","topic":"/t","type":"std_msgs/Bool"}{"op":')
+
+    (status,) = peer.take()
+    assert "bad JSON at letter 55 of 60: Expecting value" in status["msg"]
+    peer.tell(op="unadvertise", topic="/t")
+    assert peer.take() == []
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", None),
+        ("{", "bad JSON at letter 1 of 1"),
+        ("[1, 2]", "expected an object with 'op'"),
+        ("5", "found 5, expected an object"),
+        ("{}", "unknown op None, expected one of advertise"),
+        ('{"op": "fly"}', "unknown op 'fly'"),
+        ('{"op": ["fly"]}', "unknown op"),
+        ('{"op": "png", "data": ""}', "unknown op 'png'"),
+        ("[" * 100_000, "nested too deeply"),
+        ('{"op": "advertise", "topic": ' + "9" * 5000 + "}", "bad JSON"),
+        ('{"op": "unsubscribe", "topic": "/t", "id": "' + "x" * 300 + '"}', "'id' is longer than"),
+        ('{"op": "unsubscribe", "topic": "' + "x" * 9999 + '"}', "topic 'xxx"),
+        ('{"op": "set_level", "level": "loud"}', "level 'loud', expected one of info"),
+    ],
+)
+def test_what_is_no_operation_is_told_to_those_who_ask(peer, text, reason):
+    told(peer).session.receive(text)
+
+    statuses = [operation["msg"] for operation in peer.take()]
+    assert len(statuses) == (reason is not None)
+    assert all(reason in status and len(status) <= 500 for status in statuses)
+
+
+@given(st.text())
+def test_no_text_breaks_a_session(text):
+    hub, _ = new_hub()
+    peer = Peer(hub)
+
+    peer.session.receive(text)
+
+    assert peer.take() == []
+
+
+_VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner),
+    max_leaves=5,
+)
+_FIELDS = ("topic", "type", "msg", "id", "service", "args", "values", "result", "data", "num")
+_OPS = (
+    "advertise",
+    "unadvertise",
+    "publish",
+    "subscribe",
+    "unsubscribe",
+    "call_service",
+    "service_response",
+    "advertise_service",
+    "unadvertise_service",
+    "set_level",
+    "fragment",
+)
+
+
+@given(
+    st.lists(
+        st.fixed_dictionaries(
+            {"op": st.sampled_from(_OPS)},
+            optional={
+                name: _VALUES | st.sampled_from(["/t", "t", FLOAT, "std_srvs/Empty"])
+                for name in (*_FIELDS, "total", "level", "latch", "throttle_rate", "fragment_size")
+            },
+        ),
+        max_size=8,
+    )
+)
+def test_no_operation_breaks_a_session(operations):
+    hub, clock = new_hub()
+    peer, bystander = Peer(hub), Peer(hub)
+    bystander.tell(op="advertise", topic="/s", type=TEXT)
+    bystander.tell(op="subscribe", topic="/s")
+
+    for operation in operations:
+        peer.tell(**operation)
+    clock.advance(100)
+    peer.session.leave()
+    bystander.tell(op="publish", topic="/s", msg={"data": "still there"})
+
+    assert bystander.messages()[-1] == {"data": "still there"}
+
+
+def test_nothing_is_told_unless_a_level_was_set(peer):
+    peer.tell(op="fly")
+    peer.tell(op="set_level", level="none")
+    peer.tell(op="fly")
+
+    assert peer.take() == []
+
+
+def test_drops_are_counted():
+    hub, _ = new_hub()
+    peer = Peer(hub)
+
+    for _ in range(50):
+        peer.session.receive("{")
+
+    assert hub.counts.dropped == 50
+
+
+def fragments(text, size, fragment_id="f"):
+    parts = [text[start : start + size] for start in range(0, len(text), size)]
+    return [
+        {"op": "fragment", "id": fragment_id, "data": part, "num": number, "total": len(parts)}
+        for number, part in enumerate(parts)
+    ]
+
+
+def test_fragments_in_any_order_are_put_together(peer):
+    text = json.dumps({"op": "subscribe", "topic": "/t", "type": FLOAT})
+    for fragment in reversed(fragments(text, 7)):
+        peer.tell(**fragment)
+
+    peer.tell(op="publish", topic="/t", msg={"data": 1})
+
+    assert peer.messages() == [{"data": 1.0}]
+    assert peer.session.n_waiting_bytes == 0
+
+
+def test_messages_in_fragments_may_be_mixed():
+    collected, done = Fragments(10_000), []
+    first, second = fragments("abcdef", 2, 1), fragments("uvwxyz", 2, 2)
+
+    for pair in zip(first, second, strict=True):
+        done += [text for fragment in pair if (text := collected.add(fragment)) is not None]
+
+    assert done == ["abcdef", "uvwxyz"]
+
+
+def test_a_repeated_fragment_counts_once():
+    collected = Fragments(10_000)
+    first, second = fragments("abcd", 2)
+
+    assert collected.add(first) is None
+    assert collected.add(first) is None
+    assert collected.add(second) == "abcd"
+    assert collected.n_bytes == 0
+
+
+@pytest.mark.parametrize(
+    ("number", "total", "reason"),
+    [
+        (2, 2, "fragment 2 of 2"),
+        (-1, 2, "fragment -1"),
+        (0, 10**9, "of at most"),
+        (0, 3, "disagree"),
+    ],
+)
+def test_fragments_that_make_no_sense_are_refused_and_forgotten(number, total, reason):
+    collected = Fragments(10_000)
+    collected.add({"id": "f", "data": "a", "num": 0, "total": 2})
+
+    with pytest.raises(ProtocolError, match=reason):
+        collected.add({"id": "f", "data": "b", "num": number, "total": total})
+
+    assert collected.n_bytes == 0
+
+
+def test_unfinished_messages_are_bounded_in_number_and_size():
+    collected = Fragments(5_000)
+    for number in range(16):
+        collected.add({"id": number, "data": "a", "num": 0, "total": 2})
+
+    with pytest.raises(ProtocolError, match="16 messages in fragments are unfinished"):
+        collected.add({"id": 99, "data": "a", "num": 0, "total": 2})
+    with pytest.raises(ProtocolError, match="over 5000 bytes"):
+        collected.add({"id": 0, "data": "a" * 6_000, "num": 1, "total": 2})
+
+
+def test_a_fragment_within_fragments_does_not_recurse_without_end(peer):
+    text = json.dumps({"op": "set_level", "level": "error"})
+    for _ in range(300):
+        (fragment,) = fragments(text, len(text))
+        text = json.dumps(fragment)[:900_000]
+        if len(text) > 500_000:
+            break
+
+    peer.session.receive(text)
+
+    assert peer.take() == []
+
+
+def test_limits_of_a_client_bound_its_fragments():
+    hub, _ = new_hub(Limits(frame_bytes=1000))
+    peer = told(Peer(hub))
+
+    peer.tell(op="fragment", id="f", data="x" * 3000, num=0, total=2)
+
+    assert "unfinished messages take over 2000 bytes" in peer.take()[0]["msg"]

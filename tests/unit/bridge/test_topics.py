@@ -1,0 +1,316 @@
+"""Topics among clients: delivery, types, latching, throttling, ways to leave."""
+
+import pytest
+
+from mrsfi_runtime.bridge.settings import Limits
+from support_bridge import FLOAT, POINT, TEXT, Peer, new_hub
+
+
+@pytest.fixture
+def hub_and_clock():
+    return new_hub()
+
+
+@pytest.fixture
+def hub(hub_and_clock):
+    return hub_and_clock[0]
+
+
+def advertised(hub, topic="/t", type_name=FLOAT, **more):
+    peer = Peer(hub)
+    peer.tell(op="set_level", level="warning")
+    peer.tell(op="advertise", topic=topic, type=type_name, **more)
+    return peer
+
+
+def subscribed(hub, topic="/t", type_name=FLOAT, **more):
+    peer = Peer(hub)
+    peer.tell(op="set_level", level="warning")
+    peer.tell(op="subscribe", topic=topic, type=type_name, **more)
+    return peer
+
+
+def values(peer):
+    return [message["data"] for message in peer.messages()]
+
+
+def publish(peer, *numbers, topic="/t"):
+    for number in numbers:
+        peer.tell(op="publish", topic=topic, msg={"data": number})
+
+
+def test_every_subscriber_receives_every_message_in_order(hub):
+    first, second, publisher = subscribed(hub), subscribed(hub), advertised(hub)
+
+    publish(publisher, 1, 2, 3)
+
+    assert values(first) == values(second) == [1.0, 2.0, 3.0]
+    assert publisher.take() == []
+
+
+def test_a_publisher_that_subscribes_receives_its_own_messages(hub):
+    peer = advertised(hub)
+    peer.tell(op="subscribe", topic="/t")
+
+    publish(peer, 1)
+
+    assert values(peer) == [1.0]
+
+
+def test_two_subscriptions_of_one_client_deliver_once(hub):
+    peer, publisher = subscribed(hub, id="a"), advertised(hub)
+    peer.tell(op="subscribe", topic="/t", id="b")
+
+    publish(publisher, 1)
+
+    assert values(peer) == [1.0]
+
+
+def test_unsubscribe_is_per_identifier(hub):
+    peer, publisher = subscribed(hub, id="a"), advertised(hub)
+    peer.tell(op="subscribe", topic="/t", id="b")
+
+    peer.tell(op="unsubscribe", topic="/t", id="a")
+    publish(publisher, 1)
+    peer.tell(op="unsubscribe", topic="/t", id="b")
+    publish(publisher, 2)
+
+    assert values(peer) == [1.0]
+
+
+def test_unsubscribe_without_identifier_ends_all(hub):
+    peer, publisher = subscribed(hub, id="a"), advertised(hub)
+    peer.tell(op="subscribe", topic="/t", id="b")
+
+    peer.tell(op="unsubscribe", topic="/t")
+    publish(publisher, 1)
+
+    assert peer.take() == []
+
+
+def test_unadvertise_is_per_identifier(hub):
+    publisher, peer = advertised(hub, id="a"), subscribed(hub)
+    publisher.tell(op="advertise", topic="/t", type=FLOAT, id="b")
+
+    publisher.tell(op="unadvertise", topic="/t", id="a")
+    publish(publisher, 1)
+    publisher.tell(op="unadvertise", topic="/t")
+
+    assert values(peer) == [1.0]
+    assert hub.broker.topics["/t"].publishers == {}
+
+
+def test_names_without_leading_slash_are_the_same_topic_and_keep_their_spelling(hub):
+    relative, absolute, publisher = subscribed(hub, "t"), subscribed(hub), advertised(hub, "t/")
+
+    publish(publisher, 1, topic="t")
+
+    assert [operation["topic"] for operation in relative.take()] == ["t"]
+    assert [operation["topic"] for operation in absolute.take()] == ["/t"]
+
+
+def test_a_latched_message_reaches_those_who_come_later_once(hub):
+    publisher = advertised(hub, latch=True)
+    publish(publisher, 1, 2)
+
+    peer = subscribed(hub, id="a")
+    peer.tell(op="subscribe", topic="/t", id="b")
+
+    assert values(peer) == [2.0]
+
+
+def test_a_latched_message_is_gone_with_its_publisher(hub):
+    publisher = advertised(hub, latch=True)
+    publish(publisher, 1)
+    subscribed(hub, id="keeps the topic")
+
+    publisher.tell(op="unadvertise", topic="/t")
+
+    assert subscribed(hub).take() == []
+
+
+def test_latched_messages_are_bounded():
+    hub, _ = new_hub(Limits(latched_bytes=300))
+    publisher, other = (
+        advertised(hub, "/a", TEXT, latch=True),
+        advertised(hub, "/b", TEXT, latch=True),
+    )
+    publish(publisher, "x" * 100, "y" * 100, topic="/a")
+
+    publish(other, "z" * 100, topic="/b")
+
+    assert publisher.take() == []
+    assert "latched messages take 300 bytes" in other.take()[0]["msg"]
+    assert values(subscribed(hub, "/a", TEXT)) == ["y" * 100]
+
+
+@pytest.mark.parametrize(
+    ("operation", "reason"),
+    [
+        ({"op": "publish", "topic": "/nowhere", "msg": {}}, "topic '/nowhere' is not advertised"),
+        ({"op": "publish", "topic": "/t", "msg": {"data": "a"}}, "expected a number"),
+        ({"op": "publish", "topic": "/t", "msg": {"x": 1}}, "has no field 'x'"),
+        ({"op": "publish", "topic": "/t", "msg": 1}, "'msg' is 1, expected dict"),
+        ({"op": "advertise", "topic": "/t", "type": TEXT}, "'/t' carries std_msgs/Float64, not"),
+        ({"op": "subscribe", "topic": "/t", "type": TEXT}, "'/t' carries std_msgs/Float64, not"),
+        ({"op": "advertise", "topic": "/u", "type": "x/Y"}, "unknown message type 'x/Y'"),
+        ({"op": "advertise", "topic": "/u"}, "advertise: field 'type' is missing"),
+        ({"op": "advertise", "topic": "/u v", "type": TEXT}, "'/u v' is no topic name"),
+        ({"op": "advertise", "topic": "/", "type": TEXT}, "'/' is no topic name"),
+        ({"op": "subscribe", "topic": "/u"}, "topic '/u' has no type yet"),
+        ({"op": "subscribe", "topic": "/t", "compression": "zip"}, "compression 'zip', expected"),
+        ({"op": "subscribe", "topic": "/t", "throttle_rate": -1}, "throttle_rate: expected"),
+        ({"op": "subscribe", "topic": "/t", "throttle_rate": 10**400}, "throttle_rate: expected"),
+        ({"op": "subscribe", "topic": "/t", "queue_length": -1}, "queue_length: expected"),
+        ({"op": "subscribe", "topic": "/t", "fragment_size": 0}, "fragment_size: expected"),
+        ({"op": "unsubscribe", "topic": "/t"}, "'/t' is not one that you subscribe to"),
+        ({"op": "unadvertise", "topic": "/u"}, "'/u' is not one that you advertise"),
+    ],
+)
+def test_what_is_wrong_is_dropped_counted_and_told_to_those_who_ask(hub, operation, reason):
+    told, quiet = advertised(hub), Peer(hub)
+
+    told.tell(**operation, id="mine")
+    quiet.tell(**operation)
+
+    (status,) = told.take()
+    assert status | {"msg": ""} == {"op": "status", "level": "error", "id": "mine", "msg": ""}
+    assert reason in status["msg"]
+    assert hub.counts.dropped >= 1
+    assert quiet.take() == []
+
+
+def test_a_client_may_publish_on_a_topic_in_use_without_advertising(hub):
+    peer, other = subscribed(hub), Peer(hub)
+
+    publish(other, 1)
+
+    assert values(peer) == [1.0]
+
+
+def test_a_topic_without_users_is_forgotten_and_may_change_its_type(hub):
+    publisher, peer = advertised(hub), subscribed(hub)
+
+    publisher.tell(op="unadvertise", topic="/t")
+    peer.session.leave()
+    second = advertised(hub, type_name=TEXT)
+
+    assert second.take() == []
+    assert hub.broker.topics["/t"].structure.name == TEXT
+
+
+def test_a_client_that_leaves_takes_everything_with_it(hub):
+    names = set(hub.broker.topics)
+    peer, publisher = subscribed(hub), advertised(hub)
+    peer.tell(op="subscribe", topic="t", type=FLOAT, throttle_rate=10)
+
+    peer.session.leave()
+    publish(publisher, 1)
+    publisher.session.leave()
+
+    assert peer.take() == []
+    assert set(hub.broker.topics) == names
+
+
+def test_topics_are_limited():
+    hub, _ = new_hub(Limits(topics=2))
+    peer = advertised(hub)  # beside /rosout
+
+    peer.tell(op="advertise", topic="/u", type=FLOAT)
+
+    assert "there are 2 topics, the limit" in peer.take()[0]["msg"]
+
+
+@pytest.mark.parametrize("op", ["advertise", "subscribe"])
+def test_uses_of_topics_are_limited(op):
+    hub, _ = new_hub(Limits(uses=3))
+    peer = Peer(hub)
+    peer.tell(op="set_level", level="error")
+    for number in range(4):
+        peer.tell(op=op, topic="/t", type=FLOAT, id=number)
+
+    assert "3 uses of topics, the limit" in peer.take()[0]["msg"]
+    peer.tell(op=f"un{op}", topic="/t", id=0)
+    peer.tell(op=op, topic="/t", type=FLOAT, id=4)
+    assert peer.take() == []
+
+
+def test_messages_that_come_too_early_are_lost_without_a_queue(hub_and_clock):
+    hub, clock = hub_and_clock
+    peer, publisher = subscribed(hub, throttle_rate=100), advertised(hub)
+
+    for number in range(10):
+        publish(publisher, number)
+        clock.advance(0.03)
+
+    assert values(peer) == [0.0, 4.0, 8.0]
+
+
+def test_a_queue_keeps_the_newest_and_sends_them_in_time(hub_and_clock):
+    hub, clock = hub_and_clock
+    peer, publisher = subscribed(hub, throttle_rate=100, queue_length=2), advertised(hub)
+
+    publish(publisher, 0, 1, 2, 3)
+    at_once = values(peer)
+    clock.advance(0.1)
+    then = values(peer)
+    clock.advance(0.1)
+
+    assert (at_once, then, values(peer)) == ([0.0], [2.0], [3.0])
+    assert hub.waiting.used == 0
+
+
+def test_a_queue_without_throttling_loses_nothing(hub):
+    peer, publisher = subscribed(hub, queue_length=1), advertised(hub)
+
+    publish(publisher, 1, 2, 3)
+
+    assert values(peer) == [1.0, 2.0, 3.0]
+
+
+def test_the_most_frequent_of_two_wishes_holds(hub_and_clock):
+    hub, clock = hub_and_clock
+    peer, publisher = subscribed(hub, throttle_rate=100, queue_length=9, id="a"), advertised(hub)
+    publish(publisher, 0, 1, 2)
+
+    peer.tell(op="subscribe", topic="/t", id="b")
+    publish(publisher, 3)
+    peer.tell(op="unsubscribe", topic="/t", id="b")
+    publish(publisher, 4)
+    clock.advance(0.1)
+
+    assert values(peer) == [0.0, 1.0, 2.0, 3.0, 4.0]
+
+
+def test_messages_that_wait_are_bounded_and_the_oldest_lost():
+    hub, clock = new_hub(Limits(total_bytes=350))
+    peer = subscribed(hub, "/t", TEXT, throttle_rate=1000, queue_length=100)
+    publisher = advertised(hub, "/t", TEXT)
+
+    publish(publisher, *(letter * 100 for letter in "abcdef"))
+    clock.advance(10)
+
+    assert [text[0] for text in values(peer)] == ["a", "e", "f"]
+    assert hub.waiting.used == 0
+
+
+def test_what_waits_is_given_back_when_its_client_leaves(hub_and_clock):
+    hub, clock = hub_and_clock
+    peer, publisher = subscribed(hub, throttle_rate=1000, queue_length=100), advertised(hub)
+    publish(publisher, 1, 2, 3)
+
+    peer.session.leave()
+    clock.advance(10)
+
+    assert values(peer) == [1.0]
+    assert hub.waiting.used == 0
+
+
+def test_one_message_reaches_clients_in_their_encodings(hub):
+    plain, image = subscribed(hub, "/p", POINT), subscribed(hub, "/p", POINT, compression="png")
+    publisher = advertised(hub, "/p", POINT)
+
+    publisher.tell(op="publish", topic="/p", msg={"x": 1})
+
+    assert plain.messages() == [{"x": 1.0, "y": 0.0, "z": 0.0}]
+    assert [operation["op"] for operation in image.take()] == ["png"]

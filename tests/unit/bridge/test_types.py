@@ -1,0 +1,157 @@
+"""Message definitions: the text format, the table, checks and defaults."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.bridge.type_table import STANDARD, TypeTable
+from mrsfi_runtime.errors import ProtocolError, UsageError
+from support_bridge import TYPES
+
+
+def define(folder: Path, name: str, text: str, kind: str = "msg") -> Path:
+    package, _, type_name = name.partition("/")
+    path = folder / package / kind / f"{type_name}.{kind}"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_every_definition_that_comes_with_the_server_is_sound():
+    n_files = sum(1 for path in STANDARD.rglob("*.*"))
+
+    assert TypeTable([STANDARD]).check() == n_files > 100
+
+
+@pytest.mark.parametrize("spelling", ["geometry_msgs/Point", "geometry_msgs/msg/Point"])
+def test_both_spellings_name_one_type(spelling):
+    assert TYPES.message(spelling) is TYPES.message("geometry_msgs/Point")
+
+
+def test_missing_fields_get_defaults_in_the_order_of_the_definition():
+    message = TYPES.message("geometry_msgs/Pose").convert({"position": {"y": 2}})
+
+    assert list(message.items()) == [
+        ("position", {"x": 0.0, "y": 2.0, "z": 0.0}),
+        ("orientation", {"x": 0.0, "y": 0.0, "z": 0.0, "w": 0.0}),
+    ]
+
+
+def test_fixed_arrays_default_to_their_length_and_byte_arrays_to_base64(tmp_path):
+    define(tmp_path, "a/T", "float64[3] v\nuint8[2] b\nuint8[] c\nint8[] d\n")
+
+    message = TypeTable([tmp_path]).message("a/T").convert({})
+
+    assert message == {"v": [0.0, 0.0, 0.0], "b": "AAA=", "c": "", "d": []}
+
+
+def test_bytes_are_accepted_as_list_and_as_base64(tmp_path):
+    define(tmp_path, "a/T", "uint8[] b\n")
+    structure = TypeTable([tmp_path]).message("a/T")
+
+    assert structure.convert({"b": [1, 2, 255]}) == {"b": "AQL/"}
+    assert structure.convert({"b": "AQL/"}) == {"b": "AQL/"}
+
+
+def test_a_header_without_stamp_is_stamped_now():
+    header = TYPES.message("std_msgs/Header").convert({"frame_id": "base"})
+
+    assert header["stamp"]["secs"] > 1_600_000_000
+    assert TYPES.message("std_msgs/Header").convert({"stamp": {"secs": 5}})["stamp"] == {
+        "secs": 5,
+        "nsecs": 0,
+    }
+
+
+def test_null_is_no_number():
+    assert math.isnan(TYPES.message("std_msgs/Float64").convert({"data": None})["data"])
+
+
+@pytest.mark.parametrize(
+    ("type_name", "message", "reason"),
+    [
+        ("std_msgs/Float64", {"data": "1"}, "field 'data': found '1', expected a number"),
+        ("std_msgs/Float64", {"data": True}, "field 'data': found True, expected a number"),
+        ("std_msgs/Float64", {"data": 10**400}, "expected a number"),
+        ("std_msgs/Float64", {"date": 1}, "std_msgs/Float64 has no field 'date', only data"),
+        ("std_msgs/Empty", {"data": 1}, "std_msgs/Empty has no field 'data', only none"),
+        ("std_msgs/Int8", {"data": 128}, "expected int8, -128 to 127"),
+        ("std_msgs/UInt8", {"data": -1}, "expected uint8, 0 to 255"),
+        ("std_msgs/Int32", {"data": 1.0}, "found 1.0, expected int32"),
+        ("std_msgs/Int64", {"data": 2**63}, "expected int64"),
+        ("std_msgs/Bool", {"data": 1}, "expected true or false"),
+        ("std_msgs/String", {"data": None}, "expected text"),
+        ("std_msgs/String", {"data": "\ud800"}, "expected text"),
+        ("std_msgs/Time", {"data": {"secs": -1}}, "expected uint32"),
+        ("std_msgs/Time", {"data": {"sec": 1}}, "expected secs and nsecs"),
+        ("geometry_msgs/Pose", {"position": {"x": "a"}}, "field 'position.x': found 'a'"),
+        ("geometry_msgs/Pose", {"position": [1, 2]}, "expected the fields of geometry_msgs/Point"),
+        ("sensor_msgs/JointState", {"position": [1, "a"]}, "field 'position[1]': found 'a'"),
+        ("sensor_msgs/JointState", {"position": 1}, "expected a list of float64"),
+        ("nav_msgs/Odometry", {"pose": {"covariance": [1]}}, "found 1 elements, expected 36"),
+        ("sensor_msgs/Image", {"data": "?"}, "expected base64 text"),
+        ("sensor_msgs/Image", {"data": [256]}, "expected uint8"),
+    ],
+)
+def test_what_does_not_fit_is_refused_with_place_and_expectation(type_name, message, reason):
+    with pytest.raises(ProtocolError) as refusal:
+        TYPES.message(type_name).convert(message)
+
+    assert reason in str(refusal.value)
+
+
+def test_a_long_value_is_not_repeated_in_full():
+    with pytest.raises(ProtocolError) as refusal:
+        TYPES.message("std_msgs/Float64").convert({"data": "x" * 10_000})
+
+    assert len(str(refusal.value)) < 200
+
+
+@pytest.mark.parametrize("name", ["nowhere/Type", "std_msgs/Nothing", "../../x/y", "Float64", ""])
+def test_an_unknown_type_is_refused(name):
+    with pytest.raises(ProtocolError, match=r"unknown message type|is no type"):
+        TYPES.message(name)
+
+
+def test_definitions_of_the_user_come_first_and_may_name_standard_types(tmp_path):
+    define(
+        tmp_path, "my/Fix", "# a comment\nHeader header\ngeometry_msgs/Point at  # where\nPart[] p"
+    )
+    define(tmp_path, "my/Part", "string NAME=a # b\nint32 N = 7\nduration d\n")
+    define(tmp_path, "std_msgs/Float64", "float64 data\nfloat64 more\n")
+    define(tmp_path, "my/Ask", "Part part\n---\nbool ok\n", "srv")
+    table = TypeTable([tmp_path])
+
+    message = table.message("my/Fix").convert({"header": {"stamp": {}}, "p": [{}]})
+
+    assert table.check() == 4
+    assert message["p"] == [{"d": {"secs": 0, "nsecs": 0}}]
+    assert table.message("my/Part").definition.constants == (("NAME", "a # b"), ("N", "7"))
+    assert table.message("std_msgs/Float64").default() == {"data": 0.0, "more": 0.0}
+    assert table.service("my/srv/Ask").response.default() == {"ok": False}
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "reason"),
+    [
+        ("float64\n", "msg", r"T.msg:1: 'float64', expected 'type name'"),
+        ("bool a\n\nbool a\n", "msg", r"T.msg:3: field 'a' occurs twice"),
+        ("bool[<=3] a\n", "msg", r"T.msg:1: 'bool\[<=3\] a', expected"),
+        ("Elsewhere a\n", "msg", r"unknown message type 'a/Elsewhere'"),
+        ("a/T t\n", "msg", "type a/T contains itself: a/T in a/T"),
+        ("bool a\n", "srv", "T.srv: 0 lines '---', expected one"),
+        ("---\n---\n", "srv", "T.srv: 2 lines '---', expected one"),
+        ("---\nbool\n", "srv", "T.srv:2: 'bool', expected"),
+    ],
+)
+def test_a_wrong_definition_is_refused_with_file_and_line(tmp_path, text, kind, reason):
+    define(tmp_path, "a/T", text, kind)
+
+    with pytest.raises(UsageError, match=reason):
+        TypeTable([tmp_path]).check()
+
+
+def test_a_folder_without_definitions_is_refused(tmp_path):
+    with pytest.raises(UsageError, match=r"no definitions; expected .*/PACKAGE/msg/TYPE\.msg"):
+        TypeTable([tmp_path]).check()
