@@ -4,8 +4,10 @@
 MISSION ?= uuv_sampling
 CASE ?= a
 SEED ?=
-ENGINE ?= reference
+ENGINE ?=
+URL ?=
 OUT ?=
+RESUME ?=
 WORKERS ?=
 PYTHON ?=
 
@@ -19,8 +21,10 @@ mission = $(or $(MISSION),uuv_sampling)
 pythons = $(or $(PYTHON),python3 python3.13 python3.12 python3.11)
 seed = $(if $(SEED),--seed "$(SEED)")
 workers = $(if $(WORKERS),--workers "$(WORKERS)")
-engine = $(if $(ENGINE),--engine "$(ENGINE)")
+engine = $(if $(ENGINE),--engine "$(ENGINE)") $(if $(URL),--url "$(URL)")
 out = $(if $(OUT),--out "$(OUT)")
+new = "$(mission)" --case "$(or $(CASE),a)" $(seed) $(out)
+campaign = $(if $(RESUME),--resume "$(RESUME)",$(new))
 
 # Pinned twice: for what is installed, and for the isolated environment that builds the package.
 export PIP_CONSTRAINT := constraints.txt
@@ -36,8 +40,10 @@ help: ## print this list
 	@echo "Targets:"
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
 	@echo
-	@echo "Variables: MISSION=$(MISSION) CASE=$(CASE) SEED=$(SEED) ENGINE=$(ENGINE) OUT=$(OUT) WORKERS=$(WORKERS) PYTHON=$(PYTHON)"
-	@echo "           CASE is a, b or a campaign file; OUT is a campaign folder; empty leaves the default."
+	@echo "Variables: MISSION=$(MISSION) CASE=$(CASE) SEED=$(SEED) ENGINE=$(ENGINE) URL=$(URL) OUT=$(OUT) RESUME=$(RESUME) WORKERS=$(WORKERS) PYTHON=$(PYTHON)"
+	@echo "           CASE is a, b or a campaign file; ENGINE is reference or rosbridge, the latter with"
+	@echo "           a server at URL or its own; OUT is a campaign folder; RESUME is one that was"
+	@echo "           interrupted, and goes on as it began. Empty leaves the default."
 	@echo "Example:   make evolve CASE=b SEED=7"
 
 install: $(BASE) ## make the virtual environment .venv and install mrsfi into it
@@ -50,10 +56,10 @@ validate: $(BASE) ## check the models of MISSION
 	$(BIN)/mrsfi validate "$(mission)"
 
 simulate: generate ## fly MISSION once without faults
-	$(BIN)/mrsfi simulate "$(mission)" $(seed)
+	$(BIN)/mrsfi simulate "$(mission)" $(seed) $(engine)
 
 evolve: generate ## search critical fault specifications of MISSION; ends with the ten worst
-	$(BIN)/mrsfi evolve "$(mission)" --case "$(or $(CASE),a)" $(seed) $(engine) $(workers) $(out)
+	$(BIN)/mrsfi evolve $(campaign) $(engine) $(workers)
 
 report: $(BASE) ## write the report of campaign folder OUT anew (default: the latest of runs/)
 	$(BIN)/mrsfi report $(if $(OUT),"$(OUT)")
@@ -61,7 +67,8 @@ report: $(BASE) ## write the report of campaign folder OUT anew (default: the la
 test: $(DEV) generate ## run the tests, but for those against Eclipse
 	$(BIN)/python -m pytest --numprocesses auto --ignore=tests/interop
 
-interop: $(DEV) generate ## compare with the real Eclipse EMF and Epsilon; needs Java 17 and Maven
+interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib and MuJoCo
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[examples]"
 	$(BIN)/python -m pytest tests/interop
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh

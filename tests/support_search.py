@@ -24,7 +24,7 @@ from mrsfi_runtime.model.mission import (
     SufficientEnergy,
 )
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import Evaluation, Generation
+from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 
@@ -194,19 +194,34 @@ def evaluate_stand_in(specifications: Sequence[Specification]) -> list[Outcome]:
 class MemoryRecorder:
     """Keeps a campaign in memory under the rules of ``CampaignStore``."""
 
-    evaluations: list[Evaluation] = field(default_factory=list)
-    failures: list[tuple[Specification, int, str]] = field(default_factory=list)
+    kept: list[Evaluation] = field(default_factory=list)
+    failed: list[FailedEvaluation] = field(default_factory=list)
     generations: list[Generation] = field(default_factory=list)
+    n_appends: int = field(default=0, compare=False)
 
-    def append(self, evaluations: Sequence[Evaluation]) -> None:
+    @property
+    def n_evaluations(self) -> int:
+        return len(self.kept)
+
+    def evaluations(self, first: int = 0, n_most: int | None = None) -> Sequence[Evaluation]:
+        return self.kept[first:][:n_most]
+
+    def failures(self) -> Sequence[FailedEvaluation]:
+        return self.failed
+
+    def generation(self, index: int) -> Generation | None:
+        return self.generations[index] if index < len(self.generations) else None
+
+    def append(
+        self, evaluations: Sequence[Evaluation], failures: Sequence[FailedEvaluation]
+    ) -> None:
         for evaluation in evaluations:
-            if evaluation.index != len(self.evaluations):
-                message = f"found {evaluation.index}; expected {len(self.evaluations)}"
+            if evaluation.index != len(self.kept):
+                message = f"found {evaluation.index}; expected {len(self.kept)}"
                 raise ValueError(message)
-            self.evaluations.append(evaluation)
-
-    def add_failure(self, specification: Specification, generation: int, traceback: str) -> None:
-        self.failures.append((specification, generation, traceback))
+            self.kept.append(evaluation)
+        self.failed.extend(failures)
+        self.n_appends += 1
 
     def close_generation(self, generation: Generation) -> None:
         if generation.index != len(self.generations):

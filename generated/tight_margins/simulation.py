@@ -11,6 +11,7 @@ from mrsfi_runtime.api import (
     advance,
     initial_state,
     reports_position,
+    true_values,
 )
 
 TOPICS = (
@@ -35,6 +36,12 @@ TOPICS = (
     Topic("/p3/p3_gps/active", "std_msgs/Bool"),
     Topic("/p3/p3_temperature/samples", "std_msgs/Int64"),
     Topic("/p3/p3_temperature/active", "std_msgs/Bool"),
+)
+
+TRUTH = (
+    Topic("/truth/p1", "std_msgs/Float64MultiArray"),
+    Topic("/truth/p2", "std_msgs/Float64MultiArray"),
+    Topic("/truth/p3", "std_msgs/Float64MultiArray"),
 )
 
 COMMANDS = (
@@ -73,7 +80,8 @@ class Simulation:
         self.mission = mission
         self.world = initial_state(mission, 0)
         self.is_running = False
-        self.publishers = {topic.name: transport.advertise(topic) for topic in TOPICS}
+        self.told_active = [-1] * len(self.world.sensors)
+        self.publishers = {topic.name: transport.advertise(topic) for topic in (*TOPICS, *TRUTH)}
         callbacks = (
             self.on_p1_heading,
             self.on_p1_speed,
@@ -94,6 +102,7 @@ class Simulation:
     def reset(self, seed: int) -> None:
         """Go back to before the first tick."""
         self.world = initial_state(self.mission, seed)
+        self.told_active = [-1] * len(self.world.sensors)
         self.is_running = True
 
     def step(self, tick: int) -> None:
@@ -118,6 +127,15 @@ class Simulation:
         self.publish_p3_gps()
         self.publish_p3_temperature()
 
+    def publish_truth(self) -> None:
+        """Publish what is true of every robot and its sensors, for the judge alone."""
+        truth = {"data": true_values(self.world, P1)}
+        self.publishers["/truth/p1"](truth)
+        truth = {"data": true_values(self.world, P2)}
+        self.publishers["/truth/p2"](truth)
+        truth = {"data": true_values(self.world, P3)}
+        self.publishers["/truth/p3"](truth)
+
     def publish_p1(self) -> None:
         """Publish robot p1; its position only while it knows it."""
         robot = self.world.robots[P1]
@@ -138,20 +156,24 @@ class Simulation:
         self.world.commands[P1].speed = float(payload["data"])
 
     def publish_p1_gps(self) -> None:
-        """Publish sensor p1_gps."""
+        """Publish sensor p1_gps; whether it is active only when that changed."""
         sensor = self.world.sensors[P1_GPS]
         self.publishers["/p1/p1_gps/samples"]({"data": sensor.count})
-        self.publishers["/p1/p1_gps/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[P1_GPS]:
+            self.told_active[P1_GPS] = sensor.active
+            self.publishers["/p1/p1_gps/active"]({"data": sensor.active == 1})
 
     def on_p1_gps_active(self, payload: Payload) -> None:
         """Switch sensor p1_gps on or off."""
         self.world.switches[P1_GPS].active = int(payload["data"])
 
     def publish_p1_depth(self) -> None:
-        """Publish sensor p1_depth."""
+        """Publish sensor p1_depth; whether it is active only when that changed."""
         sensor = self.world.sensors[P1_DEPTH]
         self.publishers["/p1/p1_depth/samples"]({"data": sensor.count})
-        self.publishers["/p1/p1_depth/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[P1_DEPTH]:
+            self.told_active[P1_DEPTH] = sensor.active
+            self.publishers["/p1/p1_depth/active"]({"data": sensor.active == 1})
 
     def on_p1_depth_active(self, payload: Payload) -> None:
         """Switch sensor p1_depth on or off."""
@@ -177,20 +199,24 @@ class Simulation:
         self.world.commands[P2].speed = float(payload["data"])
 
     def publish_p2_gps(self) -> None:
-        """Publish sensor p2_gps."""
+        """Publish sensor p2_gps; whether it is active only when that changed."""
         sensor = self.world.sensors[P2_GPS]
         self.publishers["/p2/p2_gps/samples"]({"data": sensor.count})
-        self.publishers["/p2/p2_gps/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[P2_GPS]:
+            self.told_active[P2_GPS] = sensor.active
+            self.publishers["/p2/p2_gps/active"]({"data": sensor.active == 1})
 
     def on_p2_gps_active(self, payload: Payload) -> None:
         """Switch sensor p2_gps on or off."""
         self.world.switches[P2_GPS].active = int(payload["data"])
 
     def publish_p2_pressure(self) -> None:
-        """Publish sensor p2_pressure."""
+        """Publish sensor p2_pressure; whether it is active only when that changed."""
         sensor = self.world.sensors[P2_PRESSURE]
         self.publishers["/p2/p2_pressure/samples"]({"data": sensor.count})
-        self.publishers["/p2/p2_pressure/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[P2_PRESSURE]:
+            self.told_active[P2_PRESSURE] = sensor.active
+            self.publishers["/p2/p2_pressure/active"]({"data": sensor.active == 1})
 
     def on_p2_pressure_active(self, payload: Payload) -> None:
         """Switch sensor p2_pressure on or off."""
@@ -216,20 +242,24 @@ class Simulation:
         self.world.commands[P3].speed = float(payload["data"])
 
     def publish_p3_gps(self) -> None:
-        """Publish sensor p3_gps."""
+        """Publish sensor p3_gps; whether it is active only when that changed."""
         sensor = self.world.sensors[P3_GPS]
         self.publishers["/p3/p3_gps/samples"]({"data": sensor.count})
-        self.publishers["/p3/p3_gps/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[P3_GPS]:
+            self.told_active[P3_GPS] = sensor.active
+            self.publishers["/p3/p3_gps/active"]({"data": sensor.active == 1})
 
     def on_p3_gps_active(self, payload: Payload) -> None:
         """Switch sensor p3_gps on or off."""
         self.world.switches[P3_GPS].active = int(payload["data"])
 
     def publish_p3_temperature(self) -> None:
-        """Publish sensor p3_temperature."""
+        """Publish sensor p3_temperature; whether it is active only when that changed."""
         sensor = self.world.sensors[P3_TEMPERATURE]
         self.publishers["/p3/p3_temperature/samples"]({"data": sensor.count})
-        self.publishers["/p3/p3_temperature/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[P3_TEMPERATURE]:
+            self.told_active[P3_TEMPERATURE] = sensor.active
+            self.publishers["/p3/p3_temperature/active"]({"data": sensor.active == 1})
 
     def on_p3_temperature_active(self, payload: Payload) -> None:
         """Switch sensor p3_temperature on or off."""

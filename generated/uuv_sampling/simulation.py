@@ -11,6 +11,7 @@ from mrsfi_runtime.api import (
     advance,
     initial_state,
     reports_position,
+    true_values,
 )
 
 TOPICS = (
@@ -35,6 +36,12 @@ TOPICS = (
     Topic("/r3/s5/active", "std_msgs/Bool"),
     Topic("/r3/s6/samples", "std_msgs/Int64"),
     Topic("/r3/s6/active", "std_msgs/Bool"),
+)
+
+TRUTH = (
+    Topic("/truth/r1", "std_msgs/Float64MultiArray"),
+    Topic("/truth/r2", "std_msgs/Float64MultiArray"),
+    Topic("/truth/r3", "std_msgs/Float64MultiArray"),
 )
 
 COMMANDS = (
@@ -73,7 +80,8 @@ class Simulation:
         self.mission = mission
         self.world = initial_state(mission, 0)
         self.is_running = False
-        self.publishers = {topic.name: transport.advertise(topic) for topic in TOPICS}
+        self.told_active = [-1] * len(self.world.sensors)
+        self.publishers = {topic.name: transport.advertise(topic) for topic in (*TOPICS, *TRUTH)}
         callbacks = (
             self.on_r1_heading,
             self.on_r1_speed,
@@ -94,6 +102,7 @@ class Simulation:
     def reset(self, seed: int) -> None:
         """Go back to before the first tick."""
         self.world = initial_state(self.mission, seed)
+        self.told_active = [-1] * len(self.world.sensors)
         self.is_running = True
 
     def step(self, tick: int) -> None:
@@ -118,6 +127,15 @@ class Simulation:
         self.publish_s5()
         self.publish_s6()
 
+    def publish_truth(self) -> None:
+        """Publish what is true of every robot and its sensors, for the judge alone."""
+        truth = {"data": true_values(self.world, R1)}
+        self.publishers["/truth/r1"](truth)
+        truth = {"data": true_values(self.world, R2)}
+        self.publishers["/truth/r2"](truth)
+        truth = {"data": true_values(self.world, R3)}
+        self.publishers["/truth/r3"](truth)
+
     def publish_r1(self) -> None:
         """Publish robot r1; its position only while it knows it."""
         robot = self.world.robots[R1]
@@ -138,20 +156,24 @@ class Simulation:
         self.world.commands[R1].speed = float(payload["data"])
 
     def publish_s1(self) -> None:
-        """Publish sensor s1."""
+        """Publish sensor s1; whether it is active only when that changed."""
         sensor = self.world.sensors[S1]
         self.publishers["/r1/s1/samples"]({"data": sensor.count})
-        self.publishers["/r1/s1/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[S1]:
+            self.told_active[S1] = sensor.active
+            self.publishers["/r1/s1/active"]({"data": sensor.active == 1})
 
     def on_s1_active(self, payload: Payload) -> None:
         """Switch sensor s1 on or off."""
         self.world.switches[S1].active = int(payload["data"])
 
     def publish_s2(self) -> None:
-        """Publish sensor s2."""
+        """Publish sensor s2; whether it is active only when that changed."""
         sensor = self.world.sensors[S2]
         self.publishers["/r1/s2/samples"]({"data": sensor.count})
-        self.publishers["/r1/s2/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[S2]:
+            self.told_active[S2] = sensor.active
+            self.publishers["/r1/s2/active"]({"data": sensor.active == 1})
 
     def on_s2_active(self, payload: Payload) -> None:
         """Switch sensor s2 on or off."""
@@ -177,20 +199,24 @@ class Simulation:
         self.world.commands[R2].speed = float(payload["data"])
 
     def publish_s3(self) -> None:
-        """Publish sensor s3."""
+        """Publish sensor s3; whether it is active only when that changed."""
         sensor = self.world.sensors[S3]
         self.publishers["/r2/s3/samples"]({"data": sensor.count})
-        self.publishers["/r2/s3/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[S3]:
+            self.told_active[S3] = sensor.active
+            self.publishers["/r2/s3/active"]({"data": sensor.active == 1})
 
     def on_s3_active(self, payload: Payload) -> None:
         """Switch sensor s3 on or off."""
         self.world.switches[S3].active = int(payload["data"])
 
     def publish_s4(self) -> None:
-        """Publish sensor s4."""
+        """Publish sensor s4; whether it is active only when that changed."""
         sensor = self.world.sensors[S4]
         self.publishers["/r2/s4/samples"]({"data": sensor.count})
-        self.publishers["/r2/s4/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[S4]:
+            self.told_active[S4] = sensor.active
+            self.publishers["/r2/s4/active"]({"data": sensor.active == 1})
 
     def on_s4_active(self, payload: Payload) -> None:
         """Switch sensor s4 on or off."""
@@ -216,20 +242,24 @@ class Simulation:
         self.world.commands[R3].speed = float(payload["data"])
 
     def publish_s5(self) -> None:
-        """Publish sensor s5."""
+        """Publish sensor s5; whether it is active only when that changed."""
         sensor = self.world.sensors[S5]
         self.publishers["/r3/s5/samples"]({"data": sensor.count})
-        self.publishers["/r3/s5/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[S5]:
+            self.told_active[S5] = sensor.active
+            self.publishers["/r3/s5/active"]({"data": sensor.active == 1})
 
     def on_s5_active(self, payload: Payload) -> None:
         """Switch sensor s5 on or off."""
         self.world.switches[S5].active = int(payload["data"])
 
     def publish_s6(self) -> None:
-        """Publish sensor s6."""
+        """Publish sensor s6; whether it is active only when that changed."""
         sensor = self.world.sensors[S6]
         self.publishers["/r3/s6/samples"]({"data": sensor.count})
-        self.publishers["/r3/s6/active"]({"data": sensor.active == 1})
+        if sensor.active != self.told_active[S6]:
+            self.told_active[S6] = sensor.active
+            self.publishers["/r3/s6/active"]({"data": sensor.active == 1})
 
     def on_s6_active(self, payload: Payload) -> None:
         """Switch sensor s6 on or off."""

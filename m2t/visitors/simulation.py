@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import Any
 
-from m2t.visitors.topics import TopicVisitor, methods
+from m2t.visitors.topics import TopicView, TopicVisitor, methods
 
 
 class SimulationVisitor(TopicVisitor):
-    """Add the receivers of commands to what both sides share."""
+    """Add the true state and the receivers of commands to what both sides share."""
 
     template = "simulation.py.j2"
     target = PurePosixPath("simulation.py")
@@ -17,4 +17,8 @@ class SimulationVisitor(TopicVisitor):
         """Return the template context of one mission."""
         context = super().visit_Mission(mission)
         callbacks = methods(context["robots"], ("on_{}_heading", "on_{}_speed"), ("on_{}_active",))
-        return {**context, "callbacks": callbacks}
+        truths = tuple(
+            TopicView(robot.truth_topic, "std_msgs/Float64MultiArray")
+            for robot in context["robots"]
+        )
+        return {**context, "truths": truths, "callbacks": callbacks}

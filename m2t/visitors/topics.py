@@ -67,6 +67,11 @@ class RobotView:
         return f"/{self.name}/energy"
 
     @property
+    def truth_topic(self) -> str:
+        """Topic of the true state, which only the judge of true verdicts reads."""
+        return f"/truth/{self.name}"
+
+    @property
     def heading_topic(self) -> str:
         """Topic of the command that turns the robot."""
         return f"/{self.name}/command/heading"

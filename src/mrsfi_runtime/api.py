@@ -1,5 +1,6 @@
 """The names that generated code may import, and nothing else."""
 
+from mrsfi_runtime.hosting.truth import true_values
 from mrsfi_runtime.kernel import commands, randomness, reactions, tasks
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.initial import initial_state
@@ -70,4 +71,5 @@ __all__ = [
     "reactions",
     "reports_position",
     "tasks",
+    "true_values",
 ]

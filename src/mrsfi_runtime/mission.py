@@ -12,6 +12,7 @@ from mrsfi_runtime.errors import EvaluationError, GenerationError, Specification
 from mrsfi_runtime.hosting.sides import Check, Reaction, SimInterface, Simulation
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.transport.topics import Topic
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,8 @@ class MissionCode:
         What the loaders return.
     simulation, interface
         The generated classes.
+    truth
+        Topics of the robots' true states, in model order.
     checks, reactions
         The goal functions in model order.
     directory
@@ -34,6 +37,7 @@ class MissionCode:
     pool: FaultPool
     simulation: type[Simulation]
     interface: type[SimInterface]
+    truth: tuple[Topic, ...]
     checks: tuple[Check, ...]
     reactions: tuple[Reaction, ...]
     directory: Path
@@ -55,11 +59,13 @@ def load_code(directory: Path) -> MissionCode:
         If a file cannot be imported, because of an edited region, say.
     """
     collective = _module(directory, "collective_intelligence")
+    simulation = _module(directory, "simulation")
     return MissionCode(
         mission=_module(directory, "mission_loader").load_mission(),
         pool=_module(directory, "fault_loader").load_faults(),
-        simulation=_module(directory, "simulation").Simulation,
+        simulation=simulation.Simulation,
         interface=_module(directory, "sim_interface").SimInterface,
+        truth=tuple(getattr(simulation, "TRUTH", ())),  # campaigns of older versions have none
         checks=tuple(collective.CHECKS),
         reactions=tuple(collective.REACTIONS),
         directory=directory,

@@ -64,3 +64,24 @@ def test_a_long_search_prints_some_hundred_lines_and_always_the_last(
     printed = capfd.readouterr().err.splitlines()
     assert 90 <= len(printed) <= 102
     assert printed[-1].startswith("generation 5000/5000")
+
+
+def test_what_was_recorded_before_does_not_count_into_the_time_left(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    clock = ticking(60.0)
+    lines = PlainLines(CampaignSettings(generations=9), lambda: next(clock), begun=0.7)
+
+    lines(state(7, n_evaluations=90))
+
+    assert capfd.readouterr().err.endswith("evaluations 90  left 2:00\n")
+
+
+def test_a_generation_that_was_all_recorded_before_prints_nothing(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    lines = PlainLines(CampaignSettings(evaluations=100), lambda: 0.0, begun=0.5)
+
+    lines(state(7, n_evaluations=50))
+
+    assert capfd.readouterr().err == ""

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.kernel.state import GoalState, State
 from mrsfi_runtime.kernel.tasks import (
     AVOID_COLLISION,
@@ -93,7 +93,7 @@ class AuditRow:
     reason: str = ""
 
 
-def audit(engine: ReferenceEngine, start: int, finish: int) -> tuple[AuditRow, ...]:
+def audit(engine: Engine, start: int, finish: int) -> tuple[AuditRow, ...]:
     """Fly every fault of the mission's pool alone over one window, with the pool's values.
 
     Parameters

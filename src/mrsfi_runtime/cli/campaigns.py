@@ -2,7 +2,7 @@
 
 import hashlib
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -65,8 +65,8 @@ def latest_folder() -> Path:
     return max(databases, key=lambda folder: databases[folder].stat().st_mtime_ns)
 
 
-def manifest(folders: MissionFolders, case: str, engine: str) -> dict[str, JSON]:
-    """Return what a campaign runs on: versions, and the hash of every copied file."""
+def manifest(folders: MissionFolders, case: str, engine: Mapping[str, JSON]) -> dict[str, JSON]:
+    """Return what a campaign runs on: engine, versions, and the hash of every copied file."""
     files = sorted(
         path
         for source in (folders.models, folders.generated)
@@ -76,7 +76,7 @@ def manifest(folders: MissionFolders, case: str, engine: str) -> dict[str, JSON]
     return {
         "mission": folders.name,
         "case": case,
-        "engine": engine,
+        **engine,
         "versions": {
             "python": platform.python_version(),
             **{name: installed_version(name) for name in _VERSIONED},

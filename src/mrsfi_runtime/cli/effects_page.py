@@ -7,7 +7,7 @@ from rich.text import Text
 
 from mrsfi_runtime.analysis.effects import AuditRow
 from mrsfi_runtime.cli.tables import plain_table
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.mission import Mission
 
 _PAGE = """# What each fault does alone
@@ -44,7 +44,7 @@ def effects_table(mission: Mission, rows: Sequence[AuditRow]) -> Table:
 
 
 def effects_page(
-    name: str, engine: ReferenceEngine, window: tuple[int, int], rows: Sequence[AuditRow]
+    name: str, engine: Engine, window: tuple[int, int], rows: Sequence[AuditRow]
 ) -> str:
     """Return the audit as a page in Markdown."""
     mission = engine.code.mission

@@ -1,7 +1,9 @@
 """The command ``mrsfi evolve``."""
 
 import os
+from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -9,30 +11,25 @@ from mrsfi_runtime.analysis.fronts import goal_columns, parse_ratio
 from mrsfi_runtime.cli.campaigns import (
     OpenCampaign,
     free_folder,
-    manifest,
     open_campaign,
 )
 from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.engines import BOTH, CI, EngineOptions, engine_options
 from mrsfi_runtime.cli.missions import (
     MissionFolders,
     find_mission,
     generated_option,
-    mission_argument,
 )
-from mrsfi_runtime.cli.progress import search_progress
+from mrsfi_runtime.cli.progress import search_progress, share
 from mrsfi_runtime.cli.results import report
+from mrsfi_runtime.cli.resume import begun, resumed
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.campaign import require_settings, run_campaign
 from mrsfi_runtime.search.settings import CampaignSettings
-
-ENGINES = ("reference",)
-"""Ways to evaluate a fault specification."""
 
 _HELP = """Evolve fault specifications against MISSION and print the ten most critical.
 
@@ -48,19 +45,21 @@ Examples:
   mrsfi evolve uuv_sampling --seed 7 --generations 5 --out runs/short
   mrsfi evolve uuv_sampling --algorithm random --evaluations 1000
   mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
+  mrsfi evolve --resume runs/uuv_sampling-a-1
 
-Same seed, same result, bit for bit, with any number of workers. Ctrl-C leaves a campaign
-that can be reported and replayed.
+Same seed, same result, bit for bit, with any number of workers. A campaign that was ended,
+by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on with
+--resume DIR: nothing that is recorded is evaluated again, and the result is that of one run.
 """
 
 
 @click.command(name="evolve", help=_HELP)
-@mission_argument
+@click.pass_context
+@click.argument("mission", metavar="[MISSION]", required=False)
 @generated_option
 @click.option(
     "--case",
-    default="a",
-    show_default=True,
+    show_default="a",
     metavar="a|b|FILE",
     help="Campaign file: case_NAME.toml beside the models, or any TOML file.",
 )
@@ -75,40 +74,66 @@ that can be reported and replayed.
     type=click.IntRange(1),
     help="Processes that evaluate [default: as many as this machine has processors].",
 )
-@click.option("--engine", type=click.Choice(ENGINES), default=ENGINES[0], show_default=True)
+@engine_options(BOTH, CI)
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
     metavar="DIR",
     help="New folder of the campaign [default: runs/NAME-CASE-N, first free N].",
 )
+@click.option(
+    "--resume",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Go on with the campaign in DIR, with its own settings; no MISSION then.",
+)
 @click.option("--ratio", metavar="G:H=M:N", help="Also pick from the front, such as g3:g1=2:1.")
 @click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
 def command(
-    mission: str,
-    generated: Path | None,
-    case: str,
+    ctx: click.Context,
+    /,
     *,
+    engine: EngineOptions,
     workers: int | None,
-    engine: str,
-    out: Path | None,
+    resume: Path | None,
     ratio: str | None,
     is_json: bool,
-    **overrides: object,
+    **given: Any,
 ) -> None:
     """Evolve fault specifications against a mission and print the most critical."""
+    if resume is None:
+        flown_by = engine.settings()
+        flown_by.require_workers(workers or 1)
+        path, writer = _new_campaign(ratio, flown_by, **given)
+    else:
+        path, writer = resume, resumed(resume, ctx)
+    with writer, open_campaign(path) as campaign:
+        _require_ratio(campaign.code.mission, ratio)
+        _search(campaign, engine.settings(campaign.store.manifest), workers)
+        report(campaign, ratio, is_json=is_json)
+
+
+def _new_campaign(
+    ratio: str | None,
+    engine: EngineSettings,
+    mission: str | None,
+    generated: Path | None,
+    case: str | None,
+    out: Path | None,
+    **overrides: object,
+) -> tuple[Path, AbstractContextManager[None]]:
+    """Refuse what cannot be searched; return the campaign's folder and what begins it."""
+    if mission is None:
+        message = "found no MISSION; expected one, or --resume DIR to go on with a campaign"
+        raise UsageError(message)
+    case = case or "a"
     folders = find_mission(mission, generated)
     settings = CampaignSettings.load(_campaign_file(folders, case), **overrides)
     flown = folders.load().mission
     require_settings(settings, flown)
     _require_ratio(flown, ratio)
     path = free_folder(folders.name, Path(case).stem) if out is None else out
-    folder = CampaignFolder.create(path, folders.models, folders.generated)
-    with CampaignStore.create(path, settings.as_json(), manifest(folders, case, engine)) as store:
-        campaign = OpenCampaign(folder, store, load_code(folder.generated))
-        _search(campaign, settings, workers or os.cpu_count() or 1)
-    with open_campaign(path) as campaign:
-        report(campaign, ratio, is_json=is_json)
+    return path, begun(path, folders, settings, case, engine)
 
 
 def _campaign_file(folders: MissionFolders, case: str) -> Path:
@@ -131,22 +156,29 @@ def _require_ratio(mission: Mission, ratio: str | None) -> None:
         goal_columns(mission, parse_ratio(ratio).goals)
 
 
-def _search(campaign: OpenCampaign, settings: CampaignSettings, n_workers: int) -> None:
-    path, code = campaign.folder.path, campaign.code
+def _search(campaign: OpenCampaign, engine: EngineSettings, workers: int | None) -> None:
+    n_workers = workers or (1 if engine.url else os.cpu_count() or 1)
+    path, code, store = campaign.folder.path, campaign.code, campaign.store
+    settings = CampaignSettings.from_json(store.settings, str(path))
     tell(f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {n_workers} workers")
+    n_generations = store.n_generations
+    recorded = share(settings, n_generations, store.n_evaluations + len(store.failures()))
     try:
         with (
-            WorkerPool(code.directory, settings.mission_seed, n_workers) as pool,
-            search_progress(settings) as on_generation,
+            WorkerPool(code.directory, settings.mission_seed, n_workers, engine) as pool,
+            search_progress(settings, recorded) as on_generation,
         ):
             run_campaign(
                 settings,
                 code.mission,
                 code.pool,
                 pool.evaluate_many,
-                campaign.store,
+                store,
                 on_generation,
             )
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, TransportError):
         tell(f"what was found until now is kept; see it with: mrsfi report {path}")
+        tell(f"go on with: mrsfi evolve --resume {path}")
         raise
+    if store.n_generations == n_generations:
+        tell("was finished already; its report is written anew")

@@ -17,18 +17,20 @@ _LINES = 100
 
 @contextmanager
 def search_progress(
-    settings: CampaignSettings, clock: Callable[[], float] = monotonic
+    settings: CampaignSettings, begun: float = 0.0, clock: Callable[[], float] = monotonic
 ) -> Iterator[Callable[[Progress], None]]:
     """Yield the function to call after each generation.
 
     Parameters
     ----------
+    begun
+        Share of the search that was done by an earlier run.
     clock
         Seconds since any moment.
     """
     console = progress_console()
     if not console.is_terminal:
-        yield PlainLines(settings, clock)
+        yield PlainLines(settings, clock, begun)
         return
     columns = (
         TextColumn("generation {task.fields[generation]}"),
@@ -38,6 +40,8 @@ def search_progress(
     )
     with Bar(*columns, console=console) as bar:
         task = bar.add_task("", total=1.0, generation="0", best=0.0, mean=0.0)
+
+        bar.update(task, completed=begun)
 
         def advance(state: Progress) -> None:
             bar.update(
@@ -60,10 +64,15 @@ class PlainLines:
         Say how long the search is.
     clock
         Seconds since any moment.
+    begun
+        Share of the search that was done by an earlier run.
     """
 
-    def __init__(self, settings: CampaignSettings, clock: Callable[[], float]) -> None:
+    def __init__(
+        self, settings: CampaignSettings, clock: Callable[[], float], begun: float = 0.0
+    ) -> None:
         self._settings = settings
+        self._recorded = begun
         self._clock = clock
         self._began = clock()
         self._told = -1.0
@@ -71,10 +80,12 @@ class PlainLines:
     def __call__(self, state: Progress) -> None:
         """Tell how far the search is after a generation."""
         done = share_done(self._settings, state)
-        if done < 1.0 and done - self._told < 1.0 / _LINES:
+        fresh = done - self._recorded
+        if done < 1.0 and (fresh <= 0.0 or done - self._told < 1.0 / _LINES):
             return
         self._told = done
-        left = round((self._clock() - self._began) * (1.0 - done) / done)
+        elapsed = self._clock() - self._began
+        left = round(elapsed * (1.0 - done) / fresh) if done < 1.0 else 0
         tell(
             f"generation {_generation(self._settings, state)}  best {state.best:.2f}  "
             f"mean {state.mean:.2f}  evaluations {state.n_evaluations}  "
@@ -84,9 +95,14 @@ class PlainLines:
 
 def share_done(settings: CampaignSettings, state: Progress) -> float:
     """Return the share of a search that is done, above 0, at most 1."""
+    return share(settings, state.generation + 1, state.n_evaluations + state.n_failures)
+
+
+def share(settings: CampaignSettings, n_generations: int, n_asked: int) -> float:
+    """Return the share of a search that so many generations or specifications are."""
     if settings.evaluations is not None:
-        return min(1.0, (state.n_evaluations + state.n_failures) / settings.evaluations)
-    return min(1.0, (state.generation + 1) / (settings.generations + 1))
+        return min(1.0, n_asked / settings.evaluations)
+    return min(1.0, n_generations / (settings.generations + 1))
 
 
 def _generation(settings: CampaignSettings, state: Progress) -> str:

@@ -9,9 +9,10 @@ from rich.progress import track
 from mrsfi_runtime.analysis.ranking import top
 from mrsfi_runtime.cli.campaigns import OpenCampaign, open_campaign
 from mrsfi_runtime.cli.console import print_json, print_table, progress_console
+from mrsfi_runtime.cli.engines import BOTH, CI, EngineOptions, engine_options
 from mrsfi_runtime.cli.flights import recorder, recording_options
 from mrsfi_runtime.cli.tables import fault_table, goal_table
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import RecordError, ReplayMismatch
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
@@ -36,10 +37,12 @@ Examples:
 @click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
 @click.option("--all", "is_all", is_flag=True, help="Every evaluation.")
 @recording_options
+@engine_options(BOTH, CI)
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def command(
     folder: Path,
     *,
+    engine: EngineOptions,
     evaluation: int | None,
     best: bool,
     is_all: bool,
@@ -56,13 +59,13 @@ def command(
         raise click.UsageError(message)
     with open_campaign(folder) as campaign:
         settings = CampaignSettings.from_json(campaign.store.settings, str(folder))
-        engine = ReferenceEngine(campaign.code, settings.mission_seed)
-        if is_all:
-            _replay_all(campaign, engine, is_json=is_json)
-            return
-        recorded = _one(campaign, evaluation)
-        with recorder(campaign.code.mission, log, trace) as observer:
-            outcome = engine.evaluate(recorded.specification, observer=observer)
+        with engine.settings().open(campaign.code, settings.mission_seed) as opened:
+            if is_all:
+                _replay_all(campaign, opened, is_json=is_json)
+                return
+            recorded = _one(campaign, evaluation)
+            with recorder(campaign.code.mission, log, trace) as observer:
+                outcome = opened.evaluate(recorded.specification, observer=observer)
         _require_same(folder, recorded, outcome)
         _print_one(campaign, recorded, is_json=is_json)
 
@@ -77,7 +80,7 @@ def _one(campaign: OpenCampaign, index: int | None) -> Evaluation:
     return best[0]
 
 
-def _replay_all(campaign: OpenCampaign, engine: ReferenceEngine, *, is_json: bool) -> None:
+def _replay_all(campaign: OpenCampaign, engine: Engine, *, is_json: bool) -> None:
     evaluations = campaign.store.evaluations()
     console = progress_console()
     for recorded in track(evaluations, "replay", console=console, disable=not console.is_terminal):

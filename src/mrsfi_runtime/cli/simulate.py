@@ -10,14 +10,26 @@ import click
 from mrsfi_runtime.analysis.effects import AuditRow, audit
 from mrsfi_runtime.cli.console import print_json, print_table, tell, written_file
 from mrsfi_runtime.cli.effects_page import effects_page, effects_table
+from mrsfi_runtime.cli.engines import (
+    BOTH,
+    CI,
+    SIMULATION,
+    EngineOptions,
+    engine_options,
+)
 from mrsfi_runtime.cli.flights import recorder, recording_options, specification_pool
 from mrsfi_runtime.cli.missions import find_mission, generated_option, mission_argument
 from mrsfi_runtime.cli.tables import fault_table, goal_table
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.simulation_process import serve_simulation
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.hosting.simulation_host import SimulationHost
+from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.transport.rosbridge import without_token
 
 _HELP = """Fly MISSION once and print what happened to each goal.
 
@@ -32,6 +44,13 @@ Examples:
   mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
   mrsfi simulate uuv_sampling --each-fault 100:900
   mrsfi simulate uuv_sampling --each-fault 100:900 --markdown effects.md
+  mrsfi simulate uuv_sampling --engine rosbridge
+
+\b
+On a server of yours, simulation and collective intelligence apart:
+  mrsfi bridge --port 9090
+  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side simulation
+  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
 
 A violation counts once per goal and tick: believed by the collective intelligence, true in
 the simulation, phantom (believed, not true), masked (true, not believed).
@@ -65,11 +84,13 @@ _WINDOW = re.compile(r"(\d+):(\d+)")
     "--seed", type=click.IntRange(0), default=1, show_default=True, help="Seed of the weather."
 )
 @recording_options
+@engine_options(BOTH, CI, SIMULATION)
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def command(  # noqa: PLR0913 - one parameter per option
     mission: str,
     generated: Path | None,
     *,
+    engine: EngineOptions,
     no_faults: bool,
     faults: Path | None,
     each_fault: str | None,
@@ -85,16 +106,21 @@ def command(  # noqa: PLR0913 - one parameter per option
     if markdown is not None and each_fault is None:
         message = "--markdown needs --each-fault"
         raise click.UsageError(message)
+    settings = engine.settings()
     folders = find_mission(mission, generated)
     code = folders.load()
-    engine = ReferenceEngine(code, seed)
-    if each_fault is not None:
-        _fly_each(folders.name, engine, _window(each_fault), markdown, is_json=is_json)
+    if engine.side == SIMULATION:
+        _require_nothing_else(ways, is_json=is_json, has_log=bool(log or trace))
+        _serve(folders.name, code, settings)
         return
-    pool = code.pool if faults is None else specification_pool(faults)
-    specification = () if faults is None else pool.written_specification()
-    with recorder(code.mission, log, trace) as observer:
-        outcome = engine.evaluate(specification, pool=pool, observer=observer)
+    with settings.open(code, seed) as opened:
+        if each_fault is not None:
+            _fly_each(folders.name, opened, _window(each_fault), markdown, is_json=is_json)
+            return
+        pool = code.pool if faults is None else specification_pool(faults)
+        specification = () if faults is None else pool.written_specification()
+        with recorder(code.mission, log, trace) as observer:
+            outcome = opened.evaluate(specification, pool=pool, observer=observer)
     if is_json:
         print_json(_as_json(code.mission, seed, pool, specification, outcome))
         return
@@ -112,6 +138,24 @@ def _require_one_way(ways: Sequence[object], *, is_each: bool, has_log: bool) ->
     if is_each and has_log:
         message = "--log and --trace record one flight; --each-fault flies many"
         raise click.UsageError(message)
+
+
+def _require_nothing_else(ways: Sequence[object], *, is_json: bool, has_log: bool) -> None:
+    if ways or is_json or has_log:
+        message = (
+            "--side simulation flies what the other side tells it; give faults, logs and --json "
+            "there"
+        )
+        raise click.UsageError(message)
+
+
+def _serve(name: str, code: MissionCode, settings: EngineSettings) -> None:
+    """Serve the simulation until it is interrupted or the connection is gone."""
+
+    def on_ready(url: str, _host: SimulationHost) -> None:
+        tell(f"simulation of {name} serves at {without_token(url)}; Ctrl-C ends it")
+
+    serve_simulation(code, settings.url, settings.client, settings.patience, on_ready)
 
 
 def _window(text: str) -> tuple[int, int]:
@@ -156,7 +200,7 @@ def _as_json(
 
 def _fly_each(
     name: str,
-    engine: ReferenceEngine,
+    engine: Engine,
     window: tuple[int, int],
     markdown: Path | None,
     *,

@@ -4,6 +4,7 @@ Evaluation has no state of its own, so any number of workers and any order give 
 results.
 """
 
+import os
 import signal
 import traceback
 from collections.abc import Iterator, Sequence
@@ -12,12 +13,14 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
+from threading import Thread
 from types import TracebackType
 from typing import Self
 
-from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Specification
@@ -42,25 +45,33 @@ class WorkerPool:
         Mission seed.
     n_workers
         Number of processes; 1 evaluates in this process.
+    settings
+        Which engine evaluates; every process has its own.
 
     Raises
     ------
     MrsfiError
-        If the code cannot be loaded; told before any worker starts.
+        If the code cannot be loaded, or the engine cannot be opened; told before any worker
+        starts.
     """
 
-    def __init__(self, directory: Path, seed: int, n_workers: int = 1) -> None:
-        self._engine = ReferenceEngine(load_code(directory), seed)
-        self._evaluate_chunk = partial(_evaluate_chunk, directory, seed)
+    def __init__(
+        self,
+        directory: Path,
+        seed: int,
+        n_workers: int = 1,
+        settings: EngineSettings | None = None,
+    ) -> None:
+        settings = EngineSettings() if settings is None else settings
+        settings.require_workers(n_workers)
+        code = load_code(directory)
+        self._engine = settings.open(code, seed) if n_workers == 1 else None
+        self._evaluate_chunk = partial(_evaluate_chunk, directory, seed, settings)
         self._n_workers = n_workers
-        self._executor = (
-            ProcessPoolExecutor(
-                n_workers,
-                mp_context=get_context("spawn"),
-                initializer=_start_worker,
-            )
-            if n_workers > 1
-            else None
+        self._executor = ProcessPoolExecutor(
+            n_workers,
+            mp_context=get_context("spawn"),
+            initializer=_start_worker,
         )
 
     def __enter__(self) -> Self:
@@ -76,28 +87,31 @@ class WorkerPool:
 
     def close(self) -> None:
         """Stop the workers; what they have not begun is dropped."""
-        if self._executor is not None:
-            self._executor.shutdown(wait=True, cancel_futures=True)
+        if self._engine is not None:
+            self._engine.close()
+        self._executor.shutdown(wait=True, cancel_futures=True)
 
-    def evaluate_many(self, specifications: Sequence[Specification]) -> list[Outcome | Failure]:
-        """Evaluate specifications, and return the results in the same order.
+    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Outcome | Failure]:
+        """Evaluate specifications, and yield the results in the same order, as they come.
 
         Raises
         ------
         EvaluationError
             If a worker process died.
         """
-        if self._executor is None:
-            return [_attempt(self._engine, specification) for specification in specifications]
+        if self._engine is not None:
+            for specification in specifications:
+                yield _attempt(self._engine, specification)
+            return
         chunks = _chunks(specifications, 4 * self._n_workers)
         try:
             with _interrupts_held():
                 results = self._executor.map(self._evaluate_chunk, chunks)
-            outcomes = [outcome for chunk in results for outcome in chunk]
+            for chunk in results:
+                yield from chunk
         except BrokenProcessPool as error:
             message = "a worker process died; resume the campaign, or use --workers 1 to see why"
             raise EvaluationError(message) from error
-        return outcomes
 
 
 @contextmanager
@@ -118,7 +132,7 @@ def _chunks(
         yield specifications[start : start + size]
 
 
-def _attempt(engine: ReferenceEngine, specification: Specification) -> Outcome | Failure:
+def _attempt(engine: Engine, specification: Specification) -> Outcome | Failure:
     try:
         return engine.evaluate(specification)
     except EvaluationError:
@@ -127,15 +141,24 @@ def _attempt(engine: ReferenceEngine, specification: Specification) -> Outcome |
 
 def _start_worker() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides how a run ends
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """End this worker when its parent is gone, killed even: the pool alone would wait forever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 @lru_cache(maxsize=1)
-def _worker_engine(directory: Path, seed: int) -> ReferenceEngine:
-    return ReferenceEngine(load_code(directory), seed)
+def _worker_engine(directory: Path, seed: int, settings: EngineSettings) -> Engine:
+    return settings.open(load_code(directory), seed)
 
 
 def _evaluate_chunk(
-    directory: Path, seed: int, specifications: Sequence[Specification]
+    directory: Path, seed: int, settings: EngineSettings, specifications: Sequence[Specification]
 ) -> list[Outcome | Failure]:
-    engine = _worker_engine(directory, seed)
+    engine = _worker_engine(directory, seed, settings)
     return [_attempt(engine, specification) for specification in specifications]

@@ -7,6 +7,7 @@ Source paper, section III-G and Figure 4.
 
 from collections.abc import Sequence
 
+from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.hosting.sides import Check, Reaction, SimInterface
 from mrsfi_runtime.kernel.effects import Orders, issue
 from mrsfi_runtime.kernel.initial import initial_state
@@ -25,6 +26,8 @@ class CiHost:
         Local state of the collective intelligence.
     plan
         Faults of the run.
+    sent
+        What the simulation was last told.
     """
 
     def __init__(
@@ -43,12 +46,19 @@ class CiHost:
         self._reactions = tuple(reactions)
         self._inbox = initial_state(mission, seed)
         self._orders = _orders(self.belief)
-        self._sent = _orders(self.belief)
+        self.sent = _orders(self.belief)
         interface.reset()
 
-    def begin(self) -> None:
-        """Send the forged commands that act from the very first motion."""
-        self._send(0)
+    def begin(self, *, tells_all: bool = False) -> None:
+        """Send the commands that act from the very first motion.
+
+        Parameters
+        ----------
+        tells_all
+            Whether to send all of them, to a simulation that may not know the first headings;
+            otherwise the forged ones alone.
+        """
+        self._send(0, tells_all=tells_all)
 
     def step(self, tick: int) -> list[bool]:
         """Read the messages of a tick, check every goal, and command the robots.
@@ -57,9 +67,18 @@ class CiHost:
         -------
         list[bool]
             For each goal in model order, whether it is believed violated.
+
+        Raises
+        ------
+        ProtocolError
+            If a message of the simulation is missing or cannot be read.
         """
         belief = self.belief
-        self._interface.read(self._inbox)
+        try:
+            self._interface.read(self._inbox)
+        except (KeyError, TypeError, ValueError) as error:
+            message = f"the simulation's messages cannot be read: {type(error).__name__}: {error}"
+            raise ProtocolError(message) from error
         perceive(belief, self._inbox, self.plan, tick)
         violated = [bool(check(belief)) for check in self._checks]
         for react in self._reactions:
@@ -67,20 +86,21 @@ class CiHost:
         self._send(tick + 1)
         return violated
 
-    def _send(self, tick: int) -> None:
-        """Send what differs from what was sent before."""
-        orders, sent, interface = self._orders, self._sent, self._interface
+    def _send(self, tick: int, *, tells_all: bool = False) -> None:
+        """Send what differs from what was sent before, or all."""
+        orders, sent, interface = self._orders, self.sent, self._interface
         issue(self.belief, orders, self.plan, tick)
         for index, order in enumerate(orders.commands):
             last = sent.commands[index]
-            if order.heading_x != last.heading_x or order.heading_y != last.heading_y:
+            is_turned = order.heading_x != last.heading_x or order.heading_y != last.heading_y
+            if tells_all or is_turned:
                 last.heading_x, last.heading_y = order.heading_x, order.heading_y
                 interface.set_heading[index](order.heading_x, order.heading_y)
-            if order.speed != last.speed:
+            if tells_all or order.speed != last.speed:
                 last.speed = order.speed
                 interface.set_speed[index](order.speed)
         for index, switch in enumerate(orders.switches):
-            if switch.active != sent.switches[index].active:
+            if tells_all or switch.active != sent.switches[index].active:
                 sent.switches[index].active = switch.active
                 interface.set_active[index](switch.active == 1)
 

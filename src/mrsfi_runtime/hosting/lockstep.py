@@ -1,4 +1,4 @@
-"""The lock-step that joins the two sides of a mission in one process.
+"""The lock-step that joins the two sides of a mission.
 
 References
 ----------
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from mrsfi_runtime.hosting.ci_host import CiHost
-from mrsfi_runtime.hosting.sides import Check, Simulation
+from mrsfi_runtime.hosting.sides import Check, SimInterface, Simulation
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tasks import progress
 
@@ -29,41 +29,75 @@ class Violations:
     masked: list[int]
 
 
-def fly(
-    simulation: Simulation,
-    ci: CiHost,
-    checks: Sequence[Check],
-    duration: int,
-    observer: Observer | None = None,
-) -> Violations:
-    """Fly a mission to its end and count violations once per goal and tick.
+class Flight:
+    """One run: lets the collective intelligence take its steps, and judges every tick.
+
+    Attributes
+    ----------
+    world
+        The true state, moved by others.
+    ci
+        The collective intelligence's side.
+    violations
+        What was counted until now, once per goal and tick.
 
     Parameters
     ----------
-    simulation, ci
-        The two sides, both before their first tick.
+    world, ci
+        Both before their first tick.
     checks
         Goal predicates, run on the true state after every tick.
-    duration
-        Number of ticks.
     observer
         Sees every tick; must not change what it sees.
     """
-    world = simulation.world
-    n_goals = len(checks)
-    counts = Violations([0] * n_goals, [0] * n_goals, [0] * n_goals, [0] * n_goals)
-    ci.begin()
+
+    def __init__(
+        self,
+        world: State,
+        ci: CiHost,
+        checks: Sequence[Check],
+        observer: Observer | None = None,
+    ) -> None:
+        n_goals = len(checks)
+        self.world = world
+        self.ci = ci
+        self.violations = Violations([0] * n_goals, [0] * n_goals, [0] * n_goals, [0] * n_goals)
+        self._checks = tuple(checks)
+        self._observer = observer
+
+    def step(self, tick: int) -> None:
+        """Judge a tick that the simulation has flown, and let the CI answer it."""
+        world = self.world
+        progress(world)
+        true = [bool(check(world)) for check in self._checks]
+        believed = self.ci.step(tick)
+        if any(believed) or any(true):
+            _count(self.violations, believed, true)
+        if self._observer is not None:
+            self._observer(world, self.ci.belief, true, believed)
+
+
+Boarding: TypeAlias = Callable[[SimInterface, State], Flight]
+"""Makes a flight before its first tick, of an interface and a true state that others move."""
+
+
+def fly(simulation: Simulation, flight: Flight, duration: int) -> None:
+    """Fly a mission to its end in one thread.
+
+    Parameters
+    ----------
+    simulation
+        Owns the true state of the flight; before its first tick.
+    flight
+        Counts violations.
+    duration
+        Number of ticks.
+    """
+    flight.ci.begin()
     for tick in range(duration):
         simulation.step(tick)
-        progress(world)
-        true = [bool(check(world)) for check in checks]
-        believed = ci.step(tick)
-        if any(believed) or any(true):
-            _count(counts, believed, true)
-        if observer is not None:
-            observer(world, ci.belief, true, believed)
+        flight.step(tick)
     simulation.stop()
-    return counts
 
 
 def _count(counts: Violations, believed: Sequence[bool], true: Sequence[bool]) -> None:

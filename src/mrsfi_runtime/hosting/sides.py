@@ -27,6 +27,9 @@ class Simulation(Protocol):
     def step(self, tick: int) -> None:
         """Fly one tick and publish the result."""
 
+    def publish_truth(self) -> None:
+        """Publish the true state, for the judge alone."""
+
     def stop(self) -> None:
         """End the run."""
 

@@ -70,8 +70,16 @@ class Generation:
 
 @dataclass(frozen=True, slots=True)
 class FailedEvaluation:
-    """A specification whose evaluation raised an error in the mission's own code."""
+    """A specification whose evaluation raised an error in the mission's own code.
 
+    Attributes
+    ----------
+    number
+        Which of the specifications that the search asked for, from 0, those that failed and
+        those that did not counted together.
+    """
+
+    number: int
     generation: int
     specification: Specification
     traceback: str
@@ -146,8 +154,10 @@ class CampaignStore:
     ) -> None:
         self.close()
 
-    def append(self, evaluations: Iterable[Evaluation]) -> None:
-        """Store evaluations, whose indexes follow those stored, in one transaction.
+    def append(
+        self, evaluations: Iterable[Evaluation], failures: Iterable[FailedEvaluation] = ()
+    ) -> None:
+        """Store evaluations, whose indexes follow those stored, and failures in one transaction.
 
         Raises
         ------
@@ -157,18 +167,14 @@ class CampaignStore:
             If the file cannot be written. In both cases nothing of this append is stored.
         """
         rows = [_row(evaluation) for evaluation in evaluations]
+        failed = [_failure_row(failure) for failure in failures]
         with database.transaction(self.path, self._connection) as connection:
             for expected, row in enumerate(rows, self._count()):
                 if row[0] != expected:
                     message = f"found evaluation {row[0]}; expected {expected} next"
                     raise ValueError(message)
             connection.executemany(database.INSERT_EVALUATION, rows)
-
-    def add_failure(self, specification: Specification, generation: int, traceback: str) -> None:
-        """Store a specification whose evaluation failed."""
-        row = (int(generation), encoding.specification_text(specification), traceback)
-        with database.transaction(self.path, self._connection) as connection:
-            connection.execute(database.INSERT_FAILURE, row)
+            connection.executemany(database.INSERT_FAILURE, failed)
 
     def close_generation(self, generation: Generation) -> None:
         """Store a finished generation, whose index follows those stored.
@@ -187,7 +193,7 @@ class CampaignStore:
             generation.random_state,
         )
         with database.transaction(self.path, self._connection) as connection:
-            ((expected,),) = connection.execute("SELECT count(*) FROM generation").fetchall()
+            expected = self.n_generations
             if row[0] != expected:
                 message = f"found generation {row[0]}; expected {expected} next"
                 raise ValueError(message)
@@ -198,9 +204,12 @@ class CampaignStore:
         """How many evaluations are stored."""
         return self._count()
 
-    def evaluations(self) -> tuple[Evaluation, ...]:
-        """Return all evaluations in index order."""
-        rows = self._select(f"{database.SELECT_EVALUATION} ORDER BY idx")
+    def evaluations(self, first: int = 0, n_most: int | None = None) -> tuple[Evaluation, ...]:
+        """Return evaluations in index order: all, or at most so many from one index on."""
+        rows = self._select(
+            f"{database.SELECT_EVALUATION} WHERE idx >= ? ORDER BY idx LIMIT ?",
+            (first, -1 if n_most is None else n_most),  # SQLite takes -1 for no limit
+        )
         return tuple(self._decoded(_evaluation, row) for row in rows)
 
     def evaluation(self, index: int) -> Evaluation:
@@ -224,8 +233,19 @@ class CampaignStore:
         rows = self._select(f"{database.SELECT_GENERATION} ORDER BY idx")
         return tuple(self._decoded(_generation, row) for row in rows)
 
+    def generation(self, index: int) -> Generation | None:
+        """Return one finished generation, or nothing if it is not finished."""
+        rows = self._select(f"{database.SELECT_GENERATION} WHERE idx = ?", (int(index),))
+        return self._decoded(_generation, rows[0]) if rows else None
+
+    @property
+    def n_generations(self) -> int:
+        """How many finished generations are stored."""
+        ((n_generations,),) = self._select("SELECT count(*) FROM generation")
+        return int(n_generations)
+
     def failures(self) -> tuple[FailedEvaluation, ...]:
-        """Return the failed evaluations in the order in which they failed."""
+        """Return the failed evaluations in the order in which they were asked for."""
         rows = self._select(f"{database.SELECT_FAILURE} ORDER BY idx")
         return tuple(self._decoded(_failure, row) for row in rows)
 
@@ -301,6 +321,13 @@ def _generation(row: tuple[Any, ...]) -> Generation:
     )
 
 
+def _failure_row(failure: FailedEvaluation) -> tuple[Any, ...]:
+    specification = encoding.specification_text(failure.specification)
+    return int(failure.number), int(failure.generation), specification, failure.traceback
+
+
 def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
-    generation, specification, traceback = row
-    return FailedEvaluation(generation, encoding.specification_from_text(specification), traceback)
+    number, generation, specification, traceback = row
+    return FailedEvaluation(
+        number, generation, encoding.specification_from_text(specification), traceback
+    )

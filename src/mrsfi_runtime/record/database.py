@@ -6,11 +6,12 @@ a ``RecordError`` with the path, what was found and what was expected.
 
 import sqlite3
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.encoding import COUNTS
+from mrsfi_runtime.record.folder import keep_names, new_name
 
 SCHEMA = 1
 """Version of the layout; a file of a newer one is refused."""
@@ -28,16 +29,16 @@ _TABLES = (
 )
 
 INSERT_EVALUATION = f"INSERT INTO evaluation VALUES ({', '.join('?' * (6 + len(COUNTS)))})"
-INSERT_FAILURE = "INSERT INTO failure (generation, specification, traceback) VALUES (?, ?, ?)"
+INSERT_FAILURE = "INSERT INTO failure VALUES (?, ?, ?, ?)"
 INSERT_GENERATION = "INSERT INTO generation VALUES (?, ?, ?, ?)"
 SELECT_EVALUATION = f"SELECT {_EVALUATION} FROM evaluation"
 SELECT_DIGESTED = f"SELECT specification, {_COUNTS}, digest, fitness FROM evaluation"
-SELECT_FAILURE = "SELECT generation, specification, traceback FROM failure"
+SELECT_FAILURE = "SELECT idx, generation, specification, traceback FROM failure"
 SELECT_GENERATION = "SELECT idx, statistics, population, random_state FROM generation"
 
 
 def create(path: Path, meta: Mapping[str, str]) -> sqlite3.Connection:
-    """Make the file, and its folder if that is missing, in one transaction.
+    """Make the file, and its folder if that is missing; under its name it appears whole.
 
     Raises
     ------
@@ -52,19 +53,24 @@ def create(path: Path, meta: Mapping[str, str]) -> sqlite3.Connection:
             "Give the campaign another name, or move the old one away"
         )
         raise RecordError(message)
+    new = path.with_name(new_name(path))
     with translated(path):
-        connection = _connect(path, "rwc")
-    try:
-        with transaction(path, connection):
-            connection.execute(f"PRAGMA application_id = {_APPLICATION}")
-            connection.execute(f"PRAGMA user_version = {SCHEMA}")
-            for table in _TABLES:
-                connection.execute(table)
-            connection.executemany("INSERT INTO meta VALUES (?, ?)", meta.items())
-    except BaseException:
-        connection.close()
-        raise
-    return connection
+        for leftover in (new, new.with_name(f"{new.name}-journal")):
+            leftover.unlink(missing_ok=True)
+        with closing(_connect(new, "rwc")) as connection:
+            _fill(path, connection, meta)
+        new.replace(path)
+        keep_names(path.parent)
+    return open_existing(path)
+
+
+def _fill(path: Path, connection: sqlite3.Connection, meta: Mapping[str, str]) -> None:
+    with transaction(path, connection):
+        connection.execute(f"PRAGMA application_id = {_APPLICATION}")
+        connection.execute(f"PRAGMA user_version = {SCHEMA}")
+        for table in _TABLES:
+            connection.execute(table)
+        connection.executemany("INSERT INTO meta VALUES (?, ?)", meta.items())
 
 
 def open_existing(path: Path) -> sqlite3.Connection:
@@ -78,7 +84,8 @@ def open_existing(path: Path) -> sqlite3.Connection:
     if not path.is_file():
         message = (
             f"{path.parent}: found no {path.name}; expected the folder of a campaign, "
-            "as 'mrsfi evolve' writes it"
+            "as 'mrsfi evolve' writes it; one that was ended before it began has none: "
+            "begin it anew"
         )
         raise RecordError(message)
     with translated(path):
@@ -99,11 +106,11 @@ def transaction(path: Path, connection: sqlite3.Connection) -> Iterator[sqlite3.
         connection.execute("BEGIN IMMEDIATE")
         try:
             yield connection
+            connection.commit()
         except BaseException:
             if connection.in_transaction:
                 connection.rollback()
             raise
-        connection.commit()
 
 
 @contextmanager
@@ -112,23 +119,35 @@ def translated(path: Path) -> Iterator[None]:
     try:
         yield
     except (sqlite3.Error, OSError) as error:
-        message = str(error)
-        if isinstance(error, OSError) or "readonly" in message or "unable to open" in message:
-            explained = (
-                f"{path}: cannot be opened or written: {message}; "
-                "expected a folder and file that can be; choose another place, "
-                "or change the permissions"
-            )
-        elif "locked" in message:
-            explained = (
-                f"{path}: still locked by another process after {_WAIT:.0f} s; "
-                "expected one writer at a time; wait until it is done"
-            )
-        elif "full" in message:
-            explained = f"{path}: found no space left; expected room to append; free some"
-        else:
-            explained = damaged(path, message)
-        raise RecordError(explained) from error
+        raise RecordError(_explained(path, error)) from error
+
+
+def _explained(path: Path, error: sqlite3.Error | OSError) -> str:
+    """Return what was found, what was expected and what to do, by SQLite's primary code."""
+    if isinstance(error, OSError):
+        return _refused(path, str(error))
+    code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF
+    if code in (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_PERM):
+        return _refused(path, str(error))
+    if code in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+        return (
+            f"{path}: still locked by another process after {_WAIT:.0f} s; "
+            "expected one writer at a time; wait until it is done"
+        )
+    if code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
+        return (
+            f"{path}: the disk did not take a write or give a read: {error}; expected room to "
+            "append and a sound disk; what was recorded before is whole: free some room, then "
+            f"continue with: mrsfi evolve --resume {path.parent}"
+        )
+    return damaged(path, str(error))
+
+
+def _refused(path: Path, found: str) -> str:
+    return (
+        f"{path}: cannot be opened or written: {found}; expected a folder and file that can be; "
+        "choose another place, or change the permissions"
+    )
 
 
 def damaged(path: Path, found: str) -> str:
@@ -141,7 +160,13 @@ def damaged(path: Path, found: str) -> str:
 
 def _connect(path: Path, mode: str) -> sqlite3.Connection:
     uri = f"{path.absolute().as_uri()}?mode={mode}"
-    return sqlite3.connect(uri, uri=True, timeout=_WAIT, isolation_level=None)
+    connection = sqlite3.connect(uri, uri=True, timeout=_WAIT, isolation_level=None)
+    try:
+        connection.execute("PRAGMA synchronous = EXTRA")  # a commit outlives the loss of power
+    except BaseException:
+        connection.close()
+        raise
+    return connection
 
 
 def _require_campaign(path: Path, connection: sqlite3.Connection) -> None:
@@ -150,8 +175,7 @@ def _require_campaign(path: Path, connection: sqlite3.Connection) -> None:
     if application != _APPLICATION:
         message = (
             f"{path}: found a SQLite file that is not a campaign; expected the record of "
-            "'mrsfi evolve' (a run that was killed before it began leaves an empty one: "
-            "remove the folder)"
+            "'mrsfi evolve'; name the folder of one"
         )
         raise RecordError(message)
     if version > SCHEMA:

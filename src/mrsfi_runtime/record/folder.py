@@ -1,6 +1,9 @@
 """Layout of a campaign folder: every file and subfolder it may hold, named in one place."""
 
+import os
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -34,6 +37,11 @@ class CampaignFolder:
         return self.path / "campaign.sqlite"
 
     @property
+    def lock(self) -> Path:
+        """Locked by the process that runs the campaign."""
+        return self.path / "campaign.lock"
+
+    @property
     def critical(self) -> Path:
         """The most critical specifications as XMI."""
         return self.path / "critical"
@@ -59,32 +67,77 @@ class CampaignFolder:
         return self.path / "report.md"
 
     @classmethod
-    def create(cls, path: Path, models_folder: Path, generated_folder: Path) -> Self:
-        """Make the folder and copy the models and the generated code into it.
+    def reserve(cls, path: Path) -> Self:
+        """Make a new folder, or take one whose campaign was ended before its store was made.
 
         Raises
         ------
         RecordError
-            If the folder holds something already, or a copy fails.
+            If the folder holds something else already, or cannot be made.
         """
         folder = cls(path)
-        try:
-            if path.exists() and (not path.is_dir() or any(path.iterdir())):
-                message = (
-                    f"{path}: found something there already; expected a new or empty folder. "
-                    "Give the campaign another name, or move the old one away"
-                )
-                raise RecordError(message)
+        with _explained(path):
+            folder.require_unused()
             path.mkdir(parents=True, exist_ok=True)
-            _copy_files(models_folder, folder.model)
-            _copy_files(generated_folder, folder.generated)
-        except OSError as error:
-            message = (
-                f"{path}: cannot make the campaign folder: {error}; expected a place that can be "
-                "written, and readable models and generated code"
-            )
-            raise RecordError(message) from error
         return folder
+
+    def fill(self, models_folder: Path, generated_folder: Path) -> None:
+        """Copy the models and the generated code into the folder; whoever calls it is its writer.
+
+        Raises
+        ------
+        RecordError
+            If somebody else was quicker, or a copy fails.
+        """
+        with _explained(self.path):
+            self.require_unused()
+            for source, target in ((models_folder, self.model), (generated_folder, self.generated)):
+                shutil.rmtree(target, ignore_errors=True)
+                _copy_files(source, target)
+
+    def require_unused(self) -> None:
+        """Refuse a folder that holds more than a start that was ended leaves behind."""
+        if not self.path.exists():
+            return
+        found = {entry.name for entry in self.path.iterdir()} if self.path.is_dir() else {"a file"}
+        begun = {self.lock.name, self.model.name, self.generated.name, *self._new_database}
+        if found and not {self.lock.name} <= found <= begun:
+            message = (
+                f"{self.path}: found something there already; expected a new or empty folder. "
+                "Give the campaign another name, or move the old one away"
+            )
+            raise RecordError(message)
+
+    @property
+    def _new_database(self) -> tuple[str, str]:
+        name = new_name(self.database)
+        return name, f"{name}-journal"
+
+
+def new_name(path: Path) -> str:
+    """Return the name that a file has until it is whole."""
+    return f"{path.name}.new"
+
+
+def keep_names(folder: Path) -> None:
+    """Wait until the names of a folder's files are on the disk, whatever its power does."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+@contextmanager
+def _explained(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        message = (
+            f"{path}: cannot make the campaign folder: {error}; expected a place that can be "
+            "written, and readable models and generated code"
+        )
+        raise RecordError(message) from error
 
 
 def _copy_files(source: Path, target: Path) -> None:
@@ -92,4 +145,8 @@ def _copy_files(source: Path, target: Path) -> None:
     target.mkdir()
     for file in sorted(source.iterdir()):
         if file.is_file():
-            shutil.copyfile(file, target / file.name)
+            with (target / file.name).open("wb") as copy:
+                copy.write(file.read_bytes())
+                copy.flush()
+                os.fsync(copy.fileno())
+    keep_names(target)

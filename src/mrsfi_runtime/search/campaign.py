@@ -1,56 +1,40 @@
 """Runs a campaign: asks an algorithm, evaluates, records, and tells it the fitness.
 
+What is recorded already is told from the record instead, so that an interrupted campaign
+goes on as if nothing had happened.
+
 References
 ----------
 Source paper, sections III-D and III-E.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from time import monotonic
 
 from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import Evaluation, Generation
+from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.search.algorithms import ALGORITHMS, AlgorithmFactory, GenerationSummary
 from mrsfi_runtime.search.archive import Archive
 from mrsfi_runtime.search.fitness import FITNESS_FUNCTIONS, FitnessFunction, goal_vector
+from mrsfi_runtime.search.ledger import (
+    WORST_FITNESS,
+    Entry,
+    EvaluateMany,
+    FailedOutcome,
+    Ledger,
+    Recorder,
+)
 from mrsfi_runtime.search.selection import SELECTIONS
 from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import fault_ticks
 
-WORST_FITNESS = 0.0
-"""Fitness of a specification whose evaluation failed; that of one without a violation."""
-
-_CHUNK = 100  # evaluations that are recorded together: what a killed run can lose
-
-
-class FailedOutcome(Protocol):
-    """An evaluation that ended in an error of the mission's own code."""
-
-    @property
-    def traceback(self) -> str:
-        """What Python said."""
-
-
-EvaluateMany: TypeAlias = Callable[[Sequence[Specification]], Sequence[Outcome | FailedOutcome]]
-"""Evaluates fault specifications; one result each, in the same order."""
-
-
-class Recorder(Protocol):
-    """Keeps what a campaign finds, as ``CampaignStore`` does."""
-
-    def append(self, evaluations: Sequence[Evaluation]) -> None:
-        """Keep evaluations, all or none."""
-
-    def add_failure(self, specification: Specification, generation: int, traceback: str) -> None:
-        """Keep a specification whose evaluation failed."""
-
-    def close_generation(self, generation: Generation) -> None:
-        """Keep a finished generation."""
+_CHUNK = 100  # specifications that are handed out together, and after which failures are counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +89,7 @@ def require_settings(
             raise UsageError(message)
 
 
-def run_campaign(
+def run_campaign(  # noqa: PLR0913 - four of them have a default
     settings: CampaignSettings,
     mission: Mission,
     pool: FaultPool,
@@ -115,19 +99,23 @@ def run_campaign(
     *,
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
     fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
+    clock: Callable[[], float] = monotonic,
 ) -> Archive:
-    """Run a search to its end and record every evaluation.
+    """Run a search to its end and record every evaluation, but for those recorded already.
 
-    An interrupt (``KeyboardInterrupt``) leaves what was recorded until then.
+    Whatever ends the run early, what was evaluated until then is recorded. Only the death of
+    the process loses evaluations: the few that ``Ledger.writing`` had not written yet.
 
     Parameters
     ----------
     evaluate_many
-        Called with at most 100 specifications, whose results are recorded together.
+        Called with at most 100 specifications.
     store
-        Where evaluations, failures and generations go.
+        Where evaluations, failures and generations go, and are found by the next run.
     on_generation
-        Called after each generation.
+        Called after each generation that was not recorded before.
+    clock
+        Seconds since any moment.
 
     Returns
     -------
@@ -140,30 +128,33 @@ def run_campaign(
         If the settings name what does not exist.
     EvaluationError
         If ``settings.max_failures`` evaluations failed, or a fitness is not finite.
+    RecordError
+        If the record does not follow from the settings, or cannot be written.
     """
     require_settings(settings, mission, algorithms, fitness_functions)
     algorithm = settings.chosen("algorithm", algorithms)(SearchSpace.of(mission, pool), settings)
     fitness = settings.chosen("fitness", fitness_functions)
-    assessment = _Assessment(settings, mission, fitness, evaluate_many, store)
-    generation = 0
+    ledger = Ledger(store, settings.source, clock)
+    assessment = _Assessment(settings, mission, fitness, evaluate_many, ledger)
+    index = 0
     while not algorithm.is_finished:
-        specifications = algorithm.ask()
-        summary = algorithm.tell(assessment.fitness_of(specifications, generation))
-        store.close_generation(
-            Generation(
-                index=summary.index,
-                statistics=summary.statistics,
-                population=assessment.evaluation_indexes(summary),
-                random_state=algorithm.random_state(),
-            )
+        summary = algorithm.tell(assessment.fitness_of(algorithm.ask(), index))
+        progress = assessment.progress(summary)
+        generation = Generation(
+            index=summary.index,
+            statistics=summary.statistics,
+            population=assessment.evaluation_indexes(summary),
+            random_state=algorithm.random_state(),
         )
-        on_generation(assessment.progress(summary))
-        generation += 1
+        if not ledger.has(generation):
+            store.close_generation(generation)
+            on_generation(progress)
+        index += 1
     return assessment.archive
 
 
 class _Assessment:
-    """Evaluates and records specifications, and counts."""
+    """Finds the fitness of specifications, in the record or by evaluation, and counts."""
 
     def __init__(
         self,
@@ -171,7 +162,7 @@ class _Assessment:
         mission: Mission,
         fitness: FitnessFunction,
         evaluate_many: EvaluateMany,
-        store: Recorder,
+        ledger: Ledger,
     ) -> None:
         self.archive = Archive()
         self._settings = settings
@@ -180,63 +171,70 @@ class _Assessment:
         self._goals = tuple(mission.goal_ids.index(goal) for goal in chosen)
         self._fitness = fitness
         self._evaluate_many = evaluate_many
-        self._store = store
+        self._ledger = ledger
         self._indexes: list[int | None] = []  # evaluation of each specification asked for
         self._n_evaluations = 0
+        self._last_failure = ""
 
     def fitness_of(self, specifications: Sequence[Specification], generation: int) -> list[float]:
         """Return the fitness of specifications after recording them."""
         fitness: list[float] = []
         for first in range(0, len(specifications), _CHUNK):
             chunk = specifications[first : first + _CHUNK]
-            results = self._evaluate_many(chunk)
-            fitness += self._recorded(chunk, results, generation)
+            n_failures = self._n_failures
+            with closing(self._entries(chunk, generation)) as entries:
+                fitness += [self._counted(entry) for entry in entries]
+            if self._n_failures > n_failures:
+                self._require_few_failures()
         return fitness
 
-    def _recorded(
-        self,
-        specifications: Sequence[Specification],
-        results: Sequence[Outcome | FailedOutcome],
-        generation: int,
-    ) -> list[float]:
-        evaluations: list[Evaluation] = []
-        failures: list[tuple[Specification, str]] = []
-        fitness = []
-        for specification, result in zip(specifications, results, strict=True):
-            if isinstance(result, Outcome):
-                evaluation = self._evaluation(specification, result, generation)
-                evaluations.append(evaluation)
-                self._indexes.append(evaluation.index)
-                fitness.append(evaluation.fitness[0])
-            else:
-                failures.append((specification, result.traceback))
-                self._indexes.append(None)
-                fitness.append(WORST_FITNESS)
-        self._store.append(evaluations)
-        for specification, traceback in failures:
-            self._store.add_failure(specification, generation, traceback)
-        self._require_few_failures(failures)
-        return fitness
+    def _entries(
+        self, specifications: Sequence[Specification], generation: int
+    ) -> Generator[Entry, None, None]:
+        """Yield what is recorded of a chunk, then evaluate and record the rest."""
+        number = len(self._indexes)
+        recorded = self._ledger.recorded(number, self._n_evaluations, specifications, generation)
+        yield from recorded
+        rest = specifications[len(recorded) :]
+        if not rest:
+            return
+        with self._ledger.writing() as keep:
+            for specification, result in zip(rest, self._evaluate_many(rest), strict=True):
+                entry = self._entry(specification, result, generation)
+                yield entry
+                keep(entry)
 
-    def _evaluation(
-        self, specification: Specification, outcome: Outcome, generation: int
-    ) -> Evaluation:
-        index = self._n_evaluations
-        self._n_evaluations += 1
-        fitness = self._fitness(outcome, self._goals, self._duration)
-        self.archive.add(index, specification, fitness, goal_vector(outcome, self._goals))
+    def _entry(
+        self, specification: Specification, result: Outcome | FailedOutcome, generation: int
+    ) -> Entry:
+        if not isinstance(result, Outcome):
+            return FailedEvaluation(len(self._indexes), generation, specification, result.traceback)
+        fitness = self._fitness(result, self._goals, self._duration)
         return Evaluation(
-            index=index,
+            index=self._n_evaluations,
             generation=generation,
             specification=specification,
-            outcome=outcome,
+            outcome=result,
             fitness=(fitness,),
             fault_ticks=fault_ticks(specification, self._duration),
         )
 
-    def _require_few_failures(self, latest: Sequence[tuple[Specification, str]]) -> None:
-        if latest and self._n_failures >= self._settings.max_failures:
-            reason = latest[-1][1].rstrip().rpartition("\n")[2].partition(": ")[2]
+    def _counted(self, entry: Entry) -> float:
+        """Count an entry, offer it to the archive, and return its fitness."""
+        if isinstance(entry, FailedEvaluation):
+            self._indexes.append(None)
+            self._last_failure = entry.traceback
+            return WORST_FITNESS
+        self._indexes.append(entry.index)
+        self._n_evaluations += 1
+        (fitness,) = entry.fitness
+        goals = goal_vector(entry.outcome, self._goals)
+        self.archive.add(entry.index, entry.specification, fitness, goals)
+        return fitness
+
+    def _require_few_failures(self) -> None:
+        if self._n_failures >= self._settings.max_failures:
+            reason = self._last_failure.rstrip().rpartition("\n")[2].partition(": ")[2]
             message = (
                 f"{self._n_failures} evaluations failed; max_failures is "
                 f"{self._settings.max_failures}. All are recorded with their tracebacks; "

@@ -100,7 +100,7 @@ def test_any_number_of_workers_gives_the_same_results_in_order():
     results = []
     for n_workers in (1, 2):
         with WorkerPool(GENERATED, 1, n_workers) as pool:
-            results.append(pool.evaluate_many(SPECIFICATIONS))
+            results.append(list(pool.evaluate_many(SPECIFICATIONS)))
 
     assert results[0] == results[1]
     engine = ReferenceEngine(load_code(GENERATED), 1)
@@ -113,7 +113,7 @@ def test_a_failed_evaluation_comes_back_with_its_traceback(tmp_path, n_workers):
     folder = edited(tmp_path, "g2.check", body)
 
     with WorkerPool(folder, 1, n_workers) as pool:
-        results = pool.evaluate_many(SPECIFICATIONS[:2])
+        results = list(pool.evaluate_many(SPECIFICATIONS[:2]))
 
     assert all(isinstance(result, Failure) for result in results)
     assert all("ZeroDivisionError" in result.traceback for result in results)

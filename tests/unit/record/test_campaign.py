@@ -61,12 +61,11 @@ def test_what_was_appended_is_read_back_after_reopening(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     written = [evaluation(i, (i, 2, 3), generation=i // 2) for i in range(4)]
     generation = Generation(0, STATISTICS, (0, 1, 1), '{"state":[3,[1,2],null]}')
-    failed = FailedEvaluation(1, (TimedFault("f2", 0, 5, (1.5,)),), "Traceback …\nZeroDivision")
+    failed = FailedEvaluation(3, 1, (TimedFault("f2", 0, 5, (1.5,)),), "Traceback …\nZeroDivision")
 
     with CampaignStore.create(folder, SETTINGS, {"version": "1"}) as store:
         store.append(written[:3])
-        store.append(iter(written[3:]))
-        store.add_failure(failed.specification, failed.generation, failed.traceback)
+        store.append(iter(written[3:]), [failed])
         store.close_generation(generation)
 
     with CampaignStore.open(folder) as store:
@@ -247,6 +246,77 @@ def test_a_kill_in_the_middle_of_an_append_loses_that_append_only(tmp_path: Path
         assert store.evaluations() == tuple(evaluation(i, (i,)) for i in range(30))
         store.append([evaluation(30, (30,))])
         assert store.n_evaluations == 31
+
+
+def test_failures_are_stored_with_the_evaluations_beside_them_or_not_at_all(
+    store: CampaignStore,
+) -> None:
+    failed = FailedEvaluation(1, 0, (TimedFault("f2", 0, 5, (1.5,)),), "Traceback")
+    store.append([evaluation(0, (1,))], [failed])
+
+    with pytest.raises(RecordError):
+        store.append([evaluation(1, (1,))], [failed])
+
+    assert store.n_evaluations == 1
+    assert store.failures() == (failed,)
+
+
+def test_a_part_of_the_evaluations_can_be_read(store: CampaignStore) -> None:
+    found = tuple(evaluation(i, (i,)) for i in range(5))
+    store.append(found)
+
+    assert store.evaluations(2) == found[2:]
+    assert store.evaluations(1, 2) == found[1:3]
+    assert store.evaluations(5, 1) == ()
+
+
+def test_one_generation_can_be_read(store: CampaignStore) -> None:
+    generation = Generation(0, STATISTICS, (0, 1), "[]")
+    store.close_generation(generation)
+
+    assert store.generation(0) == generation
+    assert store.generation(1) is None
+    assert store.n_generations == 1
+
+
+def test_a_creation_that_was_killed_is_begun_anew(tmp_path: Path) -> None:
+    for name in ("campaign.sqlite.new", "campaign.sqlite.new-journal"):
+        (tmp_path / name).write_bytes(b"half")
+
+    CampaignStore.create(tmp_path, SETTINGS, {}).close()
+
+    assert [entry.name for entry in tmp_path.iterdir()] == ["campaign.sqlite"]
+
+
+def test_a_write_beyond_the_room_is_refused_and_what_was_stored_stays(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    script = FULL.format(folder=str(folder), path=sys.path)
+
+    done = subprocess.run(
+        [sys.executable, "-c", script], check=False, capture_output=True, encoding="utf-8"
+    )
+
+    assert "the disk did not take a write" in done.stdout, done.stderr
+    with CampaignStore.open(folder) as store:
+        assert store.evaluations() == (evaluation(0, (0,)),)
+
+
+FULL = """
+import resource, sys
+from pathlib import Path
+sys.path[:0] = {path!r}
+from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.record.campaign import CampaignStore
+from support_record import evaluation
+with CampaignStore.create(Path({folder!r}), {{}}, {{}}) as store:
+    store.append([evaluation(0, (0,))])
+    size = store.path.stat().st_size
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    try:
+        store.append([evaluation(i, (i,)) for i in range(1, 2000)])
+    except RecordError as error:
+        print(error)
+"""
 
 
 def test_a_running_campaign_can_be_read(store: CampaignStore, tmp_path: Path) -> None:

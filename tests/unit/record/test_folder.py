@@ -21,7 +21,8 @@ def sources(tmp_path: Path) -> tuple[Path, Path]:
 def test_models_and_generated_code_are_copied_byte_for_byte_without_caches(
     sources: tuple[Path, Path], tmp_path: Path
 ) -> None:
-    folder = CampaignFolder.create(tmp_path / "runs" / "first", *sources)
+    folder = CampaignFolder.reserve(tmp_path / "runs" / "first")
+    folder.fill(*sources)
 
     files = {
         file.relative_to(folder.path).as_posix(): file.read_bytes()
@@ -38,27 +39,52 @@ def test_models_and_generated_code_are_copied_byte_for_byte_without_caches(
 def test_an_empty_folder_is_used(sources: tuple[Path, Path], tmp_path: Path) -> None:
     (tmp_path / "run").mkdir()
 
-    folder = CampaignFolder.create(tmp_path / "run", *sources)
+    folder = CampaignFolder.reserve(tmp_path / "run")
+    folder.fill(*sources)
 
     assert folder.model.is_dir()
 
 
 @pytest.mark.parametrize("name", ["run/note.txt", "run"])
-def test_what_is_there_already_is_refused_and_left_alone(
-    sources: tuple[Path, Path], tmp_path: Path, name: str
-) -> None:
+def test_what_is_there_already_is_refused_and_left_alone(tmp_path: Path, name: str) -> None:
     (tmp_path / name).parent.mkdir(exist_ok=True)
     (tmp_path / name).write_text("mine")
 
     with pytest.raises(RecordError, match=r"run: found something there .* another name"):
-        CampaignFolder.create(tmp_path / "run", *sources)
+        CampaignFolder.reserve(tmp_path / "run")
 
     assert (tmp_path / name).read_text() == "mine"
 
 
+def test_what_a_killed_start_left_is_replaced(sources: tuple[Path, Path], tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    (path / "model").mkdir(parents=True)
+    for name in ("model/mission.xmi", "campaign.lock", "campaign.sqlite.new"):
+        (path / name).write_text("half")
+
+    CampaignFolder.reserve(path).fill(*sources)
+
+    assert (path / "model" / "mission.xmi").read_bytes() == b"<mission/>\r\n"
+    assert (path / "generated" / "simulation.py").is_file()
+
+
+@pytest.mark.parametrize("name", ["campaign.sqlite", "notes.txt"])
+def test_a_folder_that_somebody_filled_since_it_was_reserved_is_left_alone(
+    sources: tuple[Path, Path], tmp_path: Path, name: str
+) -> None:
+    folder = CampaignFolder.reserve(tmp_path / "run")
+    (folder.path / "campaign.lock").touch()
+    (folder.path / name).write_text("theirs")
+
+    with pytest.raises(RecordError, match="found something there already"):
+        folder.fill(*sources)
+
+    assert sorted(entry.name for entry in folder.path.iterdir()) == ["campaign.lock", name]
+
+
 def test_missing_models_are_refused_with_the_path(tmp_path: Path) -> None:
     with pytest.raises(RecordError, match=r"cannot make the campaign folder.*nowhere"):
-        CampaignFolder.create(tmp_path / "run", tmp_path / "nowhere", tmp_path)
+        CampaignFolder.reserve(tmp_path / "run").fill(tmp_path / "nowhere", tmp_path)
 
 
 def test_every_part_has_a_place_of_its_own(tmp_path: Path) -> None:
@@ -68,6 +94,7 @@ def test_every_part_has_a_place_of_its_own(tmp_path: Path) -> None:
         folder.model,
         folder.generated,
         folder.database,
+        folder.lock,
         folder.critical,
         folder.figures,
         folder.tables,
@@ -79,6 +106,7 @@ def test_every_part_has_a_place_of_its_own(tmp_path: Path) -> None:
         "model",
         "generated",
         "campaign.sqlite",
+        "campaign.lock",
         "critical",
         "figures",
         "tables",

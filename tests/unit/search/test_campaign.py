@@ -1,12 +1,15 @@
 import random
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
 
 import pytest
 
-from mrsfi_runtime.errors import EvaluationError, UsageError
+from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.archive import Archive
 from mrsfi_runtime.search.campaign import EvaluateMany, Progress, run_campaign
 from mrsfi_runtime.search.settings import CampaignSettings
@@ -62,7 +65,7 @@ def test_a_run_of_the_papers_size_is_recorded_whole() -> None:
 
     archive = run.start()
 
-    evaluations, generations = run.recorder.evaluations, run.recorder.generations
+    evaluations, generations = run.recorder.kept, run.recorder.generations
     assert [generation.index for generation in generations] == list(range(51))
     assert sum(g.statistics["n_evaluations"] for g in generations) == len(evaluations)
     for evaluation in evaluations:
@@ -85,11 +88,11 @@ def test_the_hall_of_fame_holds_the_ten_most_critical_evaluations() -> None:
 
     archive = run.start()
 
-    best = sorted({(e.fitness[0], e.specification) for e in run.recorder.evaluations})[-10:]
+    best = sorted({(e.fitness[0], e.specification) for e in run.recorder.kept})[-10:]
     found = [(entry.fitness.values[0], entry.specification) for entry in archive.hall_of_fame]
     assert sorted(found) == best
     for entry in archive.hall_of_fame:
-        assert run.recorder.evaluations[entry.number].specification == entry.specification
+        assert run.recorder.kept[entry.number].specification == entry.specification
 
 
 @pytest.mark.parametrize("goals", [(), ("g1", "g3"), ("g6",)])
@@ -99,7 +102,7 @@ def test_the_front_holds_each_non_dominated_goal_vector_once(goals: tuple[str, .
     archive = run.start()
 
     places = [int(goal[1:]) - 1 for goal in goals or ("g1", "g2", "g3", "g4", "g5", "g6")]
-    evaluations = run.recorder.evaluations
+    evaluations = run.recorder.kept
     vectors = [tuple(e.outcome.believed[place] for place in places) for e in evaluations]
     found = [point.fitness.values for point in archive.front]
     assert len(found) == len(set(found)) == run.progress[-1].front_size
@@ -137,12 +140,12 @@ def test_the_same_settings_give_the_same_record() -> None:
 def test_controls_run_on_the_evaluations_of_a_run_of_the_paper(name: str) -> None:
     paper = Run(CampaignSettings(generations=5))
     paper.start()
-    n_evaluations = len(paper.recorder.evaluations)
+    n_evaluations = len(paper.recorder.kept)
     control = Run(CampaignSettings(algorithm=name, generations=5, evaluations=n_evaluations))
 
     control.start()
 
-    assert len(control.recorder.evaluations) == n_evaluations
+    assert len(control.recorder.kept) == n_evaluations
 
 
 def failing_if_odd(specifications: Sequence[Specification]) -> list[Outcome | Failed]:
@@ -159,16 +162,18 @@ def test_a_failed_evaluation_is_recorded_and_the_run_goes_on() -> None:
 
     recorder = run.recorder
     assert len(recorder.generations) == 4
-    assert recorder.failures
-    assert run.progress[-1].n_failures == len(recorder.failures)
-    assert all(text == "Traceback: odd start" for _, _, text in recorder.failures)
+    assert recorder.failed
+    assert run.progress[-1].n_failures == len(recorder.failed)
+    assert all(failure.traceback == "Traceback: odd start" for failure in recorder.failed)
     n_asked = sum(g.statistics["n_evaluations"] for g in recorder.generations)
-    assert n_asked == len(recorder.evaluations) + len(recorder.failures)
+    assert n_asked == len(recorder.kept) + len(recorder.failed)
     first = recorder.generations[0]
     assert first.statistics["min"] == 0.0
-    assert first.population == tuple(range(20 - sum(g == 0 for _, g, _ in recorder.failures)))
+    assert first.population == tuple(
+        range(20 - sum(failure.generation == 0 for failure in recorder.failed))
+    )
     for generation in recorder.generations[1:]:
-        assert all(0 <= index < len(recorder.evaluations) for index in generation.population)
+        assert all(0 <= index < len(recorder.kept) for index in generation.population)
 
 
 def test_too_many_failures_end_the_run_with_the_last_reason() -> None:
@@ -184,7 +189,7 @@ def test_too_many_failures_end_the_run_with_the_last_reason() -> None:
     ):
         run.start()
 
-    assert len(run.recorder.failures) == 20
+    assert len(run.recorder.failed) == 20
     assert run.recorder.generations == []
 
 
@@ -204,7 +209,7 @@ def test_an_interrupt_leaves_what_was_recorded() -> None:
         run.start()
 
     assert len(run.recorder.generations) == 2
-    assert len(run.recorder.evaluations) == sum(
+    assert len(run.recorder.kept) == sum(
         g.statistics["n_evaluations"] for g in run.recorder.generations
     )
 
@@ -262,3 +267,122 @@ def test_a_run_draws_nothing_from_the_global_generator() -> None:
     Run(CampaignSettings(generations=2)).start()
 
     assert random.getstate() == before
+
+
+@dataclass
+class Cut:
+    """Evaluates so many specifications, then fails as whatever ends a run does."""
+
+    n_left: int
+    n_evaluated: int = 0
+
+    def __call__(self, specifications: Sequence[Specification]) -> Iterator[Outcome | Failed]:
+        for result in failing_if_rare(specifications):
+            if self.n_left == 0:
+                raise KeyboardInterrupt
+            self.n_left -= 1
+            self.n_evaluated += 1
+            yield result
+
+
+def failing_if_rare(specifications: Sequence[Specification]) -> list[Outcome | Failed]:
+    return [
+        Failed("Traceback: rare start")
+        if specification[0].start % 10 == 0
+        else stand_in_outcome(specification)
+        for specification in specifications
+    ]
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+@pytest.mark.parametrize("evaluations", [None, 150])
+def test_a_run_cut_anywhere_and_resumed_leaves_the_record_of_a_whole_one(
+    algorithm: str, evaluations: int | None
+) -> None:
+    settings = CampaignSettings(
+        algorithm=algorithm, generations=6, evaluations=evaluations, max_failures=1000
+    )
+    whole = Run(settings, failing_if_rare)
+    archive = whole.start()
+    n_all = len(whole.recorder.kept) + len(whole.recorder.failed)
+
+    for n_before in (0, 1, 19, 20, 21, 50, n_all - 1, n_all):
+        run = Run(settings, Cut(n_before))
+        with suppress(KeyboardInterrupt):
+            run.start()
+        assert len(run.recorder.kept) + len(run.recorder.failed) == n_before
+        n_closed = len(run.recorder.generations)
+        run.progress.clear()
+        run.evaluate_many = Cut(n_all)
+        resumed = run.start()
+
+        assert run.recorder == whole.recorder
+        assert run.evaluate_many.n_evaluated == n_all - n_before
+        assert run.progress == whole.progress[n_closed:]
+        assert [b.specification for b in resumed.hall_of_fame] == [
+            b.specification for b in archive.hall_of_fame
+        ]
+        assert [p.fitness for p in resumed.front] == [p.fitness for p in archive.front]
+        assert list(resumed.logbook) == list(archive.logbook)
+
+
+def test_a_run_that_failures_ended_ends_so_again_without_evaluating() -> None:
+    run = Run(CampaignSettings(max_failures=3), failing_if_odd)
+    with pytest.raises(EvaluationError) as first:
+        run.start()
+    n_failures = len(run.recorder.failed)
+    run.evaluate_many = Cut(0)
+
+    with pytest.raises(EvaluationError) as second:
+        run.start()
+
+    assert str(second.value) == str(first.value)
+    assert len(run.recorder.failed) == n_failures
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda r: r.kept.__setitem__(5, r.kept[6]), "specification 5 of the search is another"),
+        (
+            lambda r: r.generations.__setitem__(1, replace(r.generations[1], random_state="[]")),
+            "generation 1 is another one",
+        ),
+    ],
+)
+def test_a_record_that_does_not_follow_from_its_settings_is_refused(
+    change: Callable[[MemoryRecorder], None], message: str
+) -> None:
+    run = Run(CampaignSettings(generations=3))
+    run.start()
+    change(run.recorder)
+
+    with pytest.raises(RecordError, match=message):
+        run.start()
+
+
+@pytest.mark.parametrize(("write", "n_appends"), [(0.0, 60), (0.02, 60), (1.0, 4)])
+def test_each_evaluation_is_written_at_once_unless_writing_takes_its_time(
+    write: float, n_appends: int
+) -> None:
+    now = 0.0
+
+    class Slow(MemoryRecorder):
+        def append(self, *entries: Any) -> None:
+            nonlocal now
+            now += write
+            super().append(*entries)
+
+    def one_a_second(specifications: Sequence[Specification]) -> Iterator[Outcome]:
+        nonlocal now
+        for specification in specifications:
+            now += 1.0
+            yield stand_in_outcome(specification)
+
+    recorder = Slow()
+    settings = CampaignSettings(population=60, generations=0)
+
+    run_campaign(settings, paper_mission(), pool_of(), one_a_second, recorder, clock=lambda: now)
+
+    assert recorder.n_appends == n_appends
+    assert len(recorder.kept) == 60

@@ -4,9 +4,10 @@ import pytest
 
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.transport.local_bus import LocalBus
-from mrsfi_runtime.transport.topics import Topic
+from mrsfi_runtime.transport.topics import Reply, Service, Topic
 
 SPEED = Topic("/r1/speed", "std_msgs/Float64")
+RESET = Service("/mission/reset", "std_srvs/Trigger")
 
 
 def test_every_subscriber_receives_every_message_in_order():
@@ -55,3 +56,32 @@ def test_a_closed_bus_delivers_nothing():
     publish({"data": 1.0})
 
     assert received == []
+
+
+def test_a_service_answers_before_the_call_returns():
+    bus, replies = LocalBus(), []
+    bus.provide(RESET, lambda request: {"message": request["name"]})
+
+    bus.call(RESET, {"name": "run 1"}, replies.append)
+
+    assert replies == [Reply({"message": "run 1"})]
+
+
+def test_the_newest_provider_of_a_service_answers():
+    bus, replies = LocalBus(), []
+    for message in ("old", "new"):
+        bus.provide(RESET, lambda _request, said=message: {"message": said})
+
+    bus.call(RESET, {}, replies.append)
+
+    assert replies == [Reply({"message": "new"})]
+
+
+def test_a_closed_bus_provides_nothing():
+    bus, replies = LocalBus(), []
+    bus.provide(RESET, lambda _request: {})
+
+    bus.close()
+    bus.call(RESET, {}, replies.append)
+
+    assert replies == [Reply({}, "nobody provides service '/mission/reset'")]

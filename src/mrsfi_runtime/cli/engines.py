@@ -1,0 +1,130 @@
+"""The options that choose an engine and say how its two sides meet."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import wraps
+from typing import Any, TypeVar, cast
+
+import click
+
+from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.record.encoding import JSON
+from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+BOTH, CI, SIMULATION = "both", "ci", "simulation"
+
+NAMES = ("engine", "url", "client", "side", "timeout")
+"""Parameters that choose an engine; none of them decides what an evaluation finds."""
+
+
+@dataclass(frozen=True, slots=True)
+class EngineOptions:
+    """What the command line says of the engine; ``None`` where it says nothing."""
+
+    engine: str | None = None
+    url: str | None = None
+    client: str | None = None
+    side: str | None = None
+    timeout: float | None = None
+
+    def settings(self, recorded: Mapping[str, Any] | None = None) -> EngineSettings:
+        """Return the settings, those of a record where the command line says nothing.
+
+        Raises
+        ------
+        UsageError
+            If the options make no sense together.
+        """
+        recorded = recorded or {}
+        name = self.engine or recorded.get("engine", REFERENCE)
+        self._require_sense(name)
+        bus = recorded.get("bus", {}) if name == ROSBRIDGE else {}
+        side = self.side or bus.get("side", BOTH)
+        url = self.url or bus.get("url")
+        if side != BOTH and url is None:
+            message = f"--side {side} needs --url: the server on which the sides meet"
+            raise UsageError(message)
+        return EngineSettings(
+            name=name,
+            url=url,
+            client=cast("Client", self.client or bus.get("client", CLIENTS[0])),
+            has_simulation=side != CI,
+            patience=self._patience(),
+        )
+
+    def _require_sense(self, name: str) -> None:
+        given = [option for option in NAMES[1:] if getattr(self, option) is not None]
+        if name == REFERENCE and given:
+            message = f"--{given[0]} needs --engine {ROSBRIDGE}; the reference engine has no bus"
+            raise UsageError(message)
+
+    def _patience(self) -> Patience:
+        return Patience() if self.timeout is None else Patience(tick=self.timeout)
+
+
+def recorded_engine(settings: EngineSettings) -> dict[str, JSON]:
+    """Return what a campaign records of its engine."""
+    if settings.name == REFERENCE:
+        return {"engine": settings.name}
+    side = BOTH if settings.has_simulation else CI
+    url = None if settings.url is None else without_token(settings.url)
+    bus: dict[str, JSON] = {"url": url, "client": settings.client, "side": side}
+    return {"engine": settings.name, "bus": bus}
+
+
+def engine_options(*sides: str) -> Callable[[F], F]:
+    """Give a command the options of the engine; it receives them as ``engine``.
+
+    Parameters
+    ----------
+    sides
+        Choices of --side.
+    """
+    options = (
+        click.option(
+            "--engine",
+            type=click.Choice(ENGINES),
+            show_default=REFERENCE,
+            help="How to fly: in this process, or on a rosbridge server.",
+        ),
+        click.option(
+            "--url",
+            metavar="ws://…",
+            help="With --engine rosbridge: the server [default: one is embedded].",
+        ),
+        click.option(
+            "--client",
+            type=click.Choice(CLIENTS),
+            show_default=CLIENTS[0],
+            help="With --engine rosbridge: kind of roslibpy's connection.",
+        ),
+        click.option(
+            "--side",
+            type=click.Choice(sides),
+            show_default=BOTH,
+            help="With --url: what this command runs; ci leaves the simulation to others.",
+        ),
+        click.option(
+            "--timeout",
+            type=click.FloatRange(min=0, min_open=True),
+            metavar="SECONDS",
+            help=f"How long the other side may be silent [default: {Patience().tick:g}].",
+        ),
+    )
+
+    def decorate(command: F) -> F:
+        @wraps(command)
+        def collected(*arguments: Any, **given: Any) -> Any:
+            engine = EngineOptions(**{name: given.pop(name) for name in NAMES})
+            return command(*arguments, engine=engine, **given)
+
+        decorated: Any = collected
+        for option in reversed(options):
+            decorated = option(decorated)
+        return cast("F", decorated)
+
+    return decorate

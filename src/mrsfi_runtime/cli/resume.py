@@ -1,0 +1,126 @@
+"""Beginning a campaign and continuing one, by one writer at a time."""
+
+import hashlib
+import platform
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+from click.core import ParameterSource
+
+from mrsfi_runtime.cli.campaigns import manifest
+from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.engines import NAMES, recorded_engine
+from mrsfi_runtime.cli.missions import MissionFolders
+from mrsfi_runtime.cli.versions import installed_version
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import RecordError, UsageError
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.search.settings import CampaignSettings
+
+_FREE = frozenset({"resume", "workers", "ratio", "is_json", *NAMES})
+"""Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
+
+
+@contextmanager
+def begun(
+    path: Path,
+    folders: MissionFolders,
+    settings: CampaignSettings,
+    case: str,
+    engine: EngineSettings,
+) -> Iterator[None]:
+    """Make a campaign without evaluations and be its writer while the body runs.
+
+    Raises
+    ------
+    RecordError
+        If the folder is in use, or cannot be written.
+    """
+    folder = CampaignFolder.reserve(path)
+    with only_writer(folder):
+        folder.fill(folders.models, folders.generated)
+        content = manifest(folders, case, recorded_engine(engine))
+        CampaignStore.create(path, settings.as_json(), content).close()
+        yield
+
+
+@contextmanager
+def resumed(path: Path, ctx: click.Context) -> Iterator[None]:
+    """Be the writer of a campaign from before while the body runs.
+
+    Parameters
+    ----------
+    ctx
+        Call of ``mrsfi evolve``; what it gives must be what the campaign was begun with.
+
+    Raises
+    ------
+    RecordError
+        If the folder holds no campaign, a changed one, or one that another process runs.
+    UsageError
+        If an option contradicts the campaign.
+    """
+    with CampaignStore.open(path) as store:  # first: a lock makes no sense where no campaign is
+        recorded = {**store.manifest, **store.settings}
+    _require_same_options(path, ctx, recorded)
+    folder = CampaignFolder(path)
+    with only_writer(folder):
+        _require_same_files(folder, recorded.get("sha256", {}))
+        _tell_other_versions(recorded.get("versions", {}))
+        with CampaignStore.open(path) as store:
+            tell(
+                f"resuming {path}: {store.n_generations} generations, {store.n_evaluations} "
+                f"evaluations and {len(store.failures())} failures are recorded"
+            )
+        yield
+
+
+def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str, Any]) -> None:
+    for parameter in ctx.command.params:
+        name = str(parameter.name)
+        if name in _FREE or ctx.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
+            continue
+        given = ctx.params[name]
+        label = parameter.opts[0] if isinstance(parameter, click.Option) else "MISSION"
+        if name not in recorded:
+            message = (
+                f"{label} {given}: makes no sense with --resume; {path} goes on in its own folder, "
+                "on its own copies of models and code; leave it out"
+            )
+            raise UsageError(message)
+        found = Path(given).name if name == "mission" else given
+        if found != recorded[name]:
+            message = (
+                f"{label}: found {given}; {path} was begun with {recorded[name]} and goes on with "
+                "it; leave the option out, or begin a new campaign without --resume"
+            )
+            raise UsageError(message)
+
+
+def _require_same_files(folder: CampaignFolder, sha256: Mapping[str, str]) -> None:
+    """Refuse copies that are not those that the campaign was begun on."""
+    for name, recorded in sha256.items():
+        places = [place / name for place in (folder.model, folder.generated)]
+        found = [hashlib.sha256(p.read_bytes()).hexdigest() for p in places if p.is_file()]
+        if recorded not in found:
+            message = (
+                f"{folder.path}: the campaign's own copy of {name} is "
+                f"{'another one than it was begun on' if found else 'gone'}; expected the folder "
+                "as `mrsfi evolve` left it; restore the file, or begin a new campaign"
+            )
+            raise RecordError(message)
+
+
+def _tell_other_versions(recorded: Mapping[str, str]) -> None:
+    for name, version in recorded.items():
+        now = platform.python_version() if name == "python" else installed_version(name)
+        if now != version:
+            tell(
+                f"warning: begun with {name} {version}, going on with {now}: "
+                "the result may differ from that of one run"
+            )

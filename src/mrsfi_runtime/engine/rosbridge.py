@@ -1,0 +1,259 @@
+"""Evaluates fault specifications with simulation and CI as two processes on a rosbridge server.
+
+They meet on the topics of the mission only, in lock-step, as ROS messages. Results are those
+of the reference engine, bit for bit.
+
+References
+----------
+Source paper, sections III-F and III-G.
+"""
+
+import json
+import signal
+import subprocess
+import sys
+from contextlib import ExitStack, suppress
+from threading import Timer
+from types import TracebackType
+from typing import Self
+
+from mrsfi_runtime.engine import flights
+from mrsfi_runtime.engine.simulation_process import request
+from mrsfi_runtime.errors import (
+    GenerationError,
+    TransportClosed,
+    TransportError,
+    UsageError,
+)
+from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
+from mrsfi_runtime.hosting.lockstep import Boarding, Flight, Observer
+from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.transport.rosbridge import Client, RosbridgeTransport
+
+_GREATEST_SEED = 2**63 - 1
+_LAST_WORDS = 2.0
+
+
+class SimulationProcess:
+    """The simulation of a mission in a process of its own, which dies with this one.
+
+    Attributes
+    ----------
+    url
+        The rosbridge server on which it is found, with its token if it asks for one.
+
+    Parameters
+    ----------
+    code
+        Generated code of the mission.
+    url
+        The server to join; one is embedded if left out.
+    client
+        Kind of roslibpy's connection, for a server that is joined.
+    patience
+        How long to wait for it, and how long it waits in mid-run.
+
+    Raises
+    ------
+    TransportError
+        If it cannot serve.
+    """
+
+    def __init__(
+        self, code: MissionCode, url: str | None, client: Client, patience: Patience
+    ) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "mrsfi_runtime.engine.simulation_process"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
+        )
+        timer = Timer(patience.handshake, self._process.kill)
+        timer.start()
+        try:
+            self._ask(request(code.directory.resolve(), url, client, patience))
+            said = self._heard()
+        finally:
+            timer.cancel()
+        if "url" not in said:
+            reason = said.get("error") or self._ending()
+            self.close()
+            message = f"the simulation process did not start: {reason}"
+            raise TransportError(message)
+        self.url = said["url"]
+
+    @property
+    def pid(self) -> int:
+        """Return the number of the process."""
+        return self._process.pid
+
+    def last_words(self) -> str:
+        """Return why the process ended, or nothing if it has not."""
+        try:
+            self._process.wait(_LAST_WORDS)
+        except subprocess.TimeoutExpired:
+            return ""
+        return self._heard().get("error") or self._ending()
+
+    def close(self) -> None:
+        """Have the process end, and wait for that."""
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with suppress(OSError):
+                    pipe.close()
+        try:
+            self._process.wait(_LAST_WORDS)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def _ask(self, line: bytes) -> None:
+        if self._process.stdin is not None:
+            with suppress(BrokenPipeError):  # what it says, or its end, tells why
+                self._process.stdin.write(line)
+                self._process.stdin.flush()
+
+    def _heard(self) -> dict[str, str]:
+        line = self._process.stdout.readline() if self._process.stdout else b""
+        said: dict[str, str] = json.loads(line) if line else {}
+        return said
+
+    def _ending(self) -> str:
+        code = self._process.wait()
+        return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+
+
+class RosbridgeEngine:
+    """Flies missions over a rosbridge server, one connection for many evaluations.
+
+    Parameters
+    ----------
+    code
+        Generated code of the mission.
+    seed
+        Mission seed, at most 2**63 - 1.
+    url
+        The server; the simulation process embeds one if left out.
+    client
+        Kind of roslibpy's connection.
+    has_simulation
+        Whether to start the simulation; otherwise somebody else's is behind the topics.
+    patience
+        How long the simulation may take.
+
+    Raises
+    ------
+    UsageError
+        If these do not go together.
+    GenerationError
+        If the code is of a version that did not publish the true state.
+    TransportError
+        If the server or the simulation cannot be reached.
+    """
+
+    def __init__(
+        self,
+        code: MissionCode,
+        seed: int,
+        *,
+        url: str | None = None,
+        client: Client = "asyncio",
+        has_simulation: bool = True,
+        patience: Patience | None = None,
+    ) -> None:
+        self.code = code
+        self.seed = seed
+        _require_sense(code, seed, url, has_simulation=has_simulation)
+        patience = Patience() if patience is None else patience
+        self._simulation: SimulationProcess | None = None
+        with ExitStack() as opened:
+            if url is not None:  # first: it tells best what is wrong with the URL
+                self._transport = RosbridgeTransport(url, client)
+                opened.callback(self._transport.close)
+            if has_simulation:
+                self._simulation = SimulationProcess(code, url, client, patience)
+                opened.callback(self._simulation.close)
+            if url is None and self._simulation is not None:
+                self._transport = RosbridgeTransport(self._simulation.url, client)
+                opened.callback(self._transport.close)
+            self._opened = opened.pop_all()
+        self._lockstep = BusLockstep(
+            self._transport, code.mission, code.interface, code.truth, patience
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        where: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def simulation_pid(self) -> int | None:
+        """Return the number of the simulation process, if this engine started one."""
+        return None if self._simulation is None else self._simulation.pid
+
+    def close(self) -> None:
+        """Close the connection and end the simulation process."""
+        self._opened.close()
+
+    def evaluate(
+        self,
+        specification: Specification,
+        *,
+        pool: FaultPool | None = None,
+        observer: Observer | None = None,
+    ) -> Outcome:
+        """Fly the mission under a fault specification.
+
+        Parameters
+        ----------
+        specification
+            Timed faults; an empty one flies without faults.
+        pool
+            Where its faults come from; the mission's own pool if left out.
+        observer
+            Sees every tick, in the thread of the transport.
+
+        Raises
+        ------
+        SpecificationError
+            If a fault is unknown, or conflicting faults overlap.
+        EvaluationError
+            If the code of a region fails.
+        TransportError
+            If messages were lost, the connection is gone, or the simulation is late.
+        """
+        return flights.evaluate(self, specification, pool, observer, self._fly)
+
+    def _fly(self, board: Boarding) -> Flight:
+        try:
+            return self._lockstep.fly(self.seed, board)
+        except TransportClosed as error:
+            last_words = self._simulation.last_words() if self._simulation else ""
+            if not last_words:
+                raise
+            message = f"{error}; the simulation process ended: {last_words}"
+            raise TransportClosed(message) from error
+
+
+def _require_sense(code: MissionCode, seed: int, url: str | None, *, has_simulation: bool) -> None:
+    if not has_simulation and url is None:
+        message = "--side ci needs --url: the server on which the simulation is found"
+        raise UsageError(message)
+    if seed > _GREATEST_SEED:
+        message = f"mission seed {seed}: too great for a ROS message; expected at most 2^63 - 1"
+        raise UsageError(message)
+    if len(code.truth) != len(code.mission.robots):
+        message = (
+            f"{code.directory}: the simulation publishes no true state, which --engine rosbridge "
+            "needs; generate the mission anew"
+        )
+        raise GenerationError(message)

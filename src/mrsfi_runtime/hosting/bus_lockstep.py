@@ -1,0 +1,260 @@
+"""The collective intelligence's side of a lock-step over a bus, and the judge beside it.
+
+The simulation is somewhere behind the topics. The CI takes its step when the last message
+of a tick has come, in the thread of the transport's callbacks, and the main thread watches.
+"""
+
+from contextlib import suppress
+from functools import partial
+from time import monotonic, sleep
+
+from mrsfi_runtime.errors import (
+    MrsfiError,
+    ProtocolError,
+    TransportError,
+    TransportTimeout,
+)
+from mrsfi_runtime.hosting.ledger import CountedTransport, Ledger
+from mrsfi_runtime.hosting.lockstep import Boarding, Flight
+from mrsfi_runtime.hosting.mission_topics import (
+    CLOCK,
+    FAILURE,
+    GO,
+    RESET,
+    SETUP,
+    STOP,
+    TICK,
+    numbers,
+)
+from mrsfi_runtime.hosting.progress import Patience, Progress
+from mrsfi_runtime.hosting.sides import SimInterface
+from mrsfi_runtime.hosting.truth import take_true_values
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport
+
+_RETRY = 0.1
+_ATTEMPT = 2.0
+
+
+class BusLockstep:
+    """Flies runs over a transport, one after the other.
+
+    Attributes
+    ----------
+    tick
+        The tick that the run has reached.
+
+    Parameters
+    ----------
+    transport
+        Moves the messages.
+    mission
+        The mission.
+    interface
+        The generated class.
+    truth
+        Topics of the robots' true states, in model order.
+    patience
+        How long the simulation may take.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        mission: Mission,
+        interface: type[SimInterface],
+        truth: tuple[Topic, ...],
+        patience: Patience,
+    ) -> None:
+        self._transport = transport
+        self._mission = mission
+        self._patience = patience
+        self._progress = Progress()
+        self._ledger = Ledger("simulation")
+        self._counted = CountedTransport(transport, self._ledger, self._proceed)
+        self._truth: dict[int, Payload] = {}
+        self._n_truths = len(truth)
+        self._run = 0
+        self._flight: Flight | None = None
+        self._is_thinking = False
+        self._setup = transport.advertise(SETUP)
+        self._go = transport.advertise(GO)
+        self._interface = interface(self._counted)
+        for index, topic in enumerate(truth):
+            self._counted.subscribe(topic, partial(self._truth.__setitem__, index))
+        self._counted.subscribe(CLOCK, lambda _payload: None)
+        transport.subscribe(TICK, self._on_tick)
+        transport.subscribe(FAILURE, self._on_failure)
+        transport.watch(self._fail)
+
+    @property
+    def tick(self) -> int:
+        """Return the tick that the run has reached."""
+        return self._ledger.tick
+
+    def fly(self, seed: int, board: Boarding) -> Flight:
+        """Fly a run to its end.
+
+        Parameters
+        ----------
+        seed
+            Mission seed.
+        board
+            Makes the flight, once the simulation is ready for it. Its true state is moved by
+            what the simulation says is true.
+
+        Returns
+        -------
+        Flight
+            The flight, after its last tick.
+
+        Raises
+        ------
+        TransportError
+            If messages were lost, the connection is gone, or the simulation is late; the
+            message names run and tick.
+        Exception
+            If the code of a region failed.
+        """
+        try:
+            self._prepare(seed)
+            flight = self._flight = self._board(seed, board)
+            self._progress = Progress()
+            self._ledger.open()
+            flight.ci.begin(tells_all=True)  # the simulation may be somebody else's
+            self._send_go(0)
+            self._progress.wait(self._overdue)
+            self._ledger.close()
+            self._call(STOP, self._patience.tick)
+            self._flight = None
+        except TransportError as error:
+            message = f"run {self._run}, {self._where()}: {error}"
+            raise type(error)(message) from error
+        finally:
+            self._end()
+        return flight
+
+    def _prepare(self, seed: int) -> None:
+        """Reset the simulation, again and again until it answers for this run."""
+        self._run += 1
+        deadline = monotonic() + self._patience.handshake
+        while True:
+            self._setup({"data": [self._run, seed]})
+            said = self._said_to_reset()
+            if said == f"run {self._run}":
+                return
+            if monotonic() > deadline:
+                message = (
+                    f"no simulation was ready within {self._patience.handshake:g} s: {said}; "
+                    "start one (mrsfi simulate MISSION --engine rosbridge --side simulation "
+                    "--url URL)"
+                )
+                raise TransportTimeout(message)
+            sleep(_RETRY)
+
+    def _said_to_reset(self) -> str:
+        try:
+            reply = self._call(RESET, _ATTEMPT)
+        except TransportTimeout as error:
+            return str(error)
+        return reply.problem or str(reply.values.get("message"))
+
+    def _call(self, service: Service, timeout: float) -> Reply:
+        """Call a service of the simulation and wait for its reply."""
+        replies: list[Reply] = []
+        progress = self._progress = Progress()
+
+        def on_reply(reply: Reply) -> None:
+            replies.append(reply)
+            progress.end()
+
+        def overdue(silence: float) -> MrsfiError | None:
+            if silence <= timeout:
+                return None
+            return TransportTimeout(f"{service.name} did not answer within {timeout:g} s")
+
+        self._transport.call(service, {}, on_reply)
+        progress.wait(overdue)
+        return replies[0]
+
+    def _board(self, seed: int, board: Boarding) -> Flight:
+        self._interface.reset()
+        self._truth.clear()
+        self._is_thinking = False
+        self._counted.n_sent = 0
+        self._counted.is_muted = False
+        flight = board(self._interface, initial_state(self._mission, seed))
+        flight.world.commands = flight.ci.sent.commands  # as if they had reached it at once
+        flight.world.switches = flight.ci.sent.switches
+        return flight
+
+    def _end(self) -> None:
+        """End the run on this side; tell the simulation, unless it knows."""
+        self._ledger.close()
+        flight, self._flight = self._flight, None
+        if flight is None:
+            return
+        with suppress(TransportError):  # told already
+            self._transport.call(STOP, {}, lambda _reply: None)
+
+    def _fail(self, error: Exception) -> None:
+        self._ledger.close()  # the run stays at the tick at which it failed
+        self._progress.fail(error)
+
+    def _where(self) -> str:
+        return "before tick 0" if self._flight is None else f"tick {self.tick}"
+
+    def _overdue(self, silence: float) -> MrsfiError | None:
+        if self._is_thinking:
+            return None
+        return self._ledger.overdue(silence, self._patience.tick)
+
+    def _on_failure(self, payload: Payload) -> None:
+        if self._ledger.is_open:
+            message = f"the simulation failed: {payload.get('data')}"
+            raise TransportError(message)
+
+    def _on_tick(self, payload: Payload) -> None:
+        run, tick, n_messages = numbers(TICK, payload, 3)
+        if not self._ledger.is_open or run != self._run:
+            self._ledger.forget()
+            return
+        self._progress.advance()
+        if self._ledger.announce(tick, n_messages):
+            self._proceed()
+
+    def _proceed(self) -> None:
+        """Take the CI's step: all messages of the tick are there."""
+        flight, tick = self._flight, self._ledger.tick
+        if flight is None:
+            return
+        self._take_truth(flight)
+        is_last = tick + 1 == self._mission.duration
+        self._counted.is_muted = is_last  # no motion follows on which a command could act
+        self._is_thinking = True
+        flight.step(tick)
+        self._is_thinking = False
+        if not self._ledger.is_open:
+            return
+        if is_last:
+            self._progress.end()
+            return
+        self._ledger.turn()
+        self._send_go(tick + 1)
+        self._progress.advance()
+
+    def _take_truth(self, flight: Flight) -> None:
+        if len(self._truth) < self._n_truths:
+            message = (
+                f"the true state of {len(self._truth)} of {self._n_truths} robots came; the "
+                "simulation has to publish /truth/ of every robot at every tick"
+            )
+            raise ProtocolError(message)
+        for index, payload in self._truth.items():
+            take_true_values(flight.world, index, payload.get("data"))
+        flight.world.mission.tick = self._ledger.tick
+
+    def _send_go(self, tick: int) -> None:
+        n_sent, self._counted.n_sent = self._counted.n_sent, 0
+        self._go({"data": [self._run, tick, n_sent]})

@@ -1,0 +1,126 @@
+"""Transport of the side that carries the rosbridge server in its own process.
+
+It joins the server's own thread without a socket: what it publishes within one callback
+leaves in one write.
+"""
+
+from collections.abc import Callable
+from threading import Event, get_ident
+from typing import Any, TypeVar
+
+from mrsfi_runtime.bridge.embedded import EmbeddedBridge
+from mrsfi_runtime.errors import TransportClosed
+from mrsfi_runtime.transport.topics import (
+    FailureListener,
+    Payload,
+    Provider,
+    Publisher,
+    Reply,
+    Service,
+    Topic,
+)
+
+T = TypeVar("T")
+
+
+class EmbeddedTransport:
+    """A client of an embedded bridge; its callbacks run in the bridge's thread.
+
+    Parameters
+    ----------
+    bridge
+        A bridge that has started. Closing the transport leaves it open for others.
+    """
+
+    def __init__(self, bridge: EmbeddedBridge) -> None:
+        self._bridge = bridge
+        self._listener: FailureListener | None = None
+        self._lost: TransportClosed | None = None
+        self._thread = 0
+        self._thread = self._run(get_ident)
+        self._client = self._run(bridge.local_client)
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Return the function that publishes on a topic."""
+        name, client = topic.name, self._client
+        self._run(lambda: client.advertise(name, topic.type))
+
+        def publish(payload: Payload) -> None:
+            if get_ident() == self._thread:
+                client.publish(name, payload)
+            else:
+                self._run(lambda: client.publish(name, payload))
+
+        return publish
+
+    def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
+        """Have a callback receive every message of a topic."""
+
+        def receive(payload: Payload) -> None:
+            try:
+                callback(payload)
+            except Exception as error:  # noqa: BLE001 - the listener decides
+                self._tell(error)
+
+        self._run(lambda: self._client.subscribe(topic.name, topic.type, receive))
+
+    def provide(self, service: Service, provider: Provider) -> None:
+        """Answer the calls of a service."""
+
+        def answer(request: Payload) -> Payload:
+            try:
+                return provider(request)
+            except Exception as error:
+                self._tell(error)
+                raise
+
+        self._run(lambda: self._client.advertise_service(service.name, service.type, answer))
+
+    def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
+        """Call a service."""
+
+        def reply(is_answer: bool, values: Any) -> None:
+            try:
+                on_reply(Reply(values) if is_answer else Reply({}, str(values)))
+            except Exception as error:  # noqa: BLE001 - the listener decides
+                self._tell(error)
+
+        self._run(lambda: self._client.call(service.name, request, reply))
+
+    def watch(self, listener: FailureListener) -> None:
+        """Have a function told of errors in callbacks; there is no connection to lose."""
+        self._listener = listener
+
+    def close(self) -> None:
+        """Give up all topics and services."""
+        if self._lost is None:
+            self._run(self._client.close)
+            self._lost = TransportClosed("the embedded transport was closed")
+
+    def _run(self, function: Callable[[], T]) -> T:
+        """Run a function in the bridge's thread and return what it returns."""
+        if self._lost is not None:
+            raise self._lost
+        if get_ident() == self._thread:
+            return function()
+        done = Event()
+        results: list[T] = []
+        errors: list[Exception] = []
+
+        def run() -> None:
+            try:
+                results.append(function())
+            except Exception as error:  # noqa: BLE001 - raised where it was asked for
+                errors.append(error)
+            finally:
+                done.set()
+
+        self._bridge.call_soon(run)
+        done.wait()
+        if errors:
+            raise errors[0]
+        return results[0]
+
+    def _tell(self, error: Exception) -> None:
+        if self._listener is not None:
+            self._listener(error)

@@ -1,0 +1,73 @@
+"""How far a run has come: told by the thread of the callbacks, awaited by the main thread."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from threading import Event
+from time import monotonic
+
+from mrsfi_runtime.errors import MrsfiError
+
+_LOOK = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How many seconds one side waits for the other.
+
+    Attributes
+    ----------
+    tick
+        For the other side's part of one tick.
+    handshake
+        For the other side to be there before tick 0.
+    """
+
+    tick: float = 10.0
+    handshake: float = 30.0
+
+
+class Progress:
+    """Steps made, and the end, good or bad."""
+
+    def __init__(self) -> None:
+        self._n_steps = 0
+        self._ended = Event()
+        self._failure: Exception | None = None
+
+    def advance(self) -> None:
+        """Note a step."""
+        self._n_steps += 1
+
+    def end(self) -> None:
+        """Note that all is done."""
+        self._ended.set()
+
+    def fail(self, error: Exception) -> None:
+        """Note why it cannot go on; the first reason counts."""
+        if self._failure is None and not self._ended.is_set():
+            self._failure = error
+            self._ended.set()
+
+    def wait(self, overdue: Callable[[float], MrsfiError | None]) -> None:
+        """Wait for the end.
+
+        Parameters
+        ----------
+        overdue
+            Gets the seconds since the last step and returns what is wrong, if anything is.
+
+        Raises
+        ------
+        Exception
+            The failure, whoever noted it; or what ``overdue`` returns.
+        """
+        n_steps, since = self._n_steps, monotonic()
+        while not self._ended.wait(_LOOK):
+            if n_steps != self._n_steps:
+                n_steps, since = self._n_steps, monotonic()
+                continue
+            error = overdue(monotonic() - since)
+            if error is not None:
+                raise error
+        if self._failure is not None:
+            raise self._failure

@@ -1,0 +1,138 @@
+"""The simulation's side of a mission over a bus: flies a tick whenever it is told to.
+
+References
+----------
+Source paper, section III-F.
+"""
+
+from mrsfi_runtime.errors import MrsfiError, ProtocolError
+from mrsfi_runtime.hosting.ledger import CountedTransport, Ledger
+from mrsfi_runtime.hosting.mission_topics import (
+    CLOCK,
+    FAILURE,
+    GO,
+    RESET,
+    SETUP,
+    STOP,
+    TICK,
+    numbers,
+)
+from mrsfi_runtime.hosting.progress import Patience, Progress
+from mrsfi_runtime.hosting.sides import Simulation
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.transport.topics import Payload, Transport
+
+
+class SimulationHost:
+    """Serves one generated simulation, run after run.
+
+    Parameters
+    ----------
+    transport
+        Moves the messages.
+    simulation
+        The generated class.
+    mission
+        The mission.
+    patience
+        How long the CI may be silent in mid-run.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        simulation: type[Simulation],
+        mission: Mission,
+        patience: Patience,
+    ) -> None:
+        self._patience = patience
+        self._progress = Progress()
+        self._ledger = Ledger("collective intelligence")
+        self._transport = CountedTransport(transport, self._ledger, self._fly)
+        self._run = -1
+        self._failed_at: str | None = None
+        self._setup: tuple[int, int] | None = None
+        self._simulation = simulation(self._transport, mission)
+        self._clock = self._transport.advertise(CLOCK)
+        self._tick = transport.advertise(TICK)
+        self._failure = transport.advertise(FAILURE)
+        transport.watch(self._fail)
+        transport.subscribe(SETUP, self._on_setup)
+        transport.subscribe(GO, self._on_go)
+        transport.provide(RESET, self._on_reset)
+        transport.provide(STOP, self._on_stop)
+
+    def serve(self) -> None:
+        """Serve runs until ``stop`` is called.
+
+        Raises
+        ------
+        TransportError
+            If messages were lost, the connection is gone, or the CI is silent in mid-run.
+        Exception
+            If the simulation's own code failed.
+        """
+        self._progress.wait(self._overdue)
+
+    def stop(self) -> None:
+        """Let ``serve`` return; may be called by any thread."""
+        self._progress.end()
+
+    def where(self) -> str:
+        """Return run and tick, for messages."""
+        if self._failed_at is not None:
+            return self._failed_at
+        return f"run {self._run}, tick {self._ledger.tick}" if self._ledger.is_open else "no run"
+
+    def tell_failure(self, error: Exception) -> None:
+        """Tell the CI why the simulation cannot go on."""
+        self._failure({"data": f"{self.where()}: {error}"})
+
+    def _fail(self, error: Exception) -> None:
+        self._failed_at = self.where()
+        self._ledger.close()  # the run stays at the tick at which it failed
+        self._progress.fail(error)
+
+    def _overdue(self, silence: float) -> MrsfiError | None:
+        return self._ledger.overdue(silence, self._patience.tick)
+
+    def _on_setup(self, payload: Payload) -> None:
+        run, seed = numbers(SETUP, payload, 2)
+        self._setup = run, seed
+
+    def _on_reset(self, _request: Payload) -> Payload:
+        if self._setup is None:
+            return {"success": False, "message": f"no message on {SETUP.name} came yet"}
+        self._run, seed = self._setup
+        self._simulation.reset(seed)
+        self._transport.n_sent = 0
+        self._ledger.open()
+        self._progress.advance()
+        return {"success": True, "message": f"run {self._run}"}
+
+    def _on_stop(self, _request: Payload) -> Payload:
+        self._ledger.close()
+        self._simulation.stop()
+        return {"success": True, "message": ""}
+
+    def _on_go(self, payload: Payload) -> None:
+        run, tick, n_commands = numbers(GO, payload, 3)
+        if not self._ledger.is_open or run < self._run:
+            self._ledger.forget()
+            return
+        if run > self._run:
+            message = f"run {run} goes on; expected run {self._run}: a reset was lost"
+            raise ProtocolError(message)
+        self._progress.advance()
+        if self._ledger.announce(tick, n_commands):
+            self._fly()
+
+    def _fly(self) -> None:
+        tick = self._ledger.tick
+        self._ledger.turn()
+        self._simulation.step(tick)
+        self._simulation.publish_truth()
+        self._clock({"clock": {"secs": tick, "nsecs": 0}})
+        n_sent, self._transport.n_sent = self._transport.n_sent, 0
+        self._tick({"data": [self._run, tick, n_sent]})
+        self._progress.advance()

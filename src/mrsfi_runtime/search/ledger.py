@@ -1,0 +1,157 @@
+"""What a campaign has found so far: read back when it is resumed, and extended by what is new."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from math import inf
+from typing import Protocol, TypeAlias
+
+from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation
+
+WORST_FITNESS = 0.0
+"""Fitness of a specification whose evaluation failed; that of one without a violation."""
+
+_PATIENCE = 20  # a write comes no sooner than so many times as long as the last one took
+
+Entry: TypeAlias = Evaluation | FailedEvaluation
+"""What became of one specification that the search asked for."""
+
+
+class FailedOutcome(Protocol):
+    """An evaluation that ended in an error of the mission's own code."""
+
+    @property
+    def traceback(self) -> str:
+        """What Python said."""
+
+
+EvaluateMany: TypeAlias = Callable[[Sequence[Specification]], Iterable[Outcome | FailedOutcome]]
+"""Evaluates fault specifications; one result each, in the same order, best as soon as known."""
+
+
+class Recorder(Protocol):
+    """Keeps what a campaign finds, and returns it, as ``CampaignStore`` does."""
+
+    @property
+    def n_evaluations(self) -> int:
+        """How many evaluations are kept."""
+
+    def evaluations(self, first: int = 0, n_most: int | None = None) -> Sequence[Evaluation]:
+        """Return evaluations in index order, at most so many, from one index on."""
+
+    def failures(self) -> Sequence[FailedEvaluation]:
+        """Return all failed evaluations."""
+
+    def generation(self, index: int) -> Generation | None:
+        """Return a finished generation, or nothing if it is not kept."""
+
+    def append(
+        self, evaluations: Sequence[Evaluation], failures: Sequence[FailedEvaluation]
+    ) -> None:
+        """Keep evaluations and failures, all or none."""
+
+    def close_generation(self, generation: Generation) -> None:
+        """Keep a finished generation."""
+
+
+class Ledger:
+    """The record of a campaign in the order in which its search asked.
+
+    Parameters
+    ----------
+    store
+        Where the record is kept.
+    source
+        Where the campaign is, for messages.
+    clock
+        Seconds since any moment.
+    """
+
+    def __init__(self, store: Recorder, source: str, clock: Callable[[], float]) -> None:
+        self._store = store
+        self._source = source
+        self._clock = clock
+        self._due = -inf  # when the next write may come
+        self._failures = {failure.number: failure for failure in store.failures()}
+        self._n_recorded = store.n_evaluations + len(self._failures)
+
+    def recorded(
+        self, number: int, index: int, specifications: Sequence[Specification], generation: int
+    ) -> list[Entry]:
+        """Return what a record from before has of specifications: all, the first ones or none.
+
+        Parameters
+        ----------
+        number
+            How many specifications the search asked for before these.
+        index
+            How many of those were evaluated without failure.
+
+        Raises
+        ------
+        RecordError
+            If the record has other specifications in their place.
+        """
+        n_known = max(0, min(len(specifications), self._n_recorded - number))
+        evaluations = iter(self._store.evaluations(index, n_known) if n_known else ())
+        entries: list[Entry] = []
+        for place, asked in enumerate(specifications[:n_known], number):
+            entry = self._failures.get(place) or next(evaluations, None)
+            if entry is None or (entry.specification, entry.generation) != (asked, generation):
+                raise RecordError(self._astray(f"specification {place} of the search"))
+            entries.append(entry)
+        return entries
+
+    def has(self, generation: Generation) -> bool:
+        """Return whether a generation is recorded.
+
+        Raises
+        ------
+        RecordError
+            If another one is recorded in its place.
+        """
+        recorded = self._store.generation(generation.index)
+        if recorded is not None and recorded != generation:
+            raise RecordError(self._astray(f"generation {generation.index}"))
+        return recorded is not None
+
+    def _astray(self, place: str) -> str:
+        return (
+            f"{self._source}: the record does not follow from its own settings, models and code: "
+            f"{place} is another one; expected what the same mrsfi, Python and DEAP would search; "
+            "resume with the versions it was begun with (manifest in campaign.sqlite), or begin "
+            "a new campaign"
+        )
+
+    @contextmanager
+    def writing(self) -> Iterator[Callable[[Entry], None]]:
+        """Yield the function that keeps new entries; at the end, however it comes, all are.
+
+        Each is written at once, unless writing would then take more than a small share of
+        the time; those that wait are lost if the process is killed.
+        """
+        pending: list[Entry] = []
+
+        def keep(entry: Entry) -> None:
+            pending.append(entry)
+            begin = self._clock()
+            if begin >= self._due:
+                self._write(pending)
+                end = self._clock()
+                self._due = end + _PATIENCE * (end - begin)
+
+        try:
+            yield keep
+        finally:
+            self._write(pending)
+
+    def _write(self, pending: list[Entry]) -> None:
+        entries = pending[:]
+        pending.clear()  # first, so that an interrupt after the write does not write them twice
+        if entries:
+            self._store.append(
+                [entry for entry in entries if isinstance(entry, Evaluation)],
+                [entry for entry in entries if isinstance(entry, FailedEvaluation)],
+            )

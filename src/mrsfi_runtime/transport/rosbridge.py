@@ -1,0 +1,229 @@
+"""Transport over a rosbridge server, through roslibpy.
+
+roslibpy runs all callbacks in one background thread, logs and drops what goes wrong there,
+and reconnects on its own, so that messages are lost in silence. Here an error in a callback
+and a lost connection reach the listener, and nothing reconnects.
+
+References
+----------
+Source paper, section III-F.
+"""
+
+import logging
+import socket
+from collections.abc import Callable
+from threading import Event
+from typing import Any, Literal, TypeAlias
+from urllib.parse import urlsplit
+
+import roslibpy
+
+from mrsfi_runtime.errors import TransportClosed, TransportTimeout, UsageError
+from mrsfi_runtime.transport.topics import (
+    FailureListener,
+    Payload,
+    Provider,
+    Publisher,
+    Reply,
+    Service,
+    Topic,
+)
+
+Client: TypeAlias = Literal["asyncio", "twisted"]
+"""Kind of roslibpy's connection; a process can have one kind only."""
+
+CLIENTS: tuple[Client, ...] = ("asyncio", "twisted")
+
+_PORTS = {"ws": 80, "wss": 443}
+_CLOSING = 6.0  # roslibpy gives the server 5 s to agree
+
+for _name in ("roslibpy", "twisted"):  # what they log and matters here reaches the listener
+    logging.getLogger(_name).addHandler(logging.NullHandler())
+
+
+class RosbridgeTransport:
+    """One connection to a rosbridge server.
+
+    Attributes
+    ----------
+    url
+        The server, without the token.
+
+    Parameters
+    ----------
+    url
+        ``ws://host:port`` or ``wss://host:port``, with ``/?token=…`` where the server asks
+        for one.
+    client
+        Kind of roslibpy's connection.
+    timeout
+        Seconds for the server to accept it.
+
+    Raises
+    ------
+    UsageError
+        If the URL makes no sense, or the process already uses the other kind of client.
+    TransportClosed
+        If nobody listens at the URL, or it is no rosbridge server.
+    TransportTimeout
+        If it does not answer in time.
+    """
+
+    def __init__(self, url: str, client: Client = "asyncio", timeout: float = 10.0) -> None:
+        self.url = without_token(url)
+        self._client = client
+        self._listener: FailureListener | None = None
+        self._lost: TransportClosed | None = None
+        self._is_closing = False
+        self._opened = Event()
+        self._closed = Event()
+        _require_listener(url, timeout)
+        try:
+            self._ros = roslibpy.Ros(url, transport=client)
+        except RuntimeError as error:
+            message = f"--client {client}: this process already uses roslibpy's other client"
+            raise UsageError(message) from error
+        self._ros.on("close", self._on_close)
+        self._ros.factory.on_ready(self._on_open)
+        self._ros.factory.manager.run()
+        self._wait_open(timeout)
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Return the function that publishes on a topic.
+
+        The function raises ``TransportClosed`` once the connection is lost.
+        """
+        ros_topic = self._topic(topic)
+        ros_topic.advertise()
+
+        def publish(payload: Payload) -> None:
+            if self._lost is not None:
+                raise self._lost
+            ros_topic.publish(payload)
+
+        return publish
+
+    def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
+        """Have a callback receive every message of a topic."""
+
+        def receive(payload: Payload) -> None:
+            try:
+                callback(payload)
+            except Exception as error:  # noqa: BLE001 - the listener decides
+                self._tell(error)
+
+        self._topic(topic).subscribe(receive)
+
+    def provide(self, service: Service, provider: Provider) -> None:
+        """Answer the calls of a service; a provider that raises answers with a failure."""
+
+        def answer(request: Any, response: Any) -> bool:
+            try:
+                response.update(provider(dict(request)))
+            except Exception as error:  # noqa: BLE001 - the listener decides
+                self._tell(error)
+                return False
+            return True
+
+        self._service(service).advertise(answer)
+
+    def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
+        """Call a service.
+
+        Raises
+        ------
+        TransportClosed
+            If the connection is lost.
+        """
+        if self._lost is not None:
+            raise self._lost
+        self._service(service).call(
+            roslibpy.ServiceRequest(request),
+            lambda values: on_reply(Reply(dict(values))),
+            lambda problem: on_reply(Reply({}, str(problem) or "the service failed")),
+        )
+
+    def watch(self, listener: FailureListener) -> None:
+        """Have a function told of a lost connection, and of errors in callbacks."""
+        self._listener = listener
+        if self._lost is not None:
+            listener(self._lost)
+
+    def close(self) -> None:
+        """Close the connection; roslibpy's thread stays for the next one."""
+        self._is_closing = True
+        if self._ros.is_connected:
+            self._ros.close()
+            self._closed.wait(_CLOSING)
+        if self._lost is None:
+            self._lost = TransportClosed(f"the connection to {self.url} was closed")
+
+    def _topic(self, topic: Topic) -> Any:
+        return roslibpy.Topic(self._ros, topic.name, topic.type, reconnect_on_close=False)
+
+    def _service(self, service: Service) -> Any:
+        return roslibpy.Service(self._ros, service.name, service.type, reconnect_on_close=False)
+
+    def _wait_open(self, timeout: float) -> None:
+        is_open = self._opened.wait(timeout)
+        if is_open and self._lost is None:
+            return
+        self._is_closing = True
+        self._ros.call_later(0, self._stop_reconnecting)
+        if is_open:
+            message = f"{self.url} refused the connection; expected a rosbridge server"
+            raise TransportClosed(message)
+        message = f"{self.url} did not answer within {timeout:g} s; expected a rosbridge server"
+        raise TransportTimeout(message)
+
+    def _on_open(self, protocol: Any) -> None:
+        self._stop_reconnecting()
+        if self._client == "twisted":
+            protocol.transport.setTcpNoDelay(True)  # asyncio sets it itself
+        protocol.utf8validateIncoming = False  # the JSON decoder checks it again
+        self._opened.set()
+
+    def _on_close(self, _protocol: Any) -> None:
+        self._stop_reconnecting()
+        if not self._is_closing:
+            self._lost = TransportClosed(f"the connection to {self.url} was lost")
+            self._tell(self._lost)
+        self._opened.set()
+        self._closed.set()
+
+    def _stop_reconnecting(self) -> None:
+        """Have a lost connection stay lost; called in roslibpy's thread."""
+        if self._client == "twisted":
+            self._ros.factory.stopTrying()
+        else:
+            self._ros.factory.maxRetries = 0
+
+    def _tell(self, error: Exception) -> None:
+        if self._listener is not None:
+            self._listener(error)
+
+
+def without_token(url: str) -> str:
+    """Return a URL as it may be shown: a query may hold a token."""
+    return url.partition("?")[0]
+
+
+def _require_listener(url: str, timeout: float) -> None:
+    """Refuse a URL at which nobody listens at once: roslibpy would try for an hour."""
+    parts = urlsplit(url)
+    if parts.scheme not in _PORTS or not parts.hostname:
+        message = f"--url: found '{url}'; expected ws://HOST:PORT"
+        raise UsageError(message)
+    try:
+        port = parts.port or _PORTS[parts.scheme]
+    except ValueError as error:
+        message = f"--url: found '{url}'; expected a port from 1 to 65535"
+        raise UsageError(message) from error
+    try:
+        socket.create_connection((parts.hostname, port), timeout).close()
+    except OSError as error:
+        message = (
+            f"{without_token(url)}: cannot be reached: {error.strerror or error}; start a "
+            "rosbridge server (mrsfi bridge), or leave --url out to have one embedded"
+        )
+        raise TransportClosed(message) from error

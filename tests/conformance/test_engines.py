@@ -1,0 +1,108 @@
+"""What every engine does, however it flies."""
+
+from dataclasses import replace
+from random import Random
+
+import pytest
+
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import EvaluationError, SpecificationError
+from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.trace import TraceDigest
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
+from support_world import ROOT, paper_code
+
+SEED = 5
+PATIENCE = Patience(tick=10.0, handshake=20.0)
+ENGINES = {
+    "reference": EngineSettings("reference"),
+    "rosbridge": EngineSettings("rosbridge", patience=PATIENCE),
+}
+
+
+@pytest.fixture(scope="module", params=ENGINES)
+def engine(request):
+    with ENGINES[request.param].open(paper_code(150), SEED) as opened:
+        yield opened
+
+
+def traced(engine, specification):
+    digest = TraceDigest()
+    return engine.evaluate(specification, observer=digest), digest.hexdigest()
+
+
+def specifications(code, n):
+    space = SearchSpace.of(code.mission, code.pool)
+    return [random_specification(space, 20, Random(seed)) for seed in range(n)]
+
+
+def test_every_bit_of_belief_and_truth_is_that_of_the_reference(engine):
+    reference = ReferenceEngine(engine.code, SEED)
+
+    for specification in ((), *specifications(engine.code, 5)):
+        assert traced(engine, specification) == traced(reference, specification)
+
+
+def test_a_mission_in_which_every_fault_matters_flies_alike():
+    code = load_code(ROOT / "generated" / "tight_margins")
+    reference = ReferenceEngine(code, 1)
+
+    with ENGINES["rosbridge"].open(code, 1) as engine:
+        for specification in specifications(code, 3):
+            assert traced(engine, specification) == traced(reference, specification)
+
+
+def test_the_same_specification_gives_the_same_outcome_in_any_order(engine):
+    first, second = specifications(engine.code, 2)
+
+    outcomes = [engine.evaluate(specification) for specification in (first, second, first)]
+
+    assert outcomes[0] == outcomes[2] != outcomes[1]
+
+
+def test_an_observer_sees_every_tick_once(engine):
+    seen = []
+
+    engine.evaluate(
+        (),
+        observer=lambda world, belief, *_: seen.append((world.mission.tick, belief.mission.tick)),
+    )
+
+    assert seen == [(tick, tick) for tick in range(150)]
+
+
+def test_conflicting_faults_are_refused_before_the_flight(engine):
+    with pytest.raises(SpecificationError, match="overlap"):
+        engine.evaluate((TimedFault("f27", 0, 9), TimedFault("f4", 5, 9, (1.0,))))
+
+
+@pytest.mark.parametrize("settings", ENGINES.values(), ids=ENGINES)
+def test_an_error_in_a_region_is_an_evaluation_error_and_the_next_flight_is_whole(settings):
+    code = paper_code(40)
+    broken_at = [20]
+
+    def check(ci):
+        if ci.mission.tick in broken_at:
+            message = "too deep"
+            raise ArithmeticError(message)
+        return code.checks[0](ci)
+
+    with settings.open(replace(code, checks=(check, *code.checks[1:])), SEED) as engine:
+        with pytest.raises(EvaluationError, match="failed at tick 20: ArithmeticError: too deep"):
+            engine.evaluate(())
+        broken_at.clear()
+        outcome = engine.evaluate(())
+
+    assert outcome == ReferenceEngine(code, SEED).evaluate(())
+
+
+@pytest.mark.parametrize("settings", ENGINES.values(), ids=ENGINES)
+def test_closing_twice_does_no_harm(settings):
+    engine = settings.open(paper_code(1), SEED)
+
+    engine.close()
+    engine.close()

@@ -1,0 +1,274 @@
+"""What every transport does, whatever carries its messages.
+
+A process has one kind of roslibpy client, so the last test runs the others again for Twisted.
+"""
+
+import os
+import subprocess
+import sys
+from queue import Empty, SimpleQueue
+
+import pytest
+
+from mrsfi_runtime.bridge.embedded import EmbeddedBridge
+from mrsfi_runtime.bridge.settings import Settings
+from mrsfi_runtime.errors import TransportClosed, TransportError, UsageError
+from mrsfi_runtime.hosting.embedded import EmbeddedTransport
+from mrsfi_runtime.transport.local_bus import LocalBus
+from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.topics import Service, Topic
+
+CLIENT = os.environ.get("MRSFI_TEST_CLIENT", "asyncio")
+OTHER = {"asyncio": "twisted", "twisted": "asyncio"}
+SPEED = Topic("/r1/speed", "std_msgs/Float64")
+ENERGY = Topic("/r1/energy", "std_msgs/Float64")
+NUMBERS = Topic("/mission/go", "std_msgs/Int64MultiArray")
+RESET = Service("/mission/reset", "std_srvs/Trigger")
+NAMES = ("local", "embedded", "rosbridge", "embedded and rosbridge", "rosbridge and embedded")
+
+
+class Ends:
+    """Two ends of one bus, and what arrives there."""
+
+    def __init__(self, first, second):
+        self.first, self.second = first, second
+        self.arrived = SimpleQueue()
+
+    def take(self, n):
+        """Return the next n things that arrive."""
+        return [self.arrived.get(timeout=10) for _ in range(n)]
+
+    def settle(self):
+        """Wait until the server knows what both ends asked for before."""
+        for end in (self.first, self.second):
+            done = SimpleQueue()
+            end.call(Service("/rosapi/get_time", "rosapi/GetTime"), {}, done.put)
+            done.get(timeout=10)
+
+
+@pytest.fixture(params=NAMES)
+def ends(request):
+    if request.param == "local":
+        bus = LocalBus()
+        yield Ends(bus, bus)
+        return
+    with EmbeddedBridge() as bridge:
+        kinds = {
+            "embedded": lambda: EmbeddedTransport(bridge),
+            "rosbridge": lambda: RosbridgeTransport(bridge.url, CLIENT),
+        }
+        names = request.param.split(" and ")
+        first, second = kinds[names[0]](), kinds[names[-1]]()
+        yield Ends(first, second)
+        first.close()
+        second.close()
+
+
+def test_messages_arrive_in_order_and_whole(ends):
+    ends.second.subscribe(SPEED, lambda payload: ends.arrived.put(payload["data"]))
+    publish = ends.first.advertise(SPEED)
+    ends.settle()
+    values = [0.1, -0.0, 1e300, 5e-324, *map(float, range(200))]
+
+    for value in values:
+        publish({"data": value})
+
+    assert list(map(repr, ends.take(len(values)))) == list(map(repr, values))
+
+
+def test_order_holds_across_topics(ends):
+    for topic in (SPEED, ENERGY):
+        ends.second.subscribe(topic, lambda p, name=topic.name: ends.arrived.put((name, p["data"])))
+    speed, energy = ends.first.advertise(SPEED), ends.first.advertise(ENERGY)
+    ends.settle()
+
+    for value in range(50):
+        speed({"data": float(value)})
+        energy({"data": float(value)})
+
+    expected = [(t.name, float(value)) for value in range(50) for t in (SPEED, ENERGY)]
+    assert ends.take(100) == expected
+
+
+def test_arrays_of_integers_arrive_whole(ends):
+    ends.second.subscribe(NUMBERS, lambda payload: ends.arrived.put(payload["data"]))
+    publish = ends.first.advertise(NUMBERS)
+    ends.settle()
+
+    publish({"data": [1, 0, 2**62]})
+
+    assert ends.take(1) == [[1, 0, 2**62]]
+
+
+def test_a_callback_may_publish(ends):
+    answer = ends.second.advertise(ENERGY)
+    ends.second.subscribe(SPEED, answer)
+    ends.first.subscribe(ENERGY, lambda payload: ends.arrived.put(payload["data"]))
+    publish = ends.first.advertise(SPEED)
+    ends.settle()
+
+    for value in (1.0, 2.0, 3.0):
+        publish({"data": value})
+
+    assert ends.take(3) == [1.0, 2.0, 3.0]
+
+
+def test_a_service_answers_its_caller(ends):
+    ends.first.provide(RESET, lambda _request: {"success": True, "message": "run 7"})
+    ends.settle()
+
+    ends.second.call(RESET, {}, ends.arrived.put)
+
+    reply = ends.take(1)[0]
+    assert (reply.values["success"], reply.values["message"]) == (True, "run 7")
+    assert reply.problem == ""
+
+
+def test_a_service_that_nobody_provides_answers_with_the_problem(ends):
+    ends.second.call(RESET, {}, ends.arrived.put)
+
+    reply = ends.take(1)[0]
+    assert reply.values == {}
+    assert RESET.name in reply.problem
+
+
+def test_an_error_in_a_callback_is_seen(ends):
+    ends.second.watch(ends.arrived.put)
+    ends.second.subscribe(SPEED, lambda payload: payload["nothing"])
+    publish = ends.first.advertise(SPEED)
+    ends.settle()
+
+    try:
+        publish({"data": 1.0})
+    except KeyError as error:  # the local bus has the publisher see it
+        ends.arrived.put(error)
+
+    assert isinstance(ends.take(1)[0], KeyError)
+
+
+def test_a_closed_transport_delivers_nothing(ends):
+    ends.second.subscribe(SPEED, ends.arrived.put)
+    publish = ends.first.advertise(SPEED)
+    ends.settle()
+
+    ends.second.close()
+    publish({"data": 1.0})
+
+    with pytest.raises(Empty):
+        ends.arrived.get(timeout=0.3)
+
+
+def test_what_was_published_before_closing_arrives(ends):
+    ends.second.subscribe(SPEED, lambda payload: ends.arrived.put(payload["data"]))
+    publish = ends.first.advertise(SPEED)
+    ends.settle()
+
+    for value in range(20):
+        publish({"data": float(value)})
+    ends.first.close()
+
+    assert ends.take(20) == [float(value) for value in range(20)]
+
+
+def test_closing_twice_does_no_harm(ends):
+    for _ in range(2):
+        ends.first.close()
+
+
+def test_a_lost_connection_is_told_and_publishing_raises():
+    lost = SimpleQueue()
+    with EmbeddedBridge() as bridge:
+        transport = RosbridgeTransport(bridge.url, CLIENT)
+        transport.watch(lost.put)
+        publish = transport.advertise(SPEED)
+
+    error = lost.get(timeout=10)
+    assert isinstance(error, TransportClosed)
+    assert f"the connection to {bridge.url} was lost" in str(error)
+    for use in (
+        lambda: publish({"data": 1.0}),
+        lambda: transport.call(RESET, {}, print),
+        lambda: transport.watch(raise_it),
+    ):
+        with pytest.raises(TransportClosed, match="was lost"):
+            use()
+    transport.close()
+
+
+def raise_it(error):
+    raise error
+
+
+def test_a_lost_connection_stays_lost_when_the_server_comes_back():
+    with EmbeddedBridge() as bridge:
+        transport = RosbridgeTransport(bridge.url, CLIENT)
+        lost = SimpleQueue()
+        transport.watch(lost.put)
+        port = int(bridge.url.rpartition(":")[2])
+    lost.get(timeout=10)
+    with EmbeddedBridge(Settings(port=port)) as again:
+        fresh = RosbridgeTransport(again.url, CLIENT)
+        publish = fresh.advertise(SPEED)
+        arrived = SimpleQueue()
+        transport.subscribe(SPEED, arrived.put)
+        publish({"data": 1.0})
+
+        with pytest.raises(Empty):
+            arrived.get(timeout=2.0)
+        fresh.close()
+    transport.close()
+
+
+@pytest.mark.parametrize(
+    ("url", "expected"),
+    [
+        ("127.0.0.1:9090", "expected ws://HOST:PORT"),
+        ("http://127.0.0.1:9090", "expected ws://HOST:PORT"),
+        ("ws://", "expected ws://HOST:PORT"),
+        ("ws://127.0.0.1:99999", "expected a port"),
+    ],
+)
+def test_a_url_that_makes_no_sense_is_a_usage_error(url, expected):
+    with pytest.raises(UsageError, match=expected):
+        RosbridgeTransport(url, CLIENT)
+
+
+def test_a_url_where_nobody_listens_is_told_without_its_token():
+    with pytest.raises(TransportClosed, match="cannot be reached") as told:
+        RosbridgeTransport("ws://127.0.0.1:1/?token=secret", CLIENT)
+
+    assert "secret" not in str(told.value)
+
+
+def test_a_server_that_asks_for_a_token_lets_in_who_shows_it():
+    with EmbeddedBridge(Settings(token="0123456789abcdef")) as bridge:
+        with pytest.raises(TransportError, match="expected a rosbridge server"):
+            RosbridgeTransport(bridge.url, CLIENT)
+        transport = RosbridgeTransport(f"{bridge.url}/?token=0123456789abcdef", CLIENT)
+        replies = SimpleQueue()
+        transport.call(RESET, {}, replies.put)
+
+        assert RESET.name in replies.get(timeout=10).problem
+        transport.close()
+
+
+def test_one_process_has_one_kind_of_client():
+    with EmbeddedBridge() as bridge:
+        transport = RosbridgeTransport(bridge.url, CLIENT)
+        with pytest.raises(UsageError, match="already uses roslibpy's other client"):
+            RosbridgeTransport(bridge.url, OTHER[CLIENT])
+        transport.close()
+
+
+@pytest.mark.skipif(CLIENT != "asyncio", reason="the run that this test starts")
+def test_all_of_this_holds_for_the_twisted_client():
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n0", __file__],
+        check=False,
+        capture_output=True,
+        encoding="utf-8",
+        env={**os.environ, "MRSFI_TEST_CLIENT": "twisted"},
+        timeout=240,
+    )
+
+    assert done.returncode == 0, done.stdout + done.stderr

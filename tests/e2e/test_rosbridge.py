@@ -1,0 +1,271 @@
+"""The command line over rosbridge: two processes, their server, and what happens if one dies."""
+
+import json
+import os
+import re
+import signal
+import sqlite3
+import time
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.record.campaign import CampaignStore
+from support_cli import MISSION, SMALL, mrsfi, mrsfi_json
+from support_rosbridge import is_running, process
+
+ROSBRIDGE = ("--engine", "rosbridge")
+TINY = ("--population", "4", "--generations", "1", "--workers", "1")
+RESUMED = ("--engine", "reference", "--workers", "1")
+
+
+@pytest.fixture
+def url():
+    """Address of a server in a process of its own."""
+    with process("bridge", "--port", "0") as server:
+        yield re.search(r"ws://\S+", server.stdout.readline())[0]
+
+
+def children(pid):
+    """Return the processes that a process has started."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = stat.read_text(errors="replace").rpartition(")")[2].split()[1]
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if int(parent) == pid:
+            found.append(int(stat.parent.name))
+    return found
+
+
+def wait_for(condition):
+    deadline = time.monotonic() + 30
+    while not condition():
+        assert time.monotonic() < deadline, "not within 30 s"
+        time.sleep(0.05)
+
+
+def has_lines(path, n):
+    return path.is_file() and path.read_bytes().count(b"\n") > n
+
+
+def ended(running):
+    """Return exit code and standard error of a process that must end by itself."""
+    _, told = running.communicate(timeout=60)
+    assert "Traceback" not in told
+    return running.returncode, told
+
+
+def test_a_flight_over_rosbridge_prints_what_the_reference_does(place):
+    arguments = ("simulate", MISSION, "--seed", "3")
+
+    flown = mrsfi_json(*arguments, *ROSBRIDGE, cwd=place)
+
+    assert flown == mrsfi_json(*arguments, cwd=place)
+
+
+def test_logs_and_traces_are_the_same(place):
+    for name, options in (("local", ()), ("bus", ROSBRIDGE)):
+        files = ("--log", f"{name}.log", "--trace", f"{name}.csv")
+        mrsfi("simulate", MISSION, *files, *options, cwd=place)
+
+    for kind in ("log", "csv"):
+        assert (place / f"bus.{kind}").read_bytes() == (place / f"local.{kind}").read_bytes()
+
+
+def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_how(place):
+    digests = []
+    for name, options in (("local", ()), ("bus", (*ROSBRIDGE, "--client", "twisted"))):
+        out = f"runs/{name}"
+        found = mrsfi_json("evolve", MISSION, *TINY, *options, "--out", out, cwd=place)
+        digests.append(found["digest"])
+    replayed = mrsfi_json("replay", "runs/local", "--best", *ROSBRIDGE, cwd=place)
+    with CampaignStore.open(place / "runs" / "bus") as store:
+        recorded = store.manifest
+
+    assert digests[0] == digests[1]
+    assert replayed["is_same"]
+    assert recorded["engine"] == "rosbridge"
+    assert recorded["bus"] == {"url": None, "client": "twisted", "side": "both"}
+
+
+@pytest.mark.parametrize("client", ["asyncio", "twisted"])
+def test_two_sides_meet_on_a_server(place, url, client):
+    meet = (*ROSBRIDGE, "--url", url, "--client", client)
+    with process("simulate", MISSION, *meet, "--side", "simulation", cwd=place) as simulation:
+        sign = simulation.stderr.readline()
+        flown = mrsfi_json("simulate", MISSION, *meet, "--side", "ci", cwd=place)
+        os.kill(simulation.pid, signal.SIGINT)
+        code, told = ended(simulation)
+
+    assert f"serves at {url}" in sign
+    assert flown == mrsfi_json("simulate", MISSION, cwd=place)
+    assert (code, told) == (130, "mrsfi: interrupted\n")
+
+
+def test_the_ci_may_be_started_before_the_simulation(place, url):
+    meet = (*ROSBRIDGE, "--url", url)
+    with process("simulate", MISSION, *meet, "--side", "ci", "--json", cwd=place) as flight:
+        time.sleep(2.0)  # it asks for a simulation ten times a second
+        assert flight.poll() is None
+        with process("simulate", MISSION, *meet, "--side", "simulation", cwd=place):
+            output, _ = flight.communicate(timeout=60)
+
+    assert json.loads(output) == mrsfi_json("simulate", MISSION, cwd=place)
+
+
+def test_a_simulation_that_is_killed_ends_the_flight_with_its_tick_and_signal(place):
+    with process("simulate", MISSION, *ROSBRIDGE, "--trace", "t.csv", cwd=place) as flight:
+        wait_for(lambda: has_lines(place / "t.csv", 100))
+        os.kill(children(flight.pid)[0], signal.SIGKILL)
+        code, told = ended(flight)
+
+    assert code == 8
+    assert re.search(
+        r"^mrsfi: run 1, tick \d+: the connection to ws://.* was lost; .*SIGKILL", told
+    )
+
+
+def test_a_server_that_is_killed_ends_both_sides_with_their_tick(place):
+    with process("bridge", "--port", "0") as server:
+        meet = (*ROSBRIDGE, "--url", re.search(r"ws://\S+", server.stdout.readline())[0])
+        with (
+            process("simulate", MISSION, *meet, "--side", "simulation", cwd=place) as simulation,
+            process(
+                "simulate", MISSION, *meet, "--side", "ci", "--trace", "t.csv", cwd=place
+            ) as flight,
+        ):
+            wait_for(lambda: has_lines(place / "t.csv", 100))
+            server.kill()
+            ends = [ended(flight), ended(simulation)]
+
+    assert [code for code, _ in ends] == [8, 8]
+    assert all(re.search(r"run 1, tick \d+: the connection to ws://", told) for _, told in ends)
+
+
+def test_a_ci_that_is_killed_leaves_no_process_behind(place):
+    with process("simulate", MISSION, *ROSBRIDGE, "--trace", "t.csv", cwd=place) as flight:
+        wait_for(lambda: has_lines(place / "t.csv", 100))
+        orphan = children(flight.pid)[0]
+        flight.kill()
+        flight.wait()
+        wait_for(lambda: not is_running(orphan))
+
+
+def test_a_ci_that_is_killed_ends_the_simulation_with_its_tick(place, url):
+    meet = (*ROSBRIDGE, "--url", url, "--timeout", "2")
+    with (
+        process("simulate", MISSION, *meet, "--side", "simulation", cwd=place) as simulation,
+        process(
+            "simulate", MISSION, *meet, "--side", "ci", "--trace", "t.csv", cwd=place
+        ) as flight,
+    ):
+        wait_for(lambda: has_lines(place / "t.csv", 100))
+        flight.kill()
+        code, told = ended(simulation)
+
+    assert code == 8
+    assert re.search(r"run 1, tick \d+: the collective intelligence was silent for 2 s", told)
+
+
+def test_a_flight_that_is_interrupted_leaves_no_process_behind(place):
+    with process("simulate", MISSION, *ROSBRIDGE, "--trace", "t.csv", cwd=place) as flight:
+        wait_for(lambda: has_lines(place / "t.csv", 100))
+        simulation = children(flight.pid)[0]
+        os.kill(flight.pid, signal.SIGINT)
+        code, told = ended(flight)
+
+    assert (code, told.splitlines()[-1]) == (130, "mrsfi: interrupted")
+    wait_for(lambda: not is_running(simulation))
+
+
+def test_a_campaign_that_loses_its_simulation_goes_on_to_the_same_end(place):
+    whole = mrsfi_json("evolve", MISSION, *SMALL, "--out", "runs/whole", cwd=place)
+    words = ("evolve", MISSION, *SMALL, *ROSBRIDGE, "--out", "runs/cut")
+    with process(*words, cwd=place) as campaign:
+        wait_for(lambda: n_evaluations(place / "runs" / "cut") >= 2)
+        os.kill(children(campaign.pid)[0], signal.SIGKILL)
+        code, told = ended(campaign)
+    kept = n_evaluations(place / "runs" / "cut")
+
+    resumed = mrsfi_json("evolve", "--resume", "runs/cut", *RESUMED, cwd=place)
+
+    assert code == 8
+    assert "SIGKILL" in told
+    assert 2 <= kept < n_evaluations(place / "runs" / "cut")
+    assert resumed["digest"] == whole["digest"]
+
+
+def n_evaluations(folder):
+    """Return how many evaluations a campaign that may still run has recorded."""
+    path = folder / "campaign.sqlite"
+    if not path.is_file():
+        return 0
+    with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as database:
+        try:
+            return database.execute("SELECT count(*) FROM evaluation").fetchone()[0]
+        except sqlite3.OperationalError:  # not made yet
+            return 0
+
+
+def test_a_campaign_whose_workers_die_leaves_no_process_behind(place):
+    words = (
+        "evolve",
+        MISSION,
+        *ROSBRIDGE,
+        "--population",
+        "4",
+        "--workers",
+        "2",
+        "--out",
+        "runs/w",
+    )
+    with process(*words, cwd=place) as campaign:
+        wait_for(lambda: len(descendants(campaign.pid)) >= 5)  # 2 workers, 2 simulations, a tracker
+        started = descendants(campaign.pid)
+        campaign.kill()
+        campaign.wait()
+        wait_for(lambda: not any(is_running(pid) for pid in started))
+
+
+def descendants(pid):
+    found = children(pid)
+    return found + [each for child in found for each in descendants(child)]
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--url", "ws://127.0.0.1:1"), "--url needs --engine rosbridge"),
+        ((*ROSBRIDGE, "--side", "ci"), "--side ci needs --url"),
+        ((*ROSBRIDGE, "--side", "simulation"), "--side simulation needs --url"),
+        ((*ROSBRIDGE, "--url", "nowhere"), "expected ws://HOST:PORT"),
+        (
+            (*ROSBRIDGE, "--side", "simulation", "--url", "ws://127.0.0.1:1", "--no-faults"),
+            "give faults, logs and --json there",
+        ),
+    ],
+)
+def test_options_that_make_no_sense_together_are_refused(place, words, expected):
+    done = mrsfi("simulate", MISSION, *words, cwd=place, expected=2)
+
+    assert expected in done.stderr
+
+
+def test_many_workers_cannot_share_a_server(place):
+    words = (*ROSBRIDGE, "--url", "ws://127.0.0.1:1", "--workers", "2")
+    done = mrsfi("evolve", MISSION, *words, cwd=place, expected=2)
+
+    assert "expected --workers 1" in done.stderr
+    assert not (place / "runs").exists()
+
+
+def test_a_server_that_is_not_there_ends_with_exit_code_8(place):
+    done = mrsfi(
+        "simulate", MISSION, *ROSBRIDGE, "--url", "ws://127.0.0.1:1", cwd=place, expected=8
+    )
+
+    assert "cannot be reached" in done.stderr
+    assert "mrsfi bridge" in done.stderr

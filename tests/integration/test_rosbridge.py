@@ -1,0 +1,313 @@
+"""Simulation and CI on a rosbridge server: same results, and no message lost unseen."""
+
+import os
+import signal
+import threading
+import time
+from dataclasses import replace
+from functools import lru_cache
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+import pytest
+
+from mrsfi_runtime.bridge.embedded import EmbeddedBridge
+from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import (
+    GenerationError,
+    TransportClosed,
+    TransportError,
+    TransportTimeout,
+    UsageError,
+)
+from mrsfi_runtime.hosting.progress import Patience
+from support_rosbridge import (
+    FLIGHT_SEED,
+    Relay,
+    code_of,
+    digests,
+    digests_apart,
+    is_running,
+    nth,
+    reference_digests,
+    specification,
+    swapped,
+)
+
+PATIENCE = Patience(tick=3.0, handshake=10.0)
+SHORT = code_of("tight_margins", 60)
+TWENTY = range(20)
+CLIENTS = ("asyncio", "twisted")
+
+
+@lru_cache
+def expected(mission, duration, seeds):
+    return reference_digests(code_of(mission, duration), seeds)
+
+
+@pytest.fixture
+def server():
+    with EmbeddedBridge() as bridge:
+        yield bridge
+
+
+def engine(code, **options):
+    return RosbridgeEngine(code, FLIGHT_SEED, patience=PATIENCE, **options)
+
+
+@pytest.mark.parametrize("client", CLIENTS)
+def test_twenty_random_specifications_of_the_paper_s_mission_fly_as_in_process(client):
+    flown = digests_apart(client, "uuv_sampling", 1000, TWENTY)
+
+    assert flown == expected("uuv_sampling", 1000, TWENTY)
+
+
+@pytest.mark.parametrize("client", CLIENTS)
+def test_both_sides_on_a_server_of_its_own_fly_as_in_process(server, client):
+    flown = digests_apart(client, "tight_margins", 60, range(3), server.url)
+
+    assert flown == reference_digests(SHORT, range(3))
+
+
+@pytest.mark.parametrize("client", CLIENTS)
+def test_jitter_changes_nothing(server, client):
+    with Relay(server.url, jitter=0.01) as relay:
+        flown = digests_apart(client, "tight_margins", 60, range(2), relay.url)
+
+    assert flown == reference_digests(SHORT, range(2))
+
+
+def test_the_ci_may_start_before_the_simulation(server):
+    flown = []
+
+    def fly():
+        with engine(SHORT, url=server.url, has_simulation=False) as opened:
+            flown.extend(digests(opened, range(2)))
+
+    thread = threading.Thread(target=fly)
+    thread.start()
+    time.sleep(1.0)
+    simulation = SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)
+    thread.join(60)
+    simulation.close()
+
+    assert flown == reference_digests(SHORT, range(2))
+
+
+def test_one_simulation_serves_one_ci_after_the_other(server):
+    simulation = SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)
+    flown = []
+    for _ in range(2):
+        with engine(SHORT, url=server.url, has_simulation=False) as opened:
+            flown.append(digests(opened, range(2)))
+    simulation.close()
+
+    assert flown == [reference_digests(SHORT, range(2))] * 2
+
+
+def test_engines_open_and_close_one_after_the_other_in_one_process():
+    found = set()
+    for _ in range(3):
+        with engine(SHORT) as opened:
+            found.add(opened.evaluate(()).digest)
+        assert not is_running(opened.simulation_pid)
+
+    assert found == {ReferenceEngine(SHORT, FLIGHT_SEED).evaluate(()).digest}
+
+
+def test_strangers_cannot_join_an_embedded_server():
+    simulation = SimulationProcess(SHORT, None, "asyncio", PATIENCE)
+    url, _, token = simulation.url.partition("/?token=")
+    try:
+        with pytest.raises(TransportError, match=f"^{url} refused the connection"):
+            engine(SHORT, url=url, has_simulation=False)
+        with engine(SHORT, url=simulation.url, has_simulation=False) as opened:
+            assert digests(opened, [1]) == reference_digests(SHORT, [1])
+    finally:
+        simulation.close()
+    assert len(token) > 30
+
+
+def test_workers_have_a_server_each():
+    specifications = [specification(SHORT, seed) for seed in range(6)]
+    results = []
+    for settings in (EngineSettings(), EngineSettings("rosbridge", patience=PATIENCE)):
+        with WorkerPool(SHORT.directory, 1, 2, settings) as pool:
+            results.append(list(pool.evaluate_many(specifications)))
+
+    assert results[0] == results[1]
+
+
+def test_workers_cannot_share_one_server():
+    settings = EngineSettings("rosbridge", url="ws://127.0.0.1:9090")
+
+    with pytest.raises(UsageError, match="--workers 2: found a server at --url"):
+        WorkerPool(SHORT.directory, 1, 2, settings)
+
+
+@pytest.mark.parametrize(
+    ("tamper", "problem"),
+    [
+        (nth("/p2/speed", 17, lambda _: []), "tick 17: .* a message was lost"),
+        (nth("/p2/speed", 17, lambda f: [f, f]), "tick 17: two messages on /p2/speed"),
+        (nth("/mission/tick", 17, lambda f: [f, f]), "tick 18: the simulation announced tick 17"),
+        (nth("/mission/tick", 17, lambda _: []), "tick 17: the simulation was silent for 3 s"),
+        (
+            nth("/mission/tick", 17, lambda f: [f.replace("17", "19")]),
+            "tick 17: the simulation announced tick 19; expected tick 17",
+        ),
+    ],
+)
+def test_what_the_ci_misses_is_told_with_its_tick(server, tamper, problem):
+    simulation = SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)
+    try:
+        with (
+            Relay(server.url, to_client=tamper) as relay,
+            engine(SHORT, url=relay.url, has_simulation=False) as opened,
+            pytest.raises(TransportError, match=problem),
+        ):
+            opened.evaluate(())
+    finally:
+        simulation.close()
+
+
+@pytest.mark.parametrize(
+    ("tamper", "problem"),
+    [
+        (
+            nth("/mission/go", 17, lambda f: [f, f]),
+            "tick 18: the collective intelligence announced",
+        ),
+        (nth("/mission/go", 17, lambda _: []), "tick 17: the simulation was silent"),
+        (nth("/p2/command/speed", 2, lambda _: []), "collective intelligence arrived; nothing on"),
+        (nth("/p2/command/speed", 2, lambda f: [f, f]), "two messages on /p2/command/speed"),
+    ],
+)
+def test_what_the_simulation_misses_is_told_with_its_tick(server, tamper, problem):
+    simulation = SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)
+    try:
+        with (
+            Relay(server.url, to_server=tamper) as relay,
+            engine(SHORT, url=relay.url, has_simulation=False) as opened,
+            pytest.raises(TransportError, match=problem) as told,
+        ):
+            opened.evaluate(specification(SHORT, 1))
+    finally:
+        simulation.close()
+
+    assert "run 1, tick " in str(told.value)
+
+
+def test_messages_that_overtake_their_announcement_are_no_loss(server):
+    simulation = SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)
+    try:
+        with (
+            Relay(server.url, to_client=swapped("/clock", 17)) as relay,
+            engine(SHORT, url=relay.url, has_simulation=False) as opened,
+        ):
+            assert digests(opened, [1]) == reference_digests(SHORT, [1])
+    finally:
+        simulation.close()
+
+
+def killer(opened, tick, pid):
+    def observe(world, belief, true, believed):
+        if world.mission.tick == tick:
+            os.kill(pid, signal.SIGKILL)
+
+    return observe
+
+
+def test_a_simulation_that_is_killed_is_told_with_tick_and_signal():
+    started = time.monotonic()
+    with engine(SHORT) as opened:
+        observe = killer(opened, 20, opened.simulation_pid)
+        with pytest.raises(TransportClosed, match=r"run 1, tick 2\d: .*SIGKILL"):
+            opened.evaluate((), observer=observe)
+        with pytest.raises(TransportError, match="run 2, before tick 0"):
+            opened.evaluate(())
+
+    assert time.monotonic() - started < 20
+
+
+def test_a_simulation_that_is_killed_on_a_server_of_its_own_times_out(server):
+    with engine(SHORT, url=server.url) as opened:
+        observe = killer(opened, 20, opened.simulation_pid)
+        with pytest.raises(
+            TransportTimeout, match=r"run 1, tick 2\d: the simulation was silent for 3"
+        ):
+            opened.evaluate((), observer=observe)
+
+
+def test_a_stopped_simulation_times_out():
+    def observe(world, belief, true, believed):
+        if world.mission.tick == 20:
+            os.kill(opened.simulation_pid, signal.SIGSTOP)
+
+    with (
+        engine(SHORT) as opened,
+        pytest.raises(TransportTimeout, match=r"run 1, tick 2\d: the simulation was silent for 3"),
+    ):
+        opened.evaluate((), observer=observe)
+
+    assert not is_running(opened.simulation_pid)
+
+
+def test_a_server_that_closes_is_told_with_its_tick(server):
+    def observe(world, belief, true, believed):
+        if world.mission.tick == 20:
+            threading.Thread(target=server.close).start()
+
+    with (
+        engine(SHORT, url=server.url) as opened,
+        pytest.raises(TransportClosed, match=r"run 1, tick \d+: the connection to ws://.* lost"),
+    ):
+        opened.evaluate((), observer=observe)
+
+
+def test_an_observer_that_raises_ends_its_run_only():
+    def observe(world, belief, true, believed):
+        if world.mission.tick == 20:
+            raise TransportError("nothing to write on")
+
+    with engine(SHORT) as opened:
+        with pytest.raises(TransportError, match="run 1, tick 20: nothing to write on"):
+            opened.evaluate((), observer=observe)
+        outcome = opened.evaluate(())
+
+    assert outcome == ReferenceEngine(SHORT, FLIGHT_SEED).evaluate(())
+
+
+def test_a_simulation_of_which_nobody_is_there_is_told_before_tick_0(server):
+    patience = Patience(tick=1.0, handshake=0.5)
+    with (
+        RosbridgeEngine(
+            SHORT, 1, url=server.url, has_simulation=False, patience=patience
+        ) as opened,
+        pytest.raises(TransportTimeout, match="before tick 0: no simulation was ready"),
+    ):
+        opened.evaluate(())
+
+
+def test_a_url_without_a_server_is_told_at_once():
+    with pytest.raises(TransportClosed, match=r"ws://127.0.0.1:1: cannot be reached: .*refused"):
+        engine(SHORT, url="ws://127.0.0.1:1")
+
+
+def test_a_server_that_speaks_something_else_is_told():
+    with ThreadingHTTPServer(("127.0.0.1", 0), BaseHTTPRequestHandler) as other:
+        thread = threading.Thread(target=other.serve_forever)
+        thread.start()
+        try:
+            with pytest.raises(TransportError, match="expected a rosbridge server"):
+                engine(SHORT, url=f"ws://127.0.0.1:{other.server_address[1]}")
+        finally:
+            other.shutdown()
+            thread.join()
+
+
+def test_code_without_true_state_is_refused():
+    with pytest.raises(GenerationError, match="generate the mission anew"):
+        engine(replace(SHORT, truth=()))

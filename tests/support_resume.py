@@ -1,0 +1,177 @@
+"""Campaigns that are begun, ended in the middle, and looked at."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic, sleep
+
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
+from support_cli import ROOT
+
+MISSION = "tight_margins"
+"""The mission of 200 ticks: an evaluation takes some ten milliseconds."""
+
+SEARCH = """
+import sys
+from pathlib import Path
+from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.search.settings import CampaignSettings
+
+evaluated = 0
+
+def counted(specifications):
+    global evaluated
+    for result in evaluate_many(specifications):
+        evaluated += 1
+        print(evaluated, flush=True)
+        yield result
+
+folder = CampaignFolder(Path(sys.argv[1]))
+with only_writer(folder), CampaignStore.open(folder.path) as store:
+    code = load_code(folder.generated)
+    settings = CampaignSettings.from_json(store.settings)
+    with WorkerPool(code.directory, settings.mission_seed, int(sys.argv[2])) as pool:
+        evaluate_many = pool.evaluate_many
+        print("ready", flush=True)
+        run_campaign(settings, code.mission, code.pool, counted, store)
+print(evaluated)
+"""
+"""Searches a campaign folder to its end, without a report, and prints how many it evaluated."""
+
+WRITE = """
+import sys
+from hashlib import sha256
+from pathlib import Path
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.search.settings import CampaignSettings
+
+evaluated = 0
+
+def outcomes(specifications):
+    global evaluated
+    for specification in specifications:
+        evaluated += 1
+        digest = sha256(repr(specification).encode()).digest()
+        counts = tuple(digest[:n_goals])
+        none = (0,) * len(specification)
+        yield Outcome(counts, counts, counts, counts, counts, none, none, digest.hex())
+
+folder = CampaignFolder(Path(sys.argv[1]))
+with only_writer(folder), CampaignStore.open(folder.path) as store:
+    code = load_code(folder.generated)
+    n_goals = len(code.mission.goals)
+    settings = CampaignSettings.from_json(store.settings)
+    print("ready", flush=True)
+    run_campaign(settings, code.mission, code.pool, outcomes, store, clock=lambda: 0.0)
+print(evaluated)
+"""
+"""The same with evaluations that take no time and are written one by one: nearly all is writing."""
+
+
+def workspace(folder: Path) -> Path:
+    """Copy models and generated code of the small mission into a folder."""
+    for name in ("models", "generated"):
+        shutil.copytree(
+            ROOT / name / MISSION,
+            folder / name / MISSION,
+            ignore=shutil.ignore_patterns("__pycache__"),
+        )
+    return folder
+
+
+def evaluations(campaign: Path) -> tuple[Evaluation, ...]:
+    """Return what a campaign has recorded; whoever opens it first undoes a half-done write."""
+    with CampaignStore.open(campaign) as store:
+        return store.evaluations()
+
+
+def digest(campaign: Path) -> str:
+    """Return the digest of a campaign."""
+    with CampaignStore.open(campaign) as store:
+        return store.digest()
+
+
+@contextmanager
+def running(script: str, *arguments: str | Path) -> Iterator[subprocess.Popen[str]]:
+    """Run a script that says when it is ready, until the body kills it."""
+    with subprocess.Popen(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n", process.communicate()[1]
+        try:
+            yield process
+        finally:
+            process.kill()
+            process.communicate()
+
+
+def killed_after(seconds: float, script: str, *arguments: str | Path, n_evaluated: int = 0) -> bool:
+    """Kill a script so long after it evaluated so many; return whether it was not at its end."""
+    with running(script, *arguments) as process:
+        assert process.stdout is not None
+        for _ in range(n_evaluated):
+            process.stdout.readline()
+        sleep(seconds)
+        process.kill()
+        return process.wait() == -signal.SIGKILL
+
+
+def finished(script: str, *arguments: str | Path) -> int:
+    """Run a script to its end and return how many specifications it evaluated."""
+    done = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        check=False,
+        capture_output=True,
+        encoding="utf-8",
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    return int(done.stdout.split()[-1])
+
+
+def workers_of(process: int) -> list[int]:
+    """Return the worker processes of a process."""
+    children = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="ascii")
+    return [
+        int(child)
+        for child in children.split()
+        if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()
+    ]
+
+
+def are_gone(processes: list[int], *, within: float) -> bool:
+    """Wait until processes have ended, at most so many seconds."""
+    limit = monotonic() + within
+    while monotonic() < limit:
+        if not any(_is_alive(process) for process in processes):
+            return True
+        sleep(0.05)
+    return False
+
+
+def _is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+        state = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2]
+    except (ProcessLookupError, FileNotFoundError):
+        return False
+    return state.split()[0] != "Z"  # a container without an init never reaps its orphans

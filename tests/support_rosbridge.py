@@ -1,0 +1,237 @@
+"""Flights over rosbridge for tests, and a relay that delays and tampers with what passes.
+
+Run ``python tests/support_rosbridge.py CLIENT MISSION DURATION SEED …`` to fly one random
+specification per seed in a process of its own: a process has one kind of client only.
+"""
+
+import asyncio
+import json
+import logging
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+from typing import Self
+
+from websockets.asyncio.client import connect
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.exceptions import ConnectionClosed
+
+from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
+from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.trace import TraceDigest
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
+
+ROOT = Path(__file__).resolve().parent.parent
+FLIGHT_SEED = 11
+
+_SILENT = logging.getLogger("tests.relay")
+_SILENT.disabled = True
+_OPTIONS = {"compression": None, "max_size": None, "ping_interval": None, "logger": _SILENT}
+
+Tamper = Callable[[str], list[str]]
+"""What becomes of a frame: nothing, itself, itself twice, others."""
+
+
+def code_of(mission: str, duration: int | None = None) -> MissionCode:
+    """Return the committed code of a mission, shortened if a duration is given."""
+    code = load_code(ROOT / "generated" / mission)
+    if duration is None:
+        return code
+    return replace(code, mission=replace(code.mission, duration=duration))
+
+
+def specification(code: MissionCode, seed: int) -> Specification:
+    """Return a random specification, the same for the same seed."""
+    return random_specification(SearchSpace.of(code.mission, code.pool), 20, Random(seed))
+
+
+def digests(engine: Engine, seeds: Sequence[int]) -> list[list[str]]:
+    """Return for each seed the digest of the outcome and that of every tick."""
+    found = []
+    for seed in seeds:
+        trace = TraceDigest()
+        outcome = engine.evaluate(specification(engine.code, seed), observer=trace)
+        found.append([outcome.digest, trace.hexdigest()])
+    return found
+
+
+def reference_digests(code: MissionCode, seeds: Sequence[int]) -> list[list[str]]:
+    """Return what ``digests`` must return for any engine."""
+    return digests(ReferenceEngine(code, FLIGHT_SEED), seeds)
+
+
+def digests_apart(
+    client: str, mission: str, duration: int, seeds: Sequence[int], url: str = ""
+) -> list[list[str]]:
+    """Return the digests of flights over rosbridge in a process of its own."""
+    words = [client, mission, str(duration), url, *map(str, seeds)]
+    done = subprocess.run(
+        [sys.executable, "-W", "error", __file__, *words],
+        check=False,
+        capture_output=True,
+        encoding="utf-8",
+        timeout=240,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    found: list[list[str]] = json.loads(done.stdout)
+    return found
+
+
+class Relay:
+    """A websocket relay in a thread: order is kept, unless the tamper breaks it.
+
+    Parameters
+    ----------
+    upstream
+        The server behind it.
+    to_server, to_client
+        What becomes of the frames in either direction.
+    jitter
+        Greatest delay of a frame in seconds; the delays are random.
+    """
+
+    def __init__(
+        self,
+        upstream: str,
+        *,
+        to_server: Tamper | None = None,
+        to_client: Tamper | None = None,
+        jitter: float = 0.0,
+    ) -> None:
+        self._upstream = upstream
+        self._to_server = to_server or (lambda frame: [frame])
+        self._to_client = to_client or (lambda frame: [frame])
+        self._jitter = jitter
+        self._random = Random(1)
+        self._ready = threading.Event()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._stop: asyncio.Event | None = None
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()))
+        self.url = ""
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        assert self._ready.wait(10)
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        if self._loop is not None and self._stop is not None:
+            self._loop.call_soon_threadsafe(self._stop.set)
+        self._thread.join()
+
+    async def _serve(self) -> None:
+        self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
+        async with serve(self._join, "127.0.0.1", 0, **_OPTIONS) as server:
+            self.url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}"
+            self._ready.set()
+            await self._stop.wait()
+
+    async def _join(self, client: ServerConnection) -> None:
+        async with connect(self._upstream, **_OPTIONS) as server:
+            await asyncio.gather(
+                self._pump(client, server, self._to_server),
+                self._pump(server, client, self._to_client),
+            )
+
+    async def _pump(self, source, sink, tamper: Tamper) -> None:
+        """Pass frames on, each after its delay, in order."""
+        queue: asyncio.Queue[tuple[float, str] | None] = asyncio.Queue()
+        loop = asyncio.get_running_loop()
+
+        async def send() -> None:
+            while (item := await queue.get()) is not None:
+                due, frame = item
+                if due > loop.time():
+                    await asyncio.sleep(due - loop.time())
+                await sink.send(frame)
+
+        sender = asyncio.create_task(send())
+        with suppress(ConnectionClosed):
+            async for frame in source:
+                for passed in tamper(frame):
+                    delay = self._random.uniform(0.0, self._jitter)
+                    queue.put_nowait((loop.time() + delay, passed))
+        queue.put_nowait(None)
+        with suppress(ConnectionClosed):
+            await sender
+        await sink.close()
+
+
+def nth(topic: str, n: int, change: Tamper) -> Tamper:
+    """Return a tamper that changes what becomes of the n-th message on a topic, from 0."""
+    seen = []
+
+    def tamper(frame: str) -> list[str]:
+        message = json.loads(frame)
+        if message["op"] != "publish" or message["topic"] != topic:
+            return [frame]
+        seen.append(frame)
+        return change(frame) if len(seen) == n + 1 else [frame]
+
+    return tamper
+
+
+def swapped(topic: str, n: int) -> Tamper:
+    """Return a tamper that swaps the n-th message on a topic with the frame after it."""
+    held: list[str] = []
+
+    def hold(frame: str) -> list[str]:
+        held.append(frame)
+        return []
+
+    change = nth(topic, n, hold)
+
+    def tamper(frame: str) -> list[str]:
+        if held:
+            return [frame, held.pop()]
+        return change(frame)
+
+    return tamper
+
+
+@contextmanager
+def process(*words: str | Path, cwd: Path = ROOT) -> Iterator[subprocess.Popen[str]]:
+    """Run ``mrsfi`` in a process that ends with the test."""
+    running = subprocess.Popen(
+        [sys.executable, "-m", "mrsfi_runtime.cli.main", *map(str, words)],
+        cwd=cwd,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+    )
+    try:
+        yield running
+    finally:
+        running.kill()
+        running.communicate()
+
+
+def is_running(pid: int) -> bool:
+    """Return whether a process runs; one that waits to be collected does not."""
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return stat.rpartition(")")[2].split()[0] != "Z"
+
+
+def main() -> None:
+    """Print the digests of flights over rosbridge as JSON."""
+    client, mission, duration, url, *seeds = sys.argv[1:]
+    code = code_of(mission, int(duration))
+    with RosbridgeEngine(code, FLIGHT_SEED, url=url or None, client=client) as engine:
+        sys.stdout.write(json.dumps(digests(engine, [int(seed) for seed in seeds])))
+
+
+if __name__ == "__main__":
+    main()

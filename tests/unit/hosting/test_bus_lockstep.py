@@ -1,0 +1,288 @@
+"""The two sides of a mission over a bus: same results, and no message lost unseen."""
+
+from contextlib import suppress
+from dataclasses import replace
+from random import Random
+from threading import Thread
+
+import pytest
+
+from mrsfi_runtime.engine import flights
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import (
+    EvaluationError,
+    ProtocolError,
+    TransportClosed,
+    TransportError,
+    TransportTimeout,
+)
+from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.record.trace import TraceDigest
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
+from support_bus import sides
+from support_world import paper_code
+
+CODE = paper_code(60)
+SPEED, GO, TICK = "/r2/speed", "/mission/go", "/mission/tick"
+
+
+class BusEngine:
+    """Evaluates on a lock-step that is there already."""
+
+    def __init__(self, code, seed, lockstep):
+        self.code, self.seed, self.lockstep = code, seed, lockstep
+
+    def evaluate(self, specification, observer=None):
+        return flights.evaluate(
+            self, specification, None, observer, lambda board: self.lockstep.fly(self.seed, board)
+        )
+
+
+def specification(code, seed):
+    return random_specification(SearchSpace.of(code.mission, code.pool), 20, Random(seed))
+
+
+def traced(engine, faults):
+    digest = TraceDigest()
+    return engine.evaluate(faults, observer=digest), digest.hexdigest()
+
+
+def nth(topic, n, change):
+    """Return a tamper that changes what becomes of the n-th message of a topic, from 0."""
+    seen = []
+
+    def tamper(message):
+        if message[0] != topic:
+            return [message]
+        seen.append(message)
+        return change(message) if len(seen) == n + 1 else [message]
+
+    return tamper
+
+
+def lose(_message):
+    return []
+
+
+def double(message):
+    return [message, message]
+
+
+def test_runs_over_a_bus_equal_runs_in_process_tick_by_tick():
+    reference = ReferenceEngine(CODE, 5)
+    with sides(CODE) as (_, lockstep, _):
+        engine = BusEngine(CODE, 5, lockstep)
+        for seed in range(4):
+            faults = specification(CODE, seed)
+
+            assert traced(engine, faults) == traced(reference, faults)
+
+
+def test_missions_of_one_tick_fly():
+    code = paper_code(1)
+    with sides(code) as (_, lockstep, _):
+        outcome = BusEngine(code, 1, lockstep).evaluate(())
+
+    assert outcome == ReferenceEngine(code, 1).evaluate(())
+
+
+@pytest.mark.parametrize(
+    ("tamper", "problem"),
+    [
+        (nth(SPEED, 17, lose), r"run 1, tick 17: 1\d of \d\d messages .* nothing on .*/r2/speed"),
+        (nth(SPEED, 17, double), "run 1, tick 17: two messages on /r2/speed"),
+        (nth(TICK, 17, lose), "run 1, tick 17: the simulation was silent for 2 s"),
+        (
+            nth(TICK, 17, double),
+            "run 1, tick 18: the simulation announced tick 17; expected tick 18",
+        ),
+        (nth(GO, 17, lose), "run 1, tick 17: the simulation was silent for 2 s"),
+        (
+            nth(TICK, 17, lambda message: [(TICK, {"data": [1, 19, message[1]["data"][2]]})]),
+            "run 1, tick 17: the simulation announced tick 19; expected tick 17",
+        ),
+        (
+            nth(TICK, 17, lambda _: [(TICK, {"data": [1, "17", 3]})]),
+            "run 1, tick 17: /mission/tick carried .* expected 3 integers",
+        ),
+        (
+            nth(SPEED, 17, lambda _: [(SPEED, {"data": None})]),
+            "run 1, tick 17: the simulation's messages cannot be read: TypeError",
+        ),
+        (
+            nth("/truth/r1", 17, lambda _: [("/truth/r1", {"data": [1.0]})]),
+            "run 1, tick 17: the true state of robot 0 is .1.0.; expected 9 numbers",
+        ),
+    ],
+)
+def test_what_goes_wrong_on_the_way_to_the_ci_is_told_with_its_tick(tamper, problem):
+    with sides(CODE, tamper) as (_, lockstep, _), pytest.raises(TransportError, match=problem):
+        BusEngine(CODE, 1, lockstep).evaluate(())
+
+
+@pytest.mark.parametrize(
+    ("tamper", "problem"),
+    [
+        (
+            nth("/r1/command/heading", 0, lose),
+            r"\d+ messages of the collective intelligence arrived; nothing on .*/r1/command/h",
+        ),
+        (nth("/r1/command/heading", 0, double), "two messages on /r1/command/heading"),
+        (nth(GO, 17, double), "tick 18: the collective intelligence announced tick 17"),
+        (
+            nth(GO, 17, lambda _: [(GO, {"data": [2, 17, 0]})]),
+            "tick 17: run 2 goes on; expected run 1: a reset was lost",
+        ),
+    ],
+)
+def test_what_goes_wrong_on_the_way_to_the_simulation_ends_both_sides(tamper, problem):
+    with sides(CODE, tamper) as (simulation, lockstep, _):
+        ended = []
+
+        def serve():
+            try:
+                simulation.serve()
+            except TransportError as error:
+                simulation.tell_failure(error)
+                ended.append(str(error))
+
+        thread = Thread(target=serve)
+        thread.start()
+        with pytest.raises(TransportError, match=problem) as told:
+            BusEngine(CODE, 1, lockstep).evaluate(specification(CODE, 1))
+        thread.join()
+
+    assert str(told.value).startswith("run 1, tick ")
+    assert len(ended) == 1
+
+
+def test_every_command_is_sent_before_tick_0_and_later_only_changes():
+    sent = {}
+
+    def tamper(message):
+        if message[0] == GO:
+            sent["go"] = sent.get("go", 0) + 1
+        elif "/command/" in message[0] and sent.get("go", 0) == 0:
+            sent.setdefault("before tick 0", []).append(message[0])
+        elif "/command/" in message[0]:
+            sent["later"] = sent.get("later", 0) + 1
+        return [message]
+
+    with sides(CODE, tamper) as (_, lockstep, _):
+        BusEngine(CODE, 1, lockstep).evaluate(())
+
+    n_robots, n_sensors = len(CODE.mission.robots), len(CODE.mission.sensors)
+    n_channels = 2 * n_robots + n_sensors
+    assert len(set(sent["before tick 0"])) == len(sent["before tick 0"]) == n_channels
+    assert sent["later"] < n_channels * sent["go"] / 2
+
+
+def test_messages_that_arrive_after_their_announcement_are_waited_for():
+    held = []
+
+    def tamper(message):
+        if message[0] == SPEED:
+            held.append(message)
+            return []
+        if message[0] == TICK:
+            return [message, held.pop()]
+        return [message]
+
+    with sides(CODE, tamper) as (_, lockstep, _):
+        outcome = BusEngine(CODE, 1, lockstep).evaluate(())
+
+    assert outcome == ReferenceEngine(CODE, 1).evaluate(())
+
+
+def test_a_lost_reset_is_repeated():
+    with sides(CODE, nth("/mission/setup", 0, lose)) as (_, lockstep, _):
+        outcome = BusEngine(CODE, 1, lockstep).evaluate(())
+
+    assert outcome == ReferenceEngine(CODE, 1).evaluate(())
+
+
+def test_a_simulation_that_never_answers_is_told_before_tick_0():
+    patience = Patience(tick=1.0, handshake=0.5)
+    with (
+        sides(CODE, lambda m: [] if m[0] == "/mission/setup" else [m], patience) as (
+            _,
+            lockstep,
+            _,
+        ),
+        pytest.raises(TransportTimeout, match=r"run 1, before tick 0: no simulation was ready"),
+    ):
+        BusEngine(CODE, 1, lockstep).evaluate(())
+
+
+def test_a_lost_connection_ends_the_run_at_its_tick():
+    def observe(world, belief, true, believed):
+        if world.mission.tick == 23:
+            transport.cut()
+
+    with (
+        sides(CODE) as (_, lockstep, transport),
+        pytest.raises(TransportClosed, match="run 1, tick 23: cut"),
+    ):
+        BusEngine(CODE, 1, lockstep).evaluate((), observer=observe)
+
+
+def test_an_error_in_a_region_ends_its_run_only():
+    def check(ci):
+        return 1 // (30 - ci.mission.tick) > 9
+
+    broken = replace(CODE, checks=(check, *CODE.checks[1:]))
+    with sides(CODE) as (simulation, lockstep, _):
+        with pytest.raises(EvaluationError, match="failed at tick 30: ZeroDivisionError"):
+            BusEngine(broken, 1, lockstep).evaluate(())
+        outcome = BusEngine(CODE, 1, lockstep).evaluate(())
+
+    assert simulation.where() == "no run"
+    assert outcome == ReferenceEngine(CODE, 1).evaluate(())
+
+
+def test_a_robot_without_true_state_is_told():
+    lost = {"/truth/r2"}
+
+    def tamper(message):
+        name, payload = message
+        if name == TICK:
+            run, tick, n_messages = payload["data"]
+            return [(TICK, {"data": [run, tick, n_messages - 1]})]
+        return [] if name in lost else [message]
+
+    with (
+        sides(CODE, tamper) as (_, lockstep, _),
+        pytest.raises(ProtocolError, match="tick 0: the true state of 2 of 3 robots came"),
+    ):
+        BusEngine(CODE, 1, lockstep).evaluate(())
+
+
+def test_a_silent_ci_in_mid_run_ends_the_simulation():
+    with sides(CODE, nth(GO, 17, lose)) as (simulation, lockstep, _):
+        with suppress(TransportTimeout):
+            thread = Thread(target=lambda: suppressed(lockstep))
+            thread.start()
+            with pytest.raises(
+                TransportTimeout, match="collective intelligence was silent for 2 s"
+            ):
+                simulation.serve()
+        thread.join()
+
+
+def suppressed(lockstep):
+    with suppress(TransportError):
+        BusEngine(CODE, 1, lockstep).evaluate(())
+
+
+def test_an_idle_simulation_waits_for_ever():
+    patience = Patience(tick=0.2, handshake=5.0)
+    with sides(CODE, patience=patience) as (simulation, _, _):
+        thread = Thread(target=simulation.serve)
+        thread.start()
+        thread.join(1.0)
+        is_waiting = thread.is_alive()
+        simulation.stop()
+        thread.join()
+
+    assert is_waiting

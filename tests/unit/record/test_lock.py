@@ -1,0 +1,67 @@
+import os
+import stat
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.lock import only_writer
+
+NOBODY = 65534
+
+
+@pytest.fixture
+def readonly() -> Iterator[CampaignFolder]:
+    """A folder that this process may not write, root or not."""
+    with tempfile.TemporaryDirectory(dir="/tmp") as name:
+        path = Path(name)
+        path.chmod(0o555)
+        is_root = os.geteuid() == 0
+        if is_root:
+            os.seteuid(NOBODY)
+        yield CampaignFolder(path)
+        if is_root:
+            os.seteuid(0)
+        path.chmod(0o755)
+
+
+def test_the_lock_is_free_again_after_the_body_and_its_file_stays(tmp_path: Path) -> None:
+    folder = CampaignFolder(tmp_path)
+
+    for _ in range(2):
+        with only_writer(folder):
+            assert folder.lock.read_text(encoding="ascii") == f"{os.getpid()}\n"
+
+    assert stat.S_ISREG(folder.lock.stat().st_mode)
+
+
+def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path: Path) -> None:
+    folder = CampaignFolder(tmp_path)
+    message = rf"{tmp_path.name}: found another process \({os.getpid()}\) running this campaign"
+
+    with only_writer(folder), pytest.raises(RecordError, match=message), only_writer(folder):
+        pass
+
+
+def test_a_child_process_does_not_keep_the_lock(tmp_path: Path) -> None:
+    folder = CampaignFolder(tmp_path)
+    sleeper = [sys.executable, "-c", "import sys; sys.stdin.read()"]
+
+    with only_writer(folder):
+        child = subprocess.Popen(sleeper, stdin=subprocess.PIPE)
+    with child, only_writer(folder):
+        is_running = child.poll() is None
+
+    assert is_running
+
+
+def test_a_folder_that_cannot_be_written_is_refused(readonly: CampaignFolder) -> None:
+    with pytest.raises(RecordError, match="cannot be opened or written"), only_writer(readonly):
+        pass
+
+    assert list(readonly.path.iterdir()) == []
