@@ -59,11 +59,14 @@ def test_plain_make_prints_every_target_with_a_line(clone: Path) -> None:
 
 def test_variables_reach_the_command_and_empty_ones_leave_the_defaults(clone: Path) -> None:
     given = make("-n", "evolve", "CASE=b", "SEED=7", "WORKERS=2", "OUT=runs/x", cwd=clone).stdout
+    bus = make("-n", "evolve", "ENGINE=rosbridge", "URL=ws://h:1", "RESUME=r", cwd=clone).stdout
     empty = make("-n", "evolve", "MISSION=", "CASE=", "SEED=", "ENGINE=", cwd=clone).stdout
 
     assert " ".join(given.split("\n")[-2].split()) == (
-        '.venv/bin/mrsfi evolve "uuv_sampling" --case "b" --seed "7" '
-        '--engine "reference" --workers "2" --out "runs/x"'
+        '.venv/bin/mrsfi evolve "uuv_sampling" --case "b" --seed "7" --out "runs/x" --workers "2"'
+    )
+    assert " ".join(bus.split("\n")[-2].split()) == (
+        '.venv/bin/mrsfi evolve --resume "r" --engine "rosbridge" --url "ws://h:1"'
     )
     assert empty.split("\n")[-2].strip() == '.venv/bin/mrsfi evolve "uuv_sampling" --case "a"'
 

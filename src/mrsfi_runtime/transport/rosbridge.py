@@ -9,6 +9,7 @@ References
 Source paper, section III-F.
 """
 
+import asyncio
 import logging
 import socket
 from collections.abc import Callable
@@ -37,7 +38,7 @@ CLIENTS: tuple[Client, ...] = ("asyncio", "twisted")
 _PORTS = {"ws": 80, "wss": 443}
 _CLOSING = 6.0  # roslibpy gives the server 5 s to agree
 
-for _name in ("roslibpy", "twisted"):  # what they log and matters here reaches the listener
+for _name in ("autobahn", "roslibpy", "twisted"):  # the listener hears of what matters
     logging.getLogger(_name).addHandler(logging.NullHandler())
 
 
@@ -180,6 +181,8 @@ class RosbridgeTransport:
         self._stop_reconnecting()
         if self._client == "twisted":
             protocol.transport.setTcpNoDelay(True)  # asyncio sets it itself
+        else:
+            protocol.transport = _JoinedWrites(protocol.transport)
         protocol.utf8validateIncoming = False  # the JSON decoder checks it again
         self._opened.set()
 
@@ -201,6 +204,37 @@ class RosbridgeTransport:
     def _tell(self, error: Exception) -> None:
         if self._listener is not None:
             self._listener(error)
+
+
+class _JoinedWrites:
+    """An asyncio transport that sends what one callback writes in one system call.
+
+    Twisted does so by itself; asyncio makes a call for each message.
+    """
+
+    def __init__(self, transport: asyncio.Transport) -> None:
+        self._transport = transport
+        self._loop = asyncio.get_running_loop()
+        self._waiting: list[bytes] = []
+
+    def write(self, data: bytes) -> None:
+        """Send data when the running callback has ended."""
+        if not self._waiting:
+            self._loop.call_soon(self._flush)
+        self._waiting.append(data)
+
+    def close(self) -> None:
+        """Send what waits, and close."""
+        self._flush()
+        self._transport.close()
+
+    def _flush(self) -> None:
+        data, self._waiting = b"".join(self._waiting), []
+        if data and not self._transport.is_closing():
+            self._transport.write(data)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._transport, name)
 
 
 def without_token(url: str) -> str:

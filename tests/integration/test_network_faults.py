@@ -1,0 +1,461 @@
+"""Peers that vanish, fall silent, flood or lie: all others are told, or served as ever."""
+
+import asyncio
+import json
+import re
+import resource
+import signal
+import socket
+import string
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from random import Random
+from time import monotonic
+from typing import Any
+
+import pytest
+from websockets.asyncio.client import ClientConnection
+from websockets.asyncio.client import connect as connect_async
+from websockets.exceptions import InvalidStatus
+
+from mrsfi_runtime.bridge.embedded import EmbeddedBridge
+from mrsfi_runtime.bridge.settings import Limits, Settings
+from mrsfi_runtime.cli.missions import find_mission
+from mrsfi_runtime.cli.resume import begun
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.search.settings import CampaignSettings
+from support_cli import ROOT, edit, mrsfi
+from support_network import (
+    MEBI,
+    Client,
+    Server,
+    Witness,
+    bridge,
+    child_of,
+    drained,
+    dropped,
+    masked_frame,
+    raw_socket,
+    send_operation,
+    wait_for_tick,
+)
+from support_resume import (
+    MISSION,
+    SEARCH,
+    are_gone,
+    digest,
+    evaluations,
+    finished,
+    workspace,
+)
+from support_rosbridge import process
+
+STRING = "std_msgs/String"
+Note = Callable[[str], None]
+FLIGHT = ("simulate", "uuv_sampling", "--engine", "rosbridge", "--timeout", "2")
+WITHIN = 15.0
+"""Seconds within which a side ends: its time-out, roslibpy's closing, a slow machine."""
+
+
+@contextmanager
+def bounded(server: Server, extra: int, note: Note, what: str) -> Iterator[None]:
+    """Require that the server's memory grows by less than so much in the body; note it."""
+    before = server.peak_memory()
+    yield
+    after = server.peak_memory()
+    note(f"{what}: the server took {before / MEBI:.0f} MiB, then at most {after / MEBI:.0f}")
+    assert after - before < extra
+
+
+def test_a_client_that_never_reads_is_told_and_cut_off_and_the_others_miss_nothing(
+    note: Note,
+) -> None:
+    text = "x" * 65_536
+    n_messages = 800
+
+    with (
+        bridge("--max-queue", 4) as server,
+        Witness(server.url) as witness,
+        Client(server.url) as speaker,
+        Client(server.url) as reader,
+    ):
+        with bounded(server, 40 * MEBI, note, "a client that never reads"):
+            deaf = raw_socket(server.url)
+            send_operation(deaf, "subscribe", topic="/flood", type=STRING)
+            reader.send("subscribe", topic="/flood", type=STRING)
+            reader.settle()
+            speaker.send("advertise", topic="/flood", type=STRING)
+            for number in range(n_messages):
+                speaker.send("publish", topic="/flood", msg={"data": f"{number} {text}"})
+                assert reader.receive()["msg"]["data"].split(" ")[0] == str(number)
+            tail = drained(deaf)
+            deaf.close()
+
+        assert b"too slow" in tail
+        assert witness.is_served()
+
+
+def malformed(random: Random) -> str:
+    """Return a text that no client should send."""
+    names = ("publish", "subscribe", "advertise", "call_service", "fragment", "png", "unknown")
+    kind = random.randrange(5)
+    if kind == 0:
+        return "".join(random.choices(string.printable, k=random.randrange(1, 200)))
+    if kind == 1:
+        return "[" * random.randrange(1, 50_000)
+    if kind == 2:
+        text = json.dumps({"op": random.choice(names), "topic": "/nobody", "msg": {"data": 1}})
+        return text[: random.randrange(1, len(text))]
+    if kind == 3:
+        return json.dumps({"op": random.choice(names), random.choice(names): wrong(random)})
+    fields = ("topic", "type", "msg", "id", "service", "args", "num", "total", "data")
+    operation = {field: wrong(random) for field in fields if random.random() < 0.6}
+    return json.dumps({"op": random.choice(names), **operation})
+
+
+def wrong(random: Random) -> Any:
+    """Return a value of a kind that is seldom expected."""
+    return random.choice(
+        (
+            None,
+            True,
+            -1,
+            10**30,
+            0.5,
+            "",
+            "\0",
+            "/nobody",
+            "no/Type",
+            [],
+            [[]],
+            {},
+            {"x": {}},
+            "é" * 99,
+        )
+    )
+
+
+def test_10_000_malformed_frames_harm_nobody(note: Note) -> None:
+    random = Random(7)
+    n_texts, n_binaries = 9_500, 500
+
+    with bridge() as server, Witness(server.url) as witness:
+        with bounded(server, 40 * MEBI, note, "10,000 malformed frames"):
+            with Client(server.url) as client:
+                for number in range(n_texts):
+                    client.send_raw(malformed(random))
+                    if number % 1000 == 0:
+                        assert witness.is_served()
+                client.settle()
+            codes = {
+                closed_after(server.url, b"\xff" + random.randbytes(99)) for _ in range(n_binaries)
+            }
+            assert witness.is_served()
+        n_dropped = dropped(server)
+
+    note(f"10,000 malformed frames: {n_dropped:,} operations dropped")
+    assert codes == {1007}
+    assert n_dropped > 0.9 * n_texts  # some mean something by accident
+
+
+def closed_after(url: str, content: bytes) -> int | None:
+    """Return the code with which the server closes after a binary frame."""
+    with Client(url) as client:
+        client.send_raw(content)
+        return client.closed()
+
+
+def test_noise_below_the_websocket_protocol_harms_nobody(note: Note) -> None:
+    random = Random(8)
+
+    with bridge() as server, Witness(server.url) as witness:
+        with bounded(server, 20 * MEBI, note, "noise"):
+            for _ in range(200):
+                raw = raw_socket(server.url)
+                raw.sendall(bytes([random.randrange(256)]) + random.randbytes(300))
+                raw.close()
+
+        assert witness.is_served()
+
+
+@pytest.fixture
+def many_files() -> Iterator[None]:
+    """Allow this process and its children a few thousand files."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = 4096
+    if hard not in (resource.RLIM_INFINITY,) and hard < wanted:
+        pytest.skip(f"needs {wanted} open files; the hard limit is {hard}")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, wanted), hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+
+
+@pytest.mark.usefixtures("many_files")
+def test_1_000_connections_are_served_and_one_more_is_refused(note: Note) -> None:
+    async def subscribed(url: str) -> ClientConnection:
+        client = await connect_async(url, compression=None, ping_interval=None, open_timeout=30)
+        operation = {"op": "subscribe", "topic": "/all", "type": STRING}
+        await client.send(json.dumps(operation))
+        await client.send(json.dumps({"op": "call_service", "service": "/rosapi/get_time"}))
+        await client.recv()
+        return client
+
+    async def crowd(url: str) -> tuple[set[str], int]:
+        clients = [await subscribed(url) for _ in range(999)]
+        speaker = await connect_async(url, compression=None)
+        with pytest.raises(InvalidStatus) as refused:
+            await connect_async(url)
+        await speaker.send(json.dumps({"op": "advertise", "topic": "/all", "type": STRING}))
+        message = {"op": "publish", "topic": "/all", "msg": {"data": "to all"}}
+        await speaker.send(json.dumps(message))
+        received = {json.loads(await client.recv())["msg"]["data"] for client in clients}
+        await asyncio.gather(*(client.close() for client in (*clients, speaker)))
+        return received, refused.value.response.status_code
+
+    with bridge("--max-clients", 1000) as server:
+        with bounded(server, 120 * MEBI, note, "1,000 connections"):
+            received, status = asyncio.run(crowd(server.url))
+
+        assert received == {"to all"}
+        assert status == 503
+        with Witness(server.url) as witness:
+            assert witness.is_served()
+
+
+@pytest.mark.parametrize("manner", ["one frame", "continued frames", "fragments"])
+def test_a_message_of_100_megabytes_is_refused_in_bounded_memory(manner: str, note: Note) -> None:
+    with bridge("--max-frame", 4) as server, Witness(server.url) as witness:
+        with bounded(server, 40 * MEBI, note, f"100 MB in {manner}"), raw_socket(server.url) as raw:
+            send_operation(raw, "set_level", level="error")
+            hundred_megabytes(raw, manner)
+            raw.shutdown(socket.SHUT_WR)
+            tail = drained(raw)
+
+        assert b"exceeds limit of 4194304 bytes" in tail or b"bytes, the limit" in tail
+        assert witness.is_served()
+
+
+def hundred_megabytes(raw: socket.socket, manner: str) -> None:
+    """Send a message of 100 MB, or of it what the server takes."""
+    piece = b"x" * 100_000
+    if manner == "one frame":
+        raw.sendall(b"\x81\xff" + (1000 * len(piece)).to_bytes(8, "big") + bytes(4))
+    for number in range(1000):
+        content = piece
+        if manner == "continued frames":
+            content = masked_frame(piece, 1 if number == 0 else 0, is_final=number == 999)
+        elif manner == "fragments":
+            fields = {"id": "big", "num": number, "total": 1000, "data": piece.decode()}
+            content = masked_frame(json.dumps({"op": "fragment", **fields}).encode())
+        try:
+            raw.sendall(content)
+        except (BrokenPipeError, ConnectionResetError):
+            return
+
+
+def test_a_type_conflict_is_told_to_the_second_and_the_first_goes_on() -> None:
+    with (
+        bridge() as server,
+        Client(server.url) as first,
+        Client(server.url) as second,
+        Client(server.url) as listener,
+    ):
+        first.send("advertise", topic="/speed", type="std_msgs/Float64")
+        first.settle()
+        listener.send("subscribe", topic="/speed")
+        listener.settle()
+
+        second.send("set_level", level="error")
+        second.send("advertise", topic="/speed", type=STRING, id="mine")
+        told = second.receive_op("status")
+        second.send("publish", topic="/speed", msg={"data": "fast"})
+        refused = second.receive_op("status")
+        first.send("publish", topic="/speed", msg={"data": 4.0})
+        received = listener.receive()
+
+    assert (told["level"], told["id"]) == ("error", "mine")
+    assert "carries std_msgs/Float64, not std_msgs/String" in told["msg"]
+    assert refused["level"] == "error"
+    assert received["msg"] == {"data": 4.0}
+
+
+def test_a_half_open_provider_is_found_out_and_its_callers_are_answered(note: Note) -> None:
+    limits = Limits(ping_s=0.4, pong_s=0.6)
+
+    with EmbeddedBridge(Settings(limits=limits)) as server:
+        silent = raw_socket(server.url)
+        send_operation(
+            silent, "advertise_service", service="/sum", type="rospy_tutorials/AddTwoInts"
+        )
+        with Client(server.url) as caller, Witness(server.url) as witness:
+            while "/sum" not in services(caller):
+                pass
+            begin = monotonic()
+            caller.send("call_service", service="/sum", args={"a": 1, "b": 2}, id="lost")
+            answer = caller.receive_op("service_response")
+            elapsed = monotonic() - begin
+
+            note(f"a half-open provider: its caller was answered after {elapsed:.1f} s")
+            assert answer["id"] == "lost"
+            assert answer["result"] is False
+            assert elapsed < 10  # the service itself may take 30 s
+            assert "/sum" not in services(caller)
+            assert witness.is_served()
+        silent.close()
+
+
+def services(client: Client) -> list[str]:
+    client.send("call_service", service="/rosapi/services", id="services")
+    names: list[str] = client.receive_op("service_response")["values"]["services"]
+    return names
+
+
+def test_a_callback_that_raises_is_kept_and_the_server_goes_on() -> None:
+    problem = ValueError("in the callback")
+
+    def raise_it(_message: dict[str, Any]) -> None:
+        raise problem
+
+    with EmbeddedBridge() as server, Client(server.url) as client:
+        server.call_soon(
+            lambda: server.local_client().subscribe("/witness", "std_msgs/Int64", raise_it)
+        )
+        with Witness(server.url) as witness:
+            assert witness.is_served()
+            assert server.failed.wait(10)
+            assert server.failed.error is problem
+            assert witness.is_served()
+        client.settle()
+
+
+def ended_with_8(side: subprocess.Popen[str], note: Note, what: str) -> str:
+    """Require that a side of a flight ends with exit code 8 in time; return what it says."""
+    begin = monotonic()
+    output, errors = side.communicate(timeout=WITHIN)
+    note(f"{what} ended {monotonic() - begin:.1f} s later: {errors.splitlines()[-1]}")
+    assert side.returncode == 8, errors
+    assert "Traceback" not in output + errors
+    return errors
+
+
+def tick_of(errors: str) -> int:
+    """Return the tick that a message names."""
+    (tick,) = re.findall(r"run 1, tick (\d+): ", errors)
+    return int(tick)
+
+
+@pytest.mark.parametrize(
+    ("sign", "problem"),
+    [(signal.SIGKILL, "was lost"), (signal.SIGSTOP, "was silent for 2 s")],
+    ids=["killed", "stopped: its sockets are half open"],
+)
+def test_a_server_lost_in_mid_run_ends_both_sides_with_8(
+    sign: signal.Signals, problem: str, note: Note
+) -> None:
+    with (
+        bridge() as server,
+        process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
+        process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
+    ):
+        wait_for_tick(server.url, 1, 100)
+        server.process.send_signal(sign)
+        told = [
+            ended_with_8(ci, note, f"server {sign.name}: the CI"),
+            ended_with_8(simulation, note, f"server {sign.name}: the simulation"),
+        ]
+
+    assert all(100 <= tick_of(errors) < 1000 for errors in told)
+    assert all(problem in errors for errors in told)
+
+
+def test_a_killed_simulation_ends_the_ci_with_8_and_the_server_goes_on(note: Note) -> None:
+    with (
+        bridge() as server,
+        process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
+        process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
+    ):
+        wait_for_tick(server.url, 1, 100)
+        simulation.kill()
+        errors = ended_with_8(ci, note, "simulation killed: the CI")
+
+        assert 100 <= tick_of(errors) < 1000
+        assert "the simulation was silent for 2 s" in errors
+        with Witness(server.url) as witness:
+            assert witness.is_served()
+
+
+def test_a_killed_ci_ends_the_simulation_with_8_and_the_server_goes_on(note: Note) -> None:
+    with (
+        bridge() as server,
+        process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
+        process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
+    ):
+        wait_for_tick(server.url, 1, 100)
+        ci.kill()
+        errors = ended_with_8(simulation, note, "CI killed: the simulation")
+
+        assert 100 <= tick_of(errors) < 1000
+        assert "the collective intelligence was silent for 2 s" in errors
+        with Witness(server.url) as witness:
+            assert witness.is_served()
+
+
+def test_a_region_that_raises_ends_its_run_with_6_and_the_server_goes_on(tmp_path: Path) -> None:
+    workspace(tmp_path)
+    edit(
+        tmp_path / "generated" / MISSION / "collective_intelligence.py",
+        "    return tasks.sufficient_energy_violated(ci, ENERGY)\n",
+        "    return 1 // (60 - ci.mission.tick) == 7\n",
+    )
+    words = ("simulate", MISSION, "--engine", "rosbridge")
+
+    with bridge() as server, Witness(server.url) as witness:
+        errors = mrsfi(*words, "--url", server.url, cwd=tmp_path, expected=6).stderr
+
+        assert "collective_intelligence.py:85: mission 'tight margins' failed at tick 60" in errors
+        assert witness.is_served()
+
+
+def test_a_killed_command_leaves_no_simulation_behind() -> None:
+    with bridge() as server, process(*FLIGHT, "--url", server.url) as command:
+        wait_for_tick(server.url, 1, 100)
+        simulation = child_of(command)
+        command.kill()
+
+        assert are_gone([simulation], within=WITHIN)
+
+
+def uninterrupted(path: Path) -> None:
+    """Search a campaign of four individuals and two generations in process, to its end."""
+    folders = find_mission(str(ROOT / "models" / MISSION))
+    case = folders.models / "case_a.toml"
+    settings = CampaignSettings.load(case, population=4, generations=2, seed=3)
+    with begun(path, folders, settings, "a", EngineSettings()):
+        pass
+    finished(SEARCH, path, 1)
+
+
+def test_a_campaign_whose_server_dies_keeps_what_it_found_and_resumes(
+    tmp_path: Path, note: Note
+) -> None:
+    whole, path = tmp_path / "whole", tmp_path / "killed"
+    uninterrupted(whole)
+    words = ("evolve", MISSION, "--population", "4", "--generations", "2", "--seed", "3")
+    bus = ("--engine", "rosbridge", "--timeout", "5", "--workers", "1", "--out", path)
+
+    with bridge() as server, process(*words, *bus, "--url", server.url) as command:
+        wait_for_tick(server.url, 7, 20)
+        server.process.kill()
+        errors = ended_with_8(command, note, "server killed: the campaign")
+    before = evaluations(path)
+    with bridge() as server:
+        mrsfi("evolve", "--resume", path, "--workers", "1", "--url", server.url, cwd=ROOT)
+
+    note(f"server killed: {len(before)} of {len(evaluations(whole))} evaluations were kept")
+    assert f"mrsfi evolve --resume {path}" in errors
+    assert 4 <= len(before) < len(evaluations(whole))
+    assert evaluations(path)[: len(before)] == before
+    assert evaluations(path) == evaluations(whole)
+    assert digest(path) == digest(whole)

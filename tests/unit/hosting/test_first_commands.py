@@ -1,0 +1,53 @@
+"""What the collective intelligence says before the first motion."""
+
+from functools import partial
+
+import pytest
+
+from mrsfi_runtime.hosting.ci_host import CiHost
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.injections import plan
+from mrsfi_runtime.transport.local_bus import LocalBus
+from mrsfi_runtime.transport.topics import Topic
+from support_world import paper_code
+
+CODE, SEED = paper_code(), 4
+CHANNELS = (("command/heading", "geometry_msgs/Vector3"), ("command/speed", "std_msgs/Float64"))
+
+
+@pytest.fixture
+def heard():
+    return {}
+
+
+@pytest.fixture
+def host(heard):
+    bus = LocalBus()
+    for robot in CODE.mission.robots:
+        switches = [(f"{sensor.id}/command/active", "std_msgs/Bool") for sensor in robot.sensors]
+        for channel, kind in (*CHANNELS, *switches):
+            name = f"/{robot.id}/{channel}"
+            bus.subscribe(Topic(name, kind), partial(heard.__setitem__, name))
+    laid_out = plan(CODE.mission, CODE.pool, ())
+    interface = CODE.interface(bus)
+    return CiHost(CODE.mission, interface, CODE.checks, CODE.reactions, laid_out, SEED)
+
+
+def test_its_own_simulation_knows_how_a_mission_begins(host, heard):
+    host.begin()
+
+    assert heard == {}
+
+
+def test_a_simulation_of_others_is_told_every_command(host, heard):
+    host.begin(tells_all=True)
+
+    start = initial_state(CODE.mission, SEED)
+    expected = {}
+    for robot, command in zip(CODE.mission.robots, start.commands, strict=True):
+        heading = {"x": command.heading_x, "y": command.heading_y, "z": 0.0}
+        expected[f"/{robot.id}/command/heading"] = heading
+        expected[f"/{robot.id}/command/speed"] = {"data": float(robot.speed)}
+        for sensor in robot.sensors:
+            expected[f"/{robot.id}/{sensor.id}/command/active"] = {"data": True}
+    assert heard == expected
