@@ -18,7 +18,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 BOTH, CI, SIMULATION = "both", "ci", "simulation"
 
 NAMES = ("engine", "url", "client", "side", "timeout")
-"""Parameters that choose an engine; none of them decides what an evaluation finds."""
+"""Parameters that choose an engine; of ours, all find the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +45,12 @@ class EngineOptions:
         bus = recorded.get("bus", {}) if name == ROSBRIDGE else {}
         side = self.side or bus.get("side", BOTH)
         url = self.url or bus.get("url")
+        if is_foreign(recorded) and (name != ROSBRIDGE or side != CI):
+            message = (
+                "this campaign was flown on somebody else's simulation; expected the same again: "
+                f"--engine {ROSBRIDGE} --side {CI} --url URL, or none of them"
+            )
+            raise UsageError(message)
         if side != BOTH and url is None:
             message = f"--side {side} needs --url: the server on which the sides meet"
             raise UsageError(message)
@@ -64,6 +70,11 @@ class EngineOptions:
 
     def _patience(self) -> Patience:
         return Patience() if self.timeout is None else Patience(tick=self.timeout)
+
+
+def is_foreign(recorded: Mapping[str, Any]) -> bool:
+    """Return whether a record is of a campaign on somebody else's simulation."""
+    return bool(recorded.get("bus", {}).get("side") == CI)
 
 
 def recorded_engine(settings: EngineSettings) -> dict[str, JSON]:

@@ -9,7 +9,7 @@ from rich.progress import track
 from mrsfi_runtime.analysis.ranking import top
 from mrsfi_runtime.cli.campaigns import OpenCampaign, open_campaign
 from mrsfi_runtime.cli.console import print_json, print_table, progress_console
-from mrsfi_runtime.cli.engines import BOTH, CI, EngineOptions, engine_options
+from mrsfi_runtime.cli.engines import BOTH, CI, EngineOptions, engine_options, is_foreign
 from mrsfi_runtime.cli.flights import recorder, recording_options
 from mrsfi_runtime.cli.tables import fault_table, goal_table
 from mrsfi_runtime.engine.flights import Engine
@@ -59,7 +59,9 @@ def command(
         raise click.UsageError(message)
     with open_campaign(folder) as campaign:
         settings = CampaignSettings.from_json(campaign.store.settings, str(folder))
-        with engine.settings().open(campaign.code, settings.mission_seed) as opened:
+        recorded_by = campaign.store.manifest
+        chosen = engine.settings(recorded_by if is_foreign(recorded_by) else None)
+        with chosen.open(campaign.code, settings.mission_seed) as opened:
             if is_all:
                 _replay_all(campaign, opened, is_json=is_json)
                 return

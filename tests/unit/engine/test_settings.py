@@ -31,10 +31,18 @@ def test_a_record_gives_back_the_settings_it_was_made_of():
 
 
 def test_the_command_line_beats_the_record():
-    record = recorded_engine(BUS)
+    record = recorded_engine(EngineSettings("rosbridge", url=URL))
 
     assert EngineOptions(engine="reference").settings(record) == EngineSettings("reference")
     assert EngineOptions(url="ws://127.0.0.1:1").settings(record).url == "ws://127.0.0.1:1"
+
+
+@pytest.mark.parametrize(
+    "options", [EngineOptions("reference"), EngineOptions("rosbridge", URL, side="both")]
+)
+def test_a_campaign_on_somebody_elses_simulation_stays_there(options):
+    with pytest.raises(UsageError, match="flown on somebody else's simulation"):
+        options.settings(recorded_engine(BUS))
 
 
 def test_a_record_keeps_no_token():
