@@ -73,14 +73,22 @@ def mend(inspection: Inspection) -> Mending | None:
     fixable = tuple(found for found in inspection.diagnostics if found.constraint in FIXES)
     if draft is None or not fixable:
         return None
-    places = {found.path for found in fixable}
-    old = {path: path.read_bytes() for path in saved(draft) if path in places}
-    respelt = tuple(_respelt(draft, old, fixable))
+    unfixed = saved(draft)
+    old = {path: path.read_bytes() for path in unfixed}
     elements = _elements_by_place(draft)
     for found in fixable:
         for element in elements[found.path, found.line, found.element]:
             FIXES[found.constraint].mend(element)
-    contents = {path: new for path, new in saved(draft).items() if old.get(path, new) != new}
+    places = {found.path for found in fixable}
+    contents = {
+        path: new
+        for path, new in saved(draft).items()
+        if new != old[path] and (path in places or new != unfixed[path])
+    }
+    fixed_by_loading = {found.path for found in fixable if found.constraint == "UniqueReference"}
+    respelt = tuple(
+        path for path in contents if path not in fixed_by_loading and unfixed[path] != old[path]
+    )
     fixed = tuple((found, FIXES[found.constraint].title) for found in fixable)
     difference = tuple(_difference(draft, old, contents))
     return Mending(fixed, MappingProxyType(contents), difference, respelt)
@@ -97,16 +105,6 @@ def _difference(
                 for versions in (old, new)
             )
             yield from unified_diff(before, after, str(file.path), str(file.path), lineterm="")
-
-
-def _respelt(
-    draft: LoadedModels, old: Mapping[Path, bytes], fixable: tuple[Diagnostic, ...]
-) -> Iterator[Path]:
-    """Yield the files that saving would change although nothing in them is fixed yet."""
-    fixed_by_loading = {found.path for found in fixable if found.constraint == "UniqueReference"}
-    for path, text in saved(draft).items():
-        if path in old and path not in fixed_by_loading and text != old[path]:
-            yield path
 
 
 def _elements_by_place(draft: LoadedModels) -> Mapping[tuple[Path, int, str], list[Any]]:

@@ -67,7 +67,7 @@ class _Resolver:
         self._report = report
         self._named: dict[tuple[Node, str], set[Node]] = {}
         self._files: dict[tuple[Path, str], Path | None] = {}
-        self._listed: dict[Any, str] = {}
+        self._listed: dict[tuple[bool, Any], str] = {}
 
     def resolve(self, reference: Reference) -> None:
         """Find the nodes of one reference."""
@@ -157,9 +157,10 @@ class _Resolver:
 
     def _known(self, tree: ModelTree, wanted: Any) -> str:
         """Return the IDs that would fit, for the message; a tree is complete by now."""
-        if wanted not in self._listed:
-            self._listed[wanted] = _known(tree, wanted)
-        return self._listed[wanted]
+        key = (tree is self._tree, wanted)
+        if key not in self._listed:
+            self._listed[key] = _known(tree, wanted)
+        return self._listed[key]
 
     def _neighbour_name(self) -> str:
         return "mission.xmi" if self._neighbour is None else self._neighbour.path.name

@@ -167,6 +167,8 @@ class _Checker:
             require_value(slot.feature, text)
         except BadValueError as bad:
             self._report.add(element.node, bad.constraint, bad.finding)
+            if slot.is_id:  # too long, but what refers to it is not lost
+                self.tree.files.containing(element.node).by_id.setdefault(text, element.node)
             return
         if slot.is_id:
             self._remember_id(element.node, text)

@@ -1,148 +1,418 @@
-"""Random mutations of a mission folder that keep its structure in XML."""
+"""A seeded mutator of mission folders: it goes by the metamodels and knows no constraint.
 
+Every mutant takes a few *changes* of one *feature* from a shuffled deck of all of them, so that a
+run of some hundred mutants changes every feature in every way, and chance decides the rest:
+which model, which element, which value, and what comes together.
+"""
+
+import copy
+import keyword
 import random
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
+from lxml import etree
+from pyecore.ecore import EClass, EEnum
+
+from m2t.metamodels import (
+    conforms,
+    features,
+    is_contained,
+    is_reference,
+    lineage,
+    load_metamodels,
+    reference_type,
+)
 from support_model import FAULTS, MISSION
 
-_NUMBERS = ("-1", "0", "1", "7", "1000", "2147483647")
-_DOUBLES = (*_NUMBERS, "2.5", "-0.5", "1e13", "NaN", "-Infinity", "1.0E-5", "500.0")
-_TEXTS = ("", "SPEED", "ENERGY", "Int", "1x", "class", "a b", "R1", "it's", "x" * 61, "x" * 2001)
-_INTEGERS = (
-    "duration",
-    "samplesPerSecond",
-    "targetSampleNumber",
-    "start",
-    "finish",
-    "VAL",
-)
-_ATTRIBUTE = re.compile(r' ([A-Za-z_]+)="([^"]*)"')
-_LINE = re.compile(r"^ +<.*/>\n", re.MULTILINE)
+_TYPE = "{http://www.w3.org/2001/XMLSchema-instance}type"
+_ODD_TEXTS = ("", "1x", "it's", "back\\slash", "\N{SNOWMAN}", "\xa0\u2028\ufeff", "no such word")
 
 
-def mutated(folder: Path, rng: random.Random) -> None:
-    """Change one to four places of the models of a folder."""
-    for _ in range(rng.randint(1, 4)):
-        path = folder / rng.choice((MISSION, MISSION, FAULTS))
-        text = path.read_text(encoding="utf-8")
-        path.write_text(rng.choice(_CHANGES)(text, rng), encoding="utf-8")
+@dataclass(frozen=True, slots=True)
+class Part:
+    """An element of a file, its class, and the feature that contains it; ``None`` for a root."""
+
+    element: etree._Element
+    metaclass: Any
+    feature: Any
+
+    @property
+    def parent(self) -> etree._Element:
+        found = self.element.getparent()
+        assert found is not None
+        return found
 
 
-def _change_value(text: str, rng: random.Random) -> str:
-    match = rng.choice([found for found in _ATTRIBUTE.finditer(text) if found.start() > 200])
-    name, value = match.groups()
-    return _spliced(text, match.span(2), rng.choice(_values(name, value, text)))
+@dataclass(frozen=True, slots=True)
+class Models:
+    """Both files of a mission folder on their way to a mutant."""
+
+    trees: tuple[etree._ElementTree, ...]
+    rng: random.Random
+
+    def parts(self) -> Iterator[Part]:
+        """Yield all elements of both files."""
+        for tree in self.trees:
+            yield from _parts(tree.getroot(), _root_class(tree.getroot()), None)
+
+    def having(self, feature: Any) -> list[Part]:
+        """Return the elements whose class has a feature."""
+        return [part for part in self.parts() if feature in features(part.metaclass)]
+
+    def ids(self, metaclass: Any) -> list[str]:
+        """Return the IDs of the elements of a class."""
+        found = (part for part in self.parts() if conforms(part.metaclass, metaclass))
+        return [part.element.attrib["ID"] for part in found if "ID" in part.element.attrib]
+
+    def values(self, feature: Any) -> list[str]:
+        """Return what attributes of a feature's type hold anywhere."""
+        return [
+            part.element.attrib[known.name]
+            for part in self.parts()
+            for known in features(part.metaclass)
+            if known.eType is feature.eType and known.name in part.element.attrib
+        ]
 
 
-def _values(name: str, value: str, text: str) -> tuple[str, ...]:
-    if name in _INTEGERS:
-        return _NUMBERS
-    if re.fullmatch(r"[-+.\dEe]*\d[-+.\dEe]*", value):
-        return _DOUBLES if "." in value else _NUMBERS
-    if name in ("members", "robots", "obstacles", "sender", "receiver", "sensor"):
-        kind = value.rstrip("0123456789 ")[:1]
-        same = re.findall(rf' ID="({kind}\d+)"', text)
-        return tuple(same) or (value,)
-    return (value,) if name == "href" else (*_TEXTS, value.upper(), f"{value}-")
+Change = Callable[[Models, Any], bool]
+"""Changes one place of a feature; answers whether there was one."""
 
 
-def _delete_attribute(text: str, rng: random.Random) -> str:
-    match = rng.choice([found for found in _ATTRIBUTE.finditer(text) if found.start() > 200])
-    return _spliced(text, match.span(), "")
+class Mutator:
+    """Makes mutants of mission folders, one after the other.
+
+    Parameters
+    ----------
+    seed
+        The same seed makes the same mutants of the same folders.
+    """
+
+    def __init__(self, seed: int) -> None:
+        self._rng = random.Random(seed)
+        self._deck: list[tuple[Any, Change]] = []
+
+    def mutate(self, folder: Path) -> None:
+        """Change one to three features of the models of a folder."""
+        paths = [path for path in (folder / MISSION, folder / FAULTS) if path.exists()]
+        parser = etree.XMLParser(remove_blank_text=True)
+        models = Models(tuple(etree.parse(path, parser) for path in paths), self._rng)
+        for _ in range(self._rng.choice((1, 2, 2, 3))):
+            self._play(models)
+        for path, tree in zip(paths, models.trees, strict=True):
+            etree.indent(tree)
+            encoding = tree.docinfo.encoding
+            content = etree.tostring(tree, encoding=encoding, xml_declaration=True)
+            path.write_bytes(content)
+
+    def _play(self, models: Models) -> None:
+        """Make the next change of the deck that the models have a place for, in up to four."""
+        if not self._deck:
+            self._deck = [(group, change) for group in _groups() for change in _changes(group[0])]
+            self._rng.shuffle(self._deck)
+        for position, (group, change) in enumerate(self._deck):
+            known = [feature for feature in group if models.having(feature)]
+            n_places = self._rng.randint(1, 4) if known else 0
+            n_changed = sum(change(models, self._rng.choice(known)) for _ in range(n_places))
+            if n_changed:
+                del self._deck[position]
+                return
+        self._deck.clear()
 
 
-def _delete_line(text: str, rng: random.Random) -> str:
-    return _spliced(text, rng.choice(list(_LINE.finditer(text))).span(), "")
+def _groups() -> list[list[Any]]:
+    """Return all features, with those in one group that subclasses share or that exclude others."""
+    groups: dict[tuple[str, ...], list[Any]] = {}
+    for package in load_metamodels().packages:
+        for metaclass in package.eClassifiers:
+            for feature in metaclass.eStructuralFeatures if isinstance(metaclass, EClass) else ():
+                key = (lineage(metaclass)[0].name, feature.name, feature.eType.name)
+                if is_contained(feature) and not feature.many:
+                    key = (metaclass.name, lineage(reference_type(feature))[0].name)
+                groups.setdefault(key, []).append(feature)
+    return list(groups.values())
 
 
-def _double_line(text: str, rng: random.Random) -> str:
-    match = rng.choice(list(_LINE.finditer(text)))
-    return _spliced(text, (match.end(), match.end()), match[0])
+def _changes(feature: Any) -> tuple[Change, ...]:
+    """Return the changes of a feature; those of a list take turns by chance."""
+    if is_contained(feature):
+        additions = (partial(_add, kind=kind) for kind in _kinds(reference_type(feature)))
+        return (*additions, _remove, _one_of(_double, _move, _copy))
+    if is_reference(feature):
+        return (_refer, _refer, _one_of(_lose, _remove))
+    if isinstance(feature.eType, EEnum):
+        return (_one_of(_choose, _remove),)
+    if feature.eType.name == "EString":
+        return (_respell, _space, _one_of(_reword, _reserve), _one_of(_borrow, _lengthen, _remove))
+    return (_lower, _exchange, _one_of(_borrow, _exceed, _halve, _remove))
 
 
-def _give_window(text: str, rng: random.Random) -> str:
-    window = rng.choice((' start="3"', ' finish="-3"', ' start="9" finish="8"', ' start="1000"'))
-    return _spliced_after(text, r"<faults ID=\"\w+\"", window, rng)
+def _one_of(*changes: Change) -> Change:
+    """Return a change that is one of several, in an order that chance decides."""
+
+    def change(models: Models, feature: Any) -> bool:
+        order = models.rng.sample(changes, len(changes))
+        return any(change(models, feature) for change in order)
+
+    return change
 
 
-def _give_search_bounds(text: str, rng: random.Random) -> str:
-    bounds = rng.choice(('_MIN="9.5" {}_MAX="3"', '_MIN="-3" {}_MAX="-7"', '_MIN="1"'))
-    pattern = r" (DELAY|BLOCK_DURATION|PERCENTAGE|NEW_X)="
-    matches = list(re.finditer(pattern, text))
-    if not matches:
-        return text
-    match = rng.choice(matches)
-    name = match[1]
-    return _spliced(text, (match.start(), match.start()), f" {name}{bounds.format(name)}")
+def _lower(models: Models, feature: Any) -> bool:
+    return _set(models, feature, ("-1", "-7", "0"))
 
 
-def _give_tasks(text: str, rng: random.Random) -> str:
-    task = rng.choice(
-        (
-            '<task xsi:type="mission:Visit" deadline="1000"><coordinates/></task>',
-            '<task xsi:type="mission:FixedDistanceBetweenRobots" fixedDistance="9.0"/>',
-            '<task xsi:type="mission:Patrol" period="0"><area ID="pa" radius="3000.0"/></task>',
-            '<task xsi:type="mission:Stay"><area ID="r1" radius="1.0"/></task>',
-        )
-    )
-    matches = list(re.finditer(r"<task [^>]*/>", text))
-    return _spliced(text, rng.choice(matches).span(), task) if matches else text
+def _exceed(models: Models, feature: Any) -> bool:
+    is_integer = feature.eType.name == "EInt"
+    return _set(models, feature, ("2147483647",) if is_integer else ("NaN", "-Infinity", "1.0E13"))
 
 
-def _give_dependence(text: str, rng: random.Random) -> str:
-    return _spliced_after(text, r"<goals ID=\"\w+\"", ' dependentGoals="g1 g2"', rng)
+def _halve(models: Models, feature: Any) -> bool:
+    return feature.eType.name == "EDouble" and _set(models, feature, ("0.5", "2.5"))
 
 
-def _give_property(text: str, rng: random.Random) -> str:
-    lines = (
-        '    <intProperties name="hull" value="1"/>\n',
-        '    <stringProperties name="hull" value=""/>\n    <doubleProperties name="hull"/>\n',
-        '    <doubleProperties name="hull" value="1"/>\n' * 2,
-    )
-    matches = list(re.finditer(r"^    <position", text, re.MULTILINE))
-    if not matches:
-        return text
-    start = rng.choice(matches).start()
-    return _spliced(text, (start, start), rng.choice(lines))
+def _choose(models: Models, feature: Any) -> bool:
+    return _set(models, feature, [literal.name for literal in feature.eType.eLiterals])
 
 
-def _lose_target(text: str, rng: random.Random) -> str:
-    return _spliced_after(text, r"mission.xmi#\w+", "9", rng)
+def _reword(models: Models, feature: Any) -> bool:
+    return _set(models, feature, _ODD_TEXTS)
 
 
-def _move_robot(text: str, rng: random.Random) -> str:
-    matches = list(re.finditer(r"<position [^>]*/>", text))
-    if not matches:
-        return text
-    x, y = rng.choice((("500.0", "30.0"), ("250.0", "251.0"), ("1200.0", "1600.0"), ("9e3", "0")))
-    return _spliced(text, rng.choice(matches).span(), f'<position x="{x}" y="{y}"/>')
+def _reserve(models: Models, feature: Any) -> bool:
+    return _set(models, feature, keyword.kwlist)
 
 
-def _spliced_after(text: str, pattern: str, added: str, rng: random.Random) -> str:
-    matches = list(re.finditer(pattern, text))
-    if not matches:
-        return text
-    end = rng.choice(matches).end()
-    return _spliced(text, (end, end), added)
+def _lengthen(models: Models, feature: Any) -> bool:
+    return _set(models, feature, ["x" * 201, "x" * 2001, "\U0001f916" * 150])
 
 
-def _spliced(text: str, span: tuple[int, int], new: str) -> str:
-    return text[: span[0]] + new + text[span[1] :]
+def _borrow(models: Models, feature: Any) -> bool:
+    """Take the value of another attribute of the same type."""
+    return _set(models, feature, models.values(feature))
 
 
-_CHANGES: tuple[Callable[[str, random.Random], str], ...] = (
-    _change_value,
-    _change_value,
-    _delete_attribute,
-    _delete_line,
-    _double_line,
-    _give_window,
-    _give_search_bounds,
-    _give_tasks,
-    _give_dependence,
-    _give_property,
-    _lose_target,
-    _move_robot,
-)
+def _respell(models: Models, feature: Any) -> bool:
+    """Take the value of another element in other letters."""
+    values = [part.element.get(feature.name, "") for part in models.having(feature)]
+    return _set(models, feature, [text.swapcase() for text in values])
+
+
+def _space(models: Models, feature: Any) -> bool:
+    values = [part.element.get(feature.name, "") for part in models.having(feature)]
+    return _set(models, feature, [f"{text} 2" for text in values])
+
+
+def _set(models: Models, feature: Any, values: Sequence[str]) -> bool:
+    part = models.rng.choice(models.having(feature))
+    if not values:
+        return False
+    new = models.rng.choice(values)
+    old = part.element.attrib.get(feature.name)
+    part.element.attrib[feature.name] = new
+    if feature.name == "ID" and old is not None:
+        _rename(models, old, new)
+    return True
+
+
+def _rename(models: Models, old: str, new: str) -> None:
+    """Let references follow an ID, as they do in an editor."""
+    for part in models.parts():
+        for feature in filter(is_reference, features(part.metaclass)):
+            text = part.element.get(feature.name)
+            if text is not None:
+                names = [new if name == old else name for name in text.split()]
+                part.element.set(feature.name, " ".join(names))
+            for link in part.element.findall(feature.name):
+                document, _, name = link.get("href", "").partition("#")
+                link.set("href", f"{document}#{new if name == old else name}")
+
+
+def _exchange(models: Models, feature: Any) -> bool:
+    """Exchange the values of two attributes of one type in one element."""
+    pairs = [
+        (part.element, other.name)
+        for part in models.having(feature)
+        for other in features(part.metaclass)
+        if other.eType is feature.eType
+        and other is not feature
+        and {feature.name, other.name} <= set(part.element.attrib)
+    ]
+    if not pairs:
+        return False
+    element, name = models.rng.choice(pairs)
+    old = element.attrib[feature.name]
+    element.attrib[feature.name], element.attrib[name] = element.attrib[name], old
+    return True
+
+
+def _refer(models: Models, feature: Any) -> bool:
+    """Refer to other elements of the right class."""
+    ids = models.ids(reference_type(feature))
+    if not ids:
+        return False
+    n_targets = models.rng.choice((1, 1, 1, 2, len(ids))) if feature.many else 1
+    chosen = models.rng.sample(ids, min(n_targets, len(ids)))
+    _link(models.rng.choice(models.having(feature)), feature, chosen)
+    return True
+
+
+def _lose(models: Models, feature: Any) -> bool:
+    """Refer to something that is not there; only another file may lack it and still load."""
+    links = [
+        link
+        for part in models.having(feature)
+        for link in part.element.findall(feature.name)
+        if "#" in link.get("href", "")
+    ]
+    if not links:
+        return False
+    link = models.rng.choice(links)
+    link.set("href", f"{link.get('href')}-lost")
+    return True
+
+
+def _link(part: Part, feature: Any, ids: list[str]) -> None:
+    """Refer to elements by ID: in an attribute, or by links into the mission."""
+    if part.metaclass.ePackage is reference_type(feature).ePackage:
+        part.element.set(feature.name, " ".join(name.replace(" ", "") for name in ids))
+        return
+    for link in part.element.findall(feature.name):
+        part.element.remove(link)
+    for name in ids:
+        etree.SubElement(part.element, feature.name, href=f"{MISSION}#{name}")
+
+
+def _remove(models: Models, feature: Any) -> bool:
+    """Remove all that an element has of a feature."""
+    given = [part.element for part in models.having(feature) if _is_given(part.element, feature)]
+    if not given:
+        return False
+    element = models.rng.choice(given)
+    element.attrib.pop(feature.name, None)
+    for child in element.findall(feature.name):
+        element.remove(child)
+    return True
+
+
+def _add(models: Models, feature: Any, kind: Any) -> bool:
+    """Put a new element into a feature; it takes the place of an only one."""
+    part = models.rng.choice(models.having(feature))
+    if not feature.many:
+        for child in part.element.findall(feature.name):
+            part.element.remove(child)
+    _grow(models, part.element, feature, kind)
+    return True
+
+
+def _double(models: Models, feature: Any) -> bool:
+    parts = [part for part in models.parts() if part.feature is feature]
+    if not parts or not feature.many:
+        return False
+    part = models.rng.choice(parts)
+    part.element.addnext(copy.deepcopy(part.element))
+    return True
+
+
+def _move(models: Models, feature: Any) -> bool:
+    """Move an element to another one of its container's class."""
+    parts = [part for part in models.parts() if part.feature is feature]
+    if not parts:
+        return False
+    part = models.rng.choice(parts)
+    others = [
+        other.element
+        for other in models.having(feature)
+        if other.element is not part.parent
+        and (feature.many or other.element.find(feature.name) is None)
+    ]
+    if not others:
+        return False
+    models.rng.choice(others).append(part.element)
+    return True
+
+
+def _copy(models: Models, feature: Any) -> bool:
+    """Make an element what another one of its class is; it keeps its ID."""
+    parts = [part for part in models.parts() if part.feature is feature]
+    if not parts:
+        return False
+    part = models.rng.choice(parts)
+    same = [other for other in models.parts() if other.metaclass is part.metaclass]
+    other = models.rng.choice(same).element
+    identity = part.element.get("ID")
+    part.element.attrib.clear()
+    part.element.attrib.update(other.attrib)
+    if identity is not None:
+        part.element.set("ID", identity)
+    return True
+
+
+def _kinds(declared: Any) -> list[Any]:
+    """Return the classes that an element of a declared class may have."""
+    return [
+        kind
+        for kind in declared.ePackage.eClassifiers
+        if isinstance(kind, EClass) and not kind.abstract and conforms(kind, declared)
+    ]
+
+
+def _grow(models: Models, parent: etree._Element, feature: Any, kind: Any) -> None:
+    """Add an element with all that its class requires and some of the rest."""
+    element = etree.SubElement(parent, feature.name)
+    if kind is not reference_type(feature):
+        element.set(_TYPE, f"{kind.ePackage.nsPrefix}:{kind.name}")
+    part = Part(element, kind, feature)
+    for wanted in features(kind):
+        if wanted.lowerBound > 0 or models.rng.random() < 0.2:
+            _fill(models, part, wanted)
+
+
+def _fill(models: Models, part: Part, feature: Any) -> None:
+    if is_contained(feature):
+        for _ in range(max(1, feature.lowerBound)):
+            kinds = _kinds(reference_type(feature))
+            _grow(models, part.element, feature, models.rng.choice(kinds))
+    elif is_reference(feature):
+        ids = models.ids(reference_type(feature))
+        n_targets = models.rng.randint(1, len(ids)) if feature.many and ids else min(1, len(ids))
+        _link(part, feature, models.rng.sample(ids, n_targets))
+    else:
+        part.element.set(feature.name, _value(models, feature))
+
+
+def _value(models: Models, feature: Any) -> str:
+    if isinstance(feature.eType, EEnum):
+        return str(models.rng.choice(list(feature.eType.eLiterals)).name)
+    if feature.name == "ID":
+        return f"new{models.rng.randrange(10**6)}"
+    known = [part.element.get(feature.name) for part in models.having(feature)]
+    given = [value for value in known if value is not None]
+    return models.rng.choice(given) if given else "1"
+
+
+def _is_given(element: etree._Element, feature: Any) -> bool:
+    return feature.name in element.attrib or element.find(feature.name) is not None
+
+
+def _root_class(root: etree._Element) -> Any:
+    name = etree.QName(root)
+    packages = {package.nsURI: package for package in load_metamodels().packages}
+    return packages[name.namespace].getEClassifier(name.localname)
+
+
+def _parts(element: etree._Element, metaclass: Any, feature: Any) -> Iterator[Part]:
+    yield Part(element, metaclass, feature)
+    contained = {known.name: known for known in features(metaclass) if is_contained(known)}
+    for child in element:
+        known = contained.get(child.tag)
+        if known is not None:
+            yield from _parts(child, _class_of(child, reference_type(known)), known)
+
+
+def _class_of(element: etree._Element, declared: Any) -> Any:
+    kind = re.sub(r"^.*:", "", element.get(_TYPE, ""))
+    return declared.ePackage.getEClassifier(kind) if kind else declared

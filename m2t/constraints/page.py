@@ -16,7 +16,8 @@ python -c "import m2t.constraints.page as p; print(p.constraints_page(), end='')
 in EVL as well, beside the metamodels, with the same name, severity and message: an error is a
 `constraint`, a warning a `critique`. In Eclipse, run `metamodels/faults.evl` with Epsilon on
 the fault model together with its mission, or `metamodels/mission.evl` on a mission alone; the
-first imports the second. `tests/interop` compares both, constraint by constraint.
+first imports the second, and both import what stands in `metamodels/constraints/`.
+`tests/interop` compares both sides, constraint by constraint.
 
 Structure is checked before sense: what a constraint would say about missing parts helps nobody.
 Messages of EVL know no line numbers. Where a model is spelt otherwise than Eclipse writes it,
@@ -32,13 +33,15 @@ they quote numbers as Eclipse would write them (`-5.0`, not `-5`).
 - `FaultFreeMission` (warning, told by `mrsfi validate` alone) needs a flight: a goal is violated
   although nothing fails.
 - `ResolvedReference` is stated for references to other files; a dangling one within its own file
-  makes Eclipse refuse it.
+  makes Eclipse refuse it, or drop the reference without a word if it has a colon.
 
 ## Fixes
 
 `mrsfi validate MISSION --fix` mends what has one sensible remedy: it shows the change as a
 diff, asks, and writes the file as Eclipse would. Epsilon offers the same remedies under the
-same titles as quick fixes. A repeated reference is mended by loading and saving alone.
+same titles as quick fixes, and writes the same bytes. A repeated reference is mended by loading
+and saving alone. Where the structure of the faults is broken, `--fix` waits until it is mended;
+Epsilon already offers to fix the mission.
 """
 
 

@@ -1,105 +1,157 @@
 """Epsilon finds with the .evl files what we find: constraint by constraint, word by word."""
 
+import json
 import keyword
-import random
+import os
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from itertools import chain
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from m2t.diagnostics import CONSTRAINTS, Diagnostic
+from m2t.diagnostics import CONSTRAINTS
 from m2t.fixes import FIXES
+from m2t.load import inspect_folder
 from m2t.naming import RESERVED
-from m2t.validate import validate_folder
 from m2t.xmi import dumps
-from support_broken import BROKEN
-from support_interop import ROOT, Note, harness
+from support_broken import BROKEN, Broken
+from support_evl import (
+    EVL,
+    TWINS,
+    Judged,
+    epsilon,
+    folder_files,
+    judged,
+    offered_fixes,
+    require_same_findings,
+    require_same_fixes,
+    stated_fixes,
+)
+from support_interop import ROOT, Note
 from support_model import FAULTS, MISSION, MODELS, copy_models, edit
-from support_mutations import mutated
+from support_mutations import Mutator
 from support_random_models import draw
+from support_recorder import INDEX
+from support_split import PARTS, Parts, split_folder, write_split
 
-EVL = ROOT / "metamodels" / "faults.evl"
-N_MUTANTS = 100
+TIGHT = MODELS.parent / "tight_margins"
+N_MUTANTS = 250
 N_DRAWN = 20
-
-Finding = tuple[str, str, str]
-"""Constraint, severity, and message without line numbers, which a loaded model has none of."""
-
-
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """A mission folder that both load, and what Epsilon answers about it."""
-
-    folder: Path
-    answer: Mapping[str, Any]
+RECORDED_TESTS = (
+    "tests/model",
+    "tests/integration/test_editing_models.py",
+    "tests/integration/test_generation.py",
+    "tests/integration/test_generation_safety.py",
+    "tests/integration/test_static_classes.py",
+)
+"""Tests that judge models in their own process."""
+_RECORDED = "not metamodel and not command_line and not broken_model_is_reported"
+"""Which of them: those of models, but for the broken models, which are a part of their own."""
+_BROKEN_TWINS = [entry for entry in BROKEN if entry.constraint in TWINS]
 
 
 @pytest.fixture(scope="module")
-def broken_models(tmp_path_factory: pytest.TempPathFactory) -> list[Judged]:
-    """Every broken model whose constraint has a twin."""
-    folders = []
-    for number, broken in enumerate(BROKEN):
-        if CONSTRAINTS[broken.constraint].evl:
-            folder = copy_models(tmp_path_factory.mktemp(f"broken{number}"))
-            edit(folder / broken.file, broken.old, broken.new)
-            folders.append(folder)
-    return _judged(folders)
+def models(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, list[Judged]]:
+    """All models by part, judged by both; Java needs time to warm up, so it starts only twice."""
+    recorded = tmp_path_factory.mktemp("recorded")
+    with _recording(recorded) as recorder:
+        made = {
+            "valid models": _valid(tmp_path_factory.mktemp("valid")),
+            "broken models": _broken(tmp_path_factory.mktemp("broken")),
+            "broken models in several files": _split(tmp_path_factory.mktemp("split")),
+            "mutated models": _mutated(tmp_path_factory.mktemp("mutated")),
+        }
+        by_path = {model.path: model for model in judged([*chain(*made.values())])}
+        output, _ = recorder.communicate()
+    # Tests that fail are reported where they belong; their models count all the same.
+    assert recorder.returncode in (0, 1), output
+    parts = {
+        name: [by_path[path] for path in part if path in by_path] for name, part in made.items()
+    }
+    return {**parts, "models of the test suite": judged(_recorded(recorded))}
 
 
-def test_both_find_the_same_in_every_broken_model(broken_models: list[Judged], note: Note) -> None:
-    compared = _require_same_findings("broken models", broken_models, note)
+def test_both_find_the_same_in_valid_models(models: Mapping[str, list[Judged]], note: Note) -> None:
+    valid = models["valid models"]
 
-    assert compared == {name for name, constraint in CONSTRAINTS.items() if constraint.evl}
+    require_same_findings("valid models", valid, note)
 
-
-def test_both_find_the_same_in_randomly_mutated_models(tmp_path: Path, note: Note) -> None:
-    rng = random.Random(3)
-    folders = []
-    for number in range(N_MUTANTS):
-        folder = copy_models(tmp_path / str(number))
-        mutated(folder, rng)
-        folders.append(folder)
-
-    compared = _require_same_findings("mutated models", _judged(folders), note)
-
-    assert len(compared) >= 15
+    assert len(valid) == N_DRAWN + 2
+    assert [sum(model.ours.values()) for model in valid[:2]] == [0, 0]
 
 
-def test_both_find_the_same_in_valid_models(tmp_path: Path, note: Note) -> None:
-    folders = [MODELS, MODELS.parent / "tight_margins", *_drawn_folders(tmp_path)]
+def test_both_find_the_same_in_every_broken_model(
+    models: Mapping[str, list[Judged]], note: Note
+) -> None:
+    found = require_same_findings("broken models", models["broken models"], note)
 
-    judged = _judged(folders)
+    assert found == TWINS
 
-    assert len(judged) == len(folders)
-    _require_same_findings("valid models", judged, note)
-    assert _ours(MODELS) == {}
+
+def test_both_find_the_same_in_missions_in_several_files(
+    models: Mapping[str, list[Judged]], note: Note
+) -> None:
+    part = "broken models in several files"
+
+    found = require_same_findings(part, models[part], note)
+
+    assert found == TWINS
+
+
+def test_both_find_the_same_in_randomly_mutated_models(
+    models: Mapping[str, list[Judged]], note: Note
+) -> None:
+    found = require_same_findings("mutated models", models["mutated models"], note)
+
+    assert len(found) >= len(TWINS) * 0.85
+
+
+def test_both_find_the_same_in_every_model_of_the_test_suite(
+    models: Mapping[str, list[Judged]], note: Note
+) -> None:
+    part = models["models of the test suite"]
+
+    found = require_same_findings("models of the test suite", part, note)
+
+    assert len(part) >= 200
+    assert len(found) >= 20
+
+
+def test_both_write_the_same_when_they_fix_models(
+    models: Mapping[str, list[Judged]], note: Note
+) -> None:
+    judged_models = [model for part in models.values() for model in part]
+
+    fixed = require_same_fixes(judged_models, note)
+
+    assert offered_fixes(judged_models) == stated_fixes()
+    assert fixed == {name for name, _ in stated_fixes()}
 
 
 def test_what_has_no_twin_is_refused_or_dropped_by_eclipse(tmp_path: Path) -> None:
     refused = [name for name, found in CONSTRAINTS.items() if "refuses" in found.reason]
     dropped = [name for name, found in CONSTRAINTS.items() if "drops" in found.reason]
-    folders, names = [], []
-    for number, broken in enumerate(BROKEN):
-        if broken.constraint in (*refused, *dropped):
-            folder = copy_models(tmp_path / str(number))
-            edit(folder / broken.file, broken.old, broken.new)
-            folders.append(folder)
-            names.append(broken.constraint)
+    broken = [entry for entry in BROKEN if entry.constraint in (*refused, *dropped)]
+    folders = [copy_models(tmp_path / str(number)) for number in range(len(broken))]
+    for folder, entry in zip(folders, broken, strict=True):
+        edit(folder / entry.file, entry.old, entry.new)
 
-    answers = _evl(folders)
+    answers = epsilon([folder_files(folder) for folder in folders])
 
-    loaded = {name for name, answer in zip(names, answers, strict=True) if _is_loaded(answer)}
+    models = zip(broken, folders, answers, strict=True)
+    loaded = {e.constraint for e, folder, answer in models if Judged(folder, (), answer).is_loaded}
     assert loaded == set(dropped)
-    assert set(names) == {*refused, *dropped}
+    assert {entry.constraint for entry in broken} == {*refused, *dropped}
 
 
 def test_every_twin_is_stated_in_the_file_that_its_entry_names() -> None:
     stated: dict[str, set[tuple[str, str]]] = {}
     for name in ("mission.evl", "faults.evl"):
-        text = (EVL.parent / name).read_text(encoding="utf-8")
+        text = (EVL / name).read_text(encoding="utf-8")
         for kind, constraint in re.findall(r"^  (constraint|critique) (\w+)", text, re.MULTILINE):
             stated.setdefault(constraint, set()).add((name, kind))
 
@@ -111,19 +163,8 @@ def test_every_twin_is_stated_in_the_file_that_its_entry_names() -> None:
     }
 
 
-def test_epsilon_offers_the_same_fixes(broken_models: list[Judged]) -> None:
-    offered = {
-        (found["constraint"], title)
-        for model in broken_models
-        for found in model.answer["unsatisfied"]
-        for title in found["fixes"]
-    }
-
-    assert offered == {(name, fix.title) for name, fix in FIXES.items() if CONSTRAINTS[name].evl}
-
-
 def test_both_reserve_the_same_names() -> None:
-    text = (EVL.parent / "mission.evl").read_text(encoding="utf-8")
+    text = (EVL / "constraints" / "limits.evl").read_text(encoding="utf-8")
     (block,) = re.findall(r"var RESERVED = Set \{(.*?)\}", text, re.DOTALL)
 
     assert set(re.findall(r'"(\w+)"', block)) == {
@@ -132,83 +173,91 @@ def test_both_reserve_the_same_names() -> None:
     }
 
 
-def _drawn_folders(tmp_path: Path) -> Iterator[Path]:
-    for seed in range(N_DRAWN):
-        folder = tmp_path / str(seed)
-        folder.mkdir()
-        drawn = draw(seed)
-        (folder / MISSION).write_bytes(dumps(drawn.mission, "UTF-8"))
-        faults = dumps(drawn.faults, "UTF-8", hrefs={drawn.mission: MISSION})
-        (folder / FAULTS).write_bytes(faults)
-        yield folder
+def _valid(folder: Path) -> list[Path]:
+    drawn = [_drawn(folder / str(seed), seed) for seed in range(N_DRAWN)]
+    return [MODELS, TIGHT, *drawn]
 
 
-def _judged(folders: list[Path]) -> list[Judged]:
-    """Return the folders that both load and that break nothing but constraints with twins."""
-    comparable = [folder for folder in folders if _is_judged_by_evl(validate_folder(folder))]
-    answers = zip(comparable, _evl(comparable), strict=True)
-    return [Judged(folder, answer) for folder, answer in answers if _is_loaded(answer)]
+def _broken(folder: Path) -> list[Path]:
+    """Return every broken model whose constraint has a twin."""
+    folders = [copy_models(folder / str(number)) for number in range(len(_BROKEN_TWINS))]
+    for copy, entry in zip(folders, _BROKEN_TWINS, strict=True):
+        edit(copy / entry.file, entry.old, entry.new)
+    return folders
 
 
-def _require_same_findings(name: str, models: list[Judged], note: Note) -> set[str]:
-    """Compare both; return the constraints that were found somewhere."""
-    compared: set[str] = set()
-    n_findings = 0
-    for model in models:
-        ours = _ours(model.folder)
-        assert _theirs(model.answer) == ours, model.folder
-        compared |= {constraint for constraint, _, _ in ours}
-        n_findings += sum(ours.values())
-    counts = {"models": len(models), "constraints_found": len(compared), "findings": n_findings}
-    note(f"(c) {name}", **counts, differences=0)
-    return compared
+def _split(folder: Path) -> list[Path]:
+    """Return the broken models in several files: what can be fixed in every way to split it."""
+    folders = []
+    for number, entry in enumerate(_BROKEN_TWINS):
+        first = number % len(PARTS)
+        ways = [*list(PARTS)[first:], *list(PARTS)[:first]]
+        split = (_broken_parts(folder / f"{number}-{way}", entry, PARTS[way]) for way in ways)
+        found = (path for path in split if path is not None)
+        folders += list(found) if entry.constraint in FIXES else [next(found)]
+    return folders
 
 
-def _is_judged_by_evl(diagnostics: tuple[Diagnostic, ...]) -> bool:
-    return all(CONSTRAINTS[found.constraint].evl for found in diagnostics)
+def _broken_parts(folder: Path, entry: Broken, parts: Parts) -> Path | None:
+    """Return a mission split once it is broken; if that leaves no model, broken once split.
+
+    ``None`` if the split leaves nothing to break in this way.
+    """
+    whole = copy_models(folder / "whole")
+    edit(whole / entry.file, entry.old, entry.new)
+    models = inspect_folder(whole).draft
+    if models is not None:
+        write_split(whole, models, parts(models))
+        return whole
+    copy = split_folder(folder / "split", parts)
+    for path in sorted(copy.rglob("*.xmi")):
+        if entry.old in path.read_text(encoding="utf-8"):
+            edit(path, entry.old, entry.new)
+            return copy
+    return None
 
 
-def _ours(folder: Path) -> Mapping[Finding, int]:
-    return _counted(
-        (found.constraint, found.severity, found.message) for found in validate_folder(folder)
+def _mutated(folder: Path) -> list[Path]:
+    """Return mutants of the committed missions, and of as many drawn ones."""
+    mutator = Mutator(3)
+    folders = [folder / str(number) for number in range(N_MUTANTS)]
+    for number, mutant in enumerate(folders):
+        if number % 2:
+            _drawn(mutant, N_DRAWN + number)
+        else:
+            shutil.copytree((MODELS, TIGHT)[number // 2 % 2], mutant)
+        mutator.mutate(mutant)
+    return folders
+
+
+def _drawn(folder: Path, seed: int) -> Path:
+    folder.mkdir()
+    drawn = draw(seed)
+    (folder / MISSION).write_bytes(dumps(drawn.mission, "UTF-8"))
+    (folder / FAULTS).write_bytes(dumps(drawn.faults, "UTF-8", hrefs={drawn.mission: MISSION}))
+    return folder
+
+
+def _recording(folder: Path) -> subprocess.Popen[str]:
+    """Start the tests that judge models, and have each model recorded that EVL can judge."""
+    command = [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "support_recorder"]
+    command += ["-p", "no:cacheprovider", "-k", _RECORDED, *RECORDED_TESTS]
+    environment = {
+        **os.environ,
+        "MRSFI_RECORDED": str(folder),
+        "PYTHONPATH": os.pathsep.join(sys.path),
+    }
+    return subprocess.Popen(
+        command,
+        cwd=ROOT,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
     )
 
 
-def _theirs(answer: Mapping[str, Any]) -> Mapping[Finding, int]:
-    return _counted(
-        (found["constraint"], found["severity"], message)
-        for found in answer["unsatisfied"]
-        for message in found["message"].split("\n")
-    )
-
-
-def _counted(findings: Iterator[Finding]) -> Mapping[Finding, int]:
-    counts: dict[Finding, int] = {}
-    for constraint, severity, message in findings:
-        key = (constraint, severity, _comparable(message))
-        counts[key] = counts.get(key, 0) + 1
-    return counts
-
-
-def _comparable(message: str) -> str:
-    """Return a message without line numbers, and with numbers spelt in one way."""
-    message = re.sub(r" in line \d+| \(line \d+\)", "", message)
-    return re.sub(r"'[-+.\dEe]*\d[-+.\dEe]*'", _spelt, message)
-
-
-def _spelt(match: re.Match[str]) -> str:
-    try:
-        return repr(float(match[0][1:-1]))
-    except ValueError:
-        return match[0]
-
-
-def _evl(folders: list[Path]) -> list[dict[str, Any]]:
-    models = [[str(folder / MISSION), str(folder / FAULTS)] for folder in folders]
-    answer = harness("evl", {"evl": [str(EVL)], "models": models})
-    found: list[dict[str, Any]] = answer["models"]
-    return found
-
-
-def _is_loaded(answer: Mapping[str, Any]) -> bool:
-    return not any(error.startswith("load: ") for error in answer["errors"])
+def _recorded(folder: Path) -> list[Path]:
+    lines = (folder / INDEX).read_text(encoding="utf-8").splitlines()
+    entries = [json.loads(line) for line in lines]
+    return [folder / entry["folder"] / entry["judged"] for entry in entries]

@@ -7,10 +7,11 @@ import pytest
 
 from m2t.diagnostics import CONSTRAINTS
 from m2t.fixes import FIXES, Mending, mend
-from m2t.load import inspect_folder, inspect_specification
+from m2t.load import inspect_folder, inspect_specification, load_mission_folder
 from m2t.validate import validate_folder
 from support_broken import BROKEN
 from support_model import FAULTS, MISSION, copy_models, edit
+from support_split import PARTS, write_split
 
 BOUNDS = (
     '<fixedObstacleCoordinates NEW_X="200.0" NEW_X_MIN="{}.0" NEW_X_MAX="{}.0" NEW_Y="-450.0" '
@@ -193,6 +194,21 @@ def test_a_fix_keeps_the_encoding_of_the_file(tmp_path: Path) -> None:
     edit(path, 'ID="g2"', 'ID="g2" dependentGoals="g2"')
 
     assert _mended(folder).contents[path] == before
+
+
+def test_a_fix_changes_another_part_of_the_mission_than_the_one_that_has_the_defect(
+    tmp_path: Path,
+) -> None:
+    folder = copy_models(tmp_path)
+    edit(folder / MISSION, 'Collision" members="r2 r3 r1"', 'Collision" members="r2 r3"')
+    models = load_mission_folder(folder)
+    write_split(folder, models, PARTS["goals_and_tasks"](models))
+
+    mending = _mended(folder)
+
+    assert [found.path for found, _ in mending.fixed] == [folder / "tasks.xmi"]
+    assert list(mending.contents) == [folder / "goals.xmi"]
+    assert '+    <members href="mission.xmi#r1"/>' in mending.difference
 
 
 def test_a_specification_is_mended_without_touching_its_mission(tmp_path: Path) -> None:

@@ -182,7 +182,7 @@ class RosbridgeTransport:
         if self._client == "twisted":
             protocol.transport.setTcpNoDelay(True)  # asyncio sets it itself
         else:
-            protocol.transport = _JoinedWrites(protocol.transport)
+            protocol.transport = _JoinedWrites(protocol.transport, self._ros.factory.manager.loop)
         protocol.utf8validateIncoming = False  # the JSON decoder checks it again
         self._opened.set()
 
@@ -212,9 +212,9 @@ class _JoinedWrites:
     Twisted does so by itself; asyncio makes a call for each message.
     """
 
-    def __init__(self, transport: asyncio.Transport) -> None:
+    def __init__(self, transport: asyncio.Transport, loop: asyncio.AbstractEventLoop) -> None:
         self._transport = transport
-        self._loop = asyncio.get_running_loop()
+        self._loop = loop
         self._waiting: list[bytes] = []
 
     def write(self, data: bytes) -> None:

@@ -4,80 +4,117 @@ import com.google.gson.JsonArray;
 import com.google.gson.JsonElement;
 import com.google.gson.JsonObject;
 import java.io.File;
+import java.io.IOException;
 import java.util.ArrayList;
+import java.util.Base64;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Set;
+import java.util.TreeMap;
 import org.eclipse.emf.common.util.WrappedException;
 import org.eclipse.emf.ecore.EObject;
+import org.eclipse.emf.ecore.resource.Resource;
 import org.eclipse.emf.ecore.util.EcoreUtil;
 import org.eclipse.epsilon.emc.emf.InMemoryEmfModel;
 import org.eclipse.epsilon.eol.exceptions.EolRuntimeException;
 import org.eclipse.epsilon.evl.EvlModule;
 import org.eclipse.epsilon.evl.execute.FixInstance;
 import org.eclipse.epsilon.evl.execute.UnsatisfiedConstraint;
+import org.eclipse.epsilon.evl.execute.context.EvlContext;
+import org.eclipse.epsilon.evl.trace.ConstraintTraceItem;
 
-/** Runs EVL constraints over models. */
+/** Runs EVL constraints over models, and the fixes that they offer. */
 final class Validation {
 
-    private Validation() {}
+    private final Models models;
+    private final EvlModule module = new EvlModule();
+
+    private Validation(JsonObject request) throws Exception {
+        models = new Models(request);
+        Programs.parse(module, new File(request.get("program").getAsString()));
+    }
 
     /**
-     * Checks every model of a request.
+     * Checks every model of a request, and fixes what can be fixed in memory.
      *
-     * @param request paths under "metamodels" and "evl"; lists of files that belong together
+     * @param request paths under "metamodels" and "program"; lists of files that belong together
      *     under "models"
-     * @return what EMF has against each model and, if it can be loaded at all, its unsatisfied
-     *     constraints, in the order of the request
+     * @return what EMF has against each model and, if it can be loaded at all, which constraints
+     *     were checked how often, the unsatisfied ones, and what saving writes before and after
+     *     their fixes, in the order of the request
      */
     static Object validate(JsonObject request) throws Exception {
-        Models models = new Models(request);
-        List<String> programs = Models.paths(request, "evl");
+        Validation validation = new Validation(request);
         List<Object> answers = new ArrayList<>();
         for (JsonElement entry : request.getAsJsonArray("models")) {
             List<String> files = new ArrayList<>();
-            for (JsonElement file : (JsonArray) entry) {
-                if (!file.isJsonNull()) {
-                    files.add(file.getAsString());
-                }
-            }
-            answers.add(validate(models, files, programs));
+            ((JsonArray) entry).forEach(file -> files.add(file.getAsString()));
+            answers.add(validation.answer(files));
         }
         return Map.of("models", answers);
     }
 
-    private static Map<String, Object> validate(
-            Models models, List<String> files, List<String> programs) throws Exception {
+    private Map<String, Object> answer(List<String> files) throws Exception {
         List<String> errors = new ArrayList<>();
-        List<Object> found = new ArrayList<>();
+        Map<String, Object> answer = new LinkedHashMap<>();
+        answer.put("models", files);
+        answer.put("errors", errors);
         try {
             for (String file : files) {
                 errors.addAll(Saving.problems(models.load(file)));
             }
-            found.addAll(unsatisfied(models, files, programs));
         } catch (WrappedException problem) {
             errors.add("load: " + problem.getCause().getMessage());
+            return answer;
+        } catch (IllegalArgumentException problem) {
+            errors.add("load: " + problem.getMessage());
+            return answer;
         }
-        return Map.of("models", files, "errors", errors, "unsatisfied", found);
+        answer.putAll(verdict(files));
+        return answer;
     }
 
-    private static List<Object> unsatisfied(
-            Models models, List<String> files, List<String> programs) throws Exception {
-        List<Object> found = new ArrayList<>();
-        for (String program : programs) {
-            InMemoryEmfModel model = Programs.model(models, files);
-            EvlModule module = new EvlModule();
-            try {
-                Programs.parse(module, new File(program));
-                module.getContext().getModelRepository().addModel(model);
-                for (UnsatisfiedConstraint unsatisfied : module.execute()) {
-                    found.add(description(unsatisfied));
-                }
-            } finally {
-                module.getContext().getModelRepository().dispose();
+    private Map<String, Object> verdict(List<String> files) throws Exception {
+        InMemoryEmfModel model = Programs.model(models, files);
+        module.setContext(new EvlContext());
+        module.getContext().getModelRepository().addModel(model);
+        try {
+            Set<UnsatisfiedConstraint> unsatisfied = module.execute();
+            Map<String, Object> verdict = new LinkedHashMap<>();
+            verdict.put("unsatisfied", unsatisfied.stream().map(Validation::description).toList());
+            verdict.put("checked", checked());
+            List<FixInstance> fixes = new ArrayList<>();
+            unsatisfied.forEach(found -> fixes.addAll(found.getFixes()));
+            verdict.put("before", fixes.isEmpty() ? Map.of() : contents(model));
+            for (FixInstance fix : fixes) {
+                fix.perform();
             }
+            verdict.put("after", fixes.isEmpty() ? Map.of() : contents(model));
+            return verdict;
+        } finally {
+            module.getContext().getModelRepository().dispose();
         }
-        return found;
+    }
+
+    /** Returns on how many elements each constraint was checked. */
+    private Map<String, Integer> checked() {
+        Map<String, Integer> counts = new TreeMap<>();
+        for (ConstraintTraceItem item : module.getContext().getConstraintTrace()) {
+            counts.merge(item.getConstraint().getName(), 1, Integer::sum);
+        }
+        return counts;
+    }
+
+    /** Returns the bytes of every file of a model, as Eclipse would save it, in Base64. */
+    private static Map<String, String> contents(InMemoryEmfModel model) throws IOException {
+        Map<String, String> contents = new TreeMap<>();
+        for (Resource resource : model.getResource().getResourceSet().getResources()) {
+            byte[] bytes = Saving.bytes(resource);
+            String path = resource.getURI().toFileString();
+            contents.put(path, Base64.getEncoder().encodeToString(bytes));
+        }
+        return contents;
     }
 
     private static Map<String, Object> description(UnsatisfiedConstraint unsatisfied) {
