@@ -95,11 +95,11 @@ clean: ## remove .venv, caches and build products; campaigns in runs/ stay
 	find . -path ./runs -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BASE): $(SETUP) | $(VENV)/.created
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[fast]"
 	@touch $@
 
 $(DEV): $(SETUP) | $(VENV)/.created
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev,fast]"
 	@touch $(BASE) $@
 
 $(VENV)/.created:

@@ -3,10 +3,10 @@
 import importlib.util
 import sys
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
 from typing import Any
-from zlib import crc32
 
 from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
 from mrsfi_runtime.hosting.sides import Check, Reaction, SimInterface, Simulation
@@ -84,16 +84,29 @@ def pool_from_text(source: str) -> FaultPool:
 
 
 def _module(directory: Path, stem: str) -> ModuleType:
-    """Import one generated file under a name of its own; no other folder's code is touched."""
+    """Import one generated file under a name of its own; no other folder's code is touched.
+
+    The name follows from the content, so that compiled code is found again in another folder.
+    """
     path = directory / f"{stem}.py"
     if not path.is_file():
         message = f"{path}: no such file; run `mrsfi generate` to make it"
         raise GenerationError(message)
-    name = f"mrsfi_generated_{crc32(str(path.resolve()).encode()):08x}_{stem}"
+    return load_module(f"mrsfi_generated_{sha256(path.read_bytes()).hexdigest()[:16]}_{stem}", path)
+
+
+def load_module(name: str, path: Path) -> ModuleType:
+    """Import a file under a name.
+
+    Raises
+    ------
+    EvaluationError
+        If it cannot be imported.
+    """
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         message = f"{path}: not a Python module"
-        raise GenerationError(message)
+        raise EvaluationError(message)
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:

@@ -20,6 +20,7 @@ SEED = 5
 PATIENCE = Patience(tick=10.0, handshake=20.0)
 ENGINES = {
     "reference": EngineSettings("reference"),
+    "compiled": EngineSettings("compiled"),
     "rosbridge": EngineSettings("rosbridge", patience=PATIENCE),
 }
 
@@ -47,11 +48,12 @@ def test_every_bit_of_belief_and_truth_is_that_of_the_reference(engine):
         assert traced(engine, specification) == traced(reference, specification)
 
 
-def test_a_mission_in_which_every_fault_matters_flies_alike():
+@pytest.mark.parametrize("name", ["compiled", "rosbridge"])
+def test_a_mission_in_which_every_fault_matters_flies_alike(name):
     code = load_code(ROOT / "generated" / "tight_margins")
     reference = ReferenceEngine(code, 1)
 
-    with ENGINES["rosbridge"].open(code, 1) as engine:
+    with ENGINES[name].open(code, 1) as engine:
         for specification in specifications(code, 3):
             assert traced(engine, specification) == traced(reference, specification)
 
@@ -80,8 +82,8 @@ def test_conflicting_faults_are_refused_before_the_flight(engine):
         engine.evaluate((TimedFault("f27", 0, 9), TimedFault("f4", 5, 9, (1.0,))))
 
 
-@pytest.mark.parametrize("settings", ENGINES.values(), ids=ENGINES)
-def test_an_error_in_a_region_is_an_evaluation_error_and_the_next_flight_is_whole(settings):
+@pytest.mark.parametrize("name", ["reference", "rosbridge"])
+def test_an_error_in_a_region_is_an_evaluation_error_and_the_next_flight_is_whole(name):
     code = paper_code(40)
     broken_at = [20]
 
@@ -91,7 +93,7 @@ def test_an_error_in_a_region_is_an_evaluation_error_and_the_next_flight_is_whol
             raise ArithmeticError(message)
         return code.checks[0](ci)
 
-    with settings.open(replace(code, checks=(check, *code.checks[1:])), SEED) as engine:
+    with ENGINES[name].open(replace(code, checks=(check, *code.checks[1:])), SEED) as engine:
         with pytest.raises(EvaluationError, match="failed at tick 20: ArithmeticError: too deep"):
             engine.evaluate(())
         broken_at.clear()

@@ -79,7 +79,7 @@ def test_a_target_installs_what_it_needs_with_pins(
 
     assert "--constraint constraints.txt" in text
     assert text.index("pip install") < text.index("mrsfi generate")
-    assert ('".[dev]"' in text) == has_tools
+    assert ('".[dev,fast]"' in text) == has_tools
 
 
 def test_what_is_installed_is_not_installed_again(clone: Path) -> None:

@@ -31,8 +31,17 @@ class EngineOptions:
     side: str | None = None
     timeout: float | None = None
 
-    def settings(self, recorded: Mapping[str, Any] | None = None) -> EngineSettings:
+    def settings(
+        self, recorded: Mapping[str, Any] | None = None, default: str = REFERENCE
+    ) -> EngineSettings:
         """Return the settings, those of a record where the command line says nothing.
+
+        Parameters
+        ----------
+        recorded
+            What ``recorded_engine`` returned, if anything.
+        default
+            Engine where neither names one.
 
         Raises
         ------
@@ -40,7 +49,7 @@ class EngineOptions:
             If the options make no sense together.
         """
         recorded = recorded or {}
-        name = self.engine or recorded.get("engine", REFERENCE)
+        name = self.engine or recorded.get("engine", default)
         self._require_sense(name)
         bus = recorded.get("bus", {}) if name == ROSBRIDGE else {}
         side = self.side or bus.get("side", BOTH)
@@ -64,8 +73,8 @@ class EngineOptions:
 
     def _require_sense(self, name: str) -> None:
         given = [option for option in NAMES[1:] if getattr(self, option) is not None]
-        if name == REFERENCE and given:
-            message = f"--{given[0]} needs --engine {ROSBRIDGE}; the reference engine has no bus"
+        if name != ROSBRIDGE and given:
+            message = f"--{given[0]} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
             raise UsageError(message)
 
     def _patience(self) -> Patience:
@@ -79,7 +88,7 @@ def is_foreign(recorded: Mapping[str, Any]) -> bool:
 
 def recorded_engine(settings: EngineSettings) -> dict[str, JSON]:
     """Return what a campaign records of its engine."""
-    if settings.name == REFERENCE:
+    if settings.name != ROSBRIDGE:
         return {"engine": settings.name}
     side = BOTH if settings.has_simulation else CI
     url = None if settings.url is None else without_token(settings.url)
@@ -87,20 +96,22 @@ def recorded_engine(settings: EngineSettings) -> dict[str, JSON]:
     return {"engine": settings.name, "bus": bus}
 
 
-def engine_options(*sides: str) -> Callable[[F], F]:
+def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
     """Give a command the options of the engine; it receives them as ``engine``.
 
     Parameters
     ----------
     sides
         Choices of --side.
+    default
+        The engine without --engine.
     """
     options = (
         click.option(
             "--engine",
             type=click.Choice(ENGINES),
-            show_default=REFERENCE,
-            help="How to fly: in this process, or on a rosbridge server.",
+            show_default=default,
+            help="How to fly: in this process, compiled or not, or on a rosbridge server.",
         ),
         click.option(
             "--url",

@@ -16,7 +16,7 @@ from mrsfi_runtime.cli.campaigns import (
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import BOTH, CI, EngineOptions, engine_options
 from mrsfi_runtime.cli.missions import (
-    MissionFolders,
+    campaign_file,
     find_mission,
     generated_option,
 )
@@ -24,7 +24,7 @@ from mrsfi_runtime.cli.progress import search_progress, share
 from mrsfi_runtime.cli.results import report
 from mrsfi_runtime.cli.resume import begun, resumed
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.search.algorithms import ALGORITHMS
@@ -74,7 +74,7 @@ by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on 
     type=click.IntRange(1),
     help="Processes that evaluate [default: as many as this machine has processors].",
 )
-@engine_options(BOTH, CI)
+@engine_options(BOTH, CI, default=AUTO)
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
@@ -102,14 +102,14 @@ def command(
 ) -> None:
     """Evolve fault specifications against a mission and print the most critical."""
     if resume is None:
-        flown_by = engine.settings()
+        flown_by = engine.settings(default=AUTO)
         flown_by.require_workers(workers or 1)
         path, writer = _new_campaign(ratio, flown_by, **given)
     else:
         path, writer = resume, resumed(resume, ctx)
     with writer, open_campaign(path) as campaign:
         _require_ratio(campaign.code.mission, ratio)
-        _search(campaign, engine.settings(campaign.store.manifest), workers)
+        _search(campaign, engine.settings(campaign.store.manifest, AUTO), workers)
         report(campaign, ratio, is_json=is_json)
 
 
@@ -128,26 +128,12 @@ def _new_campaign(
         raise UsageError(message)
     case = case or "a"
     folders = find_mission(mission, generated)
-    settings = CampaignSettings.load(_campaign_file(folders, case), **overrides)
+    settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
     flown = folders.load().mission
     require_settings(settings, flown)
     _require_ratio(flown, ratio)
     path = free_folder(folders.name, Path(case).stem) if out is None else out
     return path, begun(path, folders, settings, case, engine)
-
-
-def _campaign_file(folders: MissionFolders, case: str) -> Path:
-    named = folders.models / f"case_{case}.toml"
-    if named.is_file():
-        return named
-    if Path(case).is_file():
-        return Path(case)
-    known = [path.stem.removeprefix("case_") for path in folders.models.glob("case_*.toml")]
-    message = (
-        f"--case: found no campaign file '{case}'; expected the path of a TOML file, or one of: "
-        f"{', '.join(sorted(known)) or f'(there is no case_*.toml in {folders.models})'}"
-    )
-    raise UsageError(message)
 
 
 def _require_ratio(mission: Mission, ratio: str | None) -> None:
@@ -160,7 +146,11 @@ def _search(campaign: OpenCampaign, engine: EngineSettings, workers: int | None)
     n_workers = workers or (1 if engine.url else os.cpu_count() or 1)
     path, code, store = campaign.folder.path, campaign.code, campaign.store
     settings = CampaignSettings.from_json(store.settings, str(path))
-    tell(f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {n_workers} workers")
+    engine = engine.resolved(code, settings.mission_seed, tell)
+    tell(
+        f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.name} engine, "
+        f"{n_workers} workers"
+    )
     n_generations = store.n_generations
     recorded = share(settings, n_generations, store.n_evaluations + len(store.failures()))
     try:

@@ -1,11 +1,12 @@
-"""What all engines that fly with plain Python objects share: plan, board, judge."""
+"""What engines share: what they offer, and flights with plain Python objects."""
 
 import hashlib
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Protocol, Self, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError
 from mrsfi_runtime.hosting.ci_host import CiHost
@@ -18,6 +19,17 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.trace import state_bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """An evaluation whose mission code failed, with the traceback as text."""
+
+    traceback: str
+
+
+Evaluated: TypeAlias = Outcome | Failure
+"""What comes of an evaluation."""
 
 
 class Engine(Protocol):
@@ -47,8 +59,19 @@ class Engine(Protocol):
     ) -> Outcome:
         """Fly the mission under a fault specification."""
 
+    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+        """Evaluate specifications, and yield the results in the same order, as they come."""
+
     def close(self) -> None:
         """Give up what the engine holds."""
+
+
+def attempt(engine: Engine, specification: Specification) -> Evaluated:
+    """Evaluate a specification; the failure of a region is a result too."""
+    try:
+        return engine.evaluate(specification)
+    except EvaluationError:
+        return Failure(traceback.format_exc())
 
 
 def evaluate(
@@ -118,15 +141,30 @@ def _place(error: Exception, directory: Path) -> str:
 def _outcome(flight: Flight, laid_out: Plan) -> Outcome:
     violations = flight.violations
     counts = (
-        tuple(violations.believed),
-        tuple(violations.true),
-        tuple(violations.phantom),
-        tuple(violations.masked),
-        tuple(goal.count for goal in flight.world.goals),
-        tuple(tally.applied for tally in laid_out.tallies),
-        tuple(tally.changed for tally in laid_out.tallies),
+        violations.believed,
+        violations.true,
+        violations.phantom,
+        violations.masked,
+        [goal.count for goal in flight.world.goals],
+        [tally.applied for tally in laid_out.tallies],
+        [tally.changed for tally in laid_out.tallies],
     )
-    sha = hashlib.sha256(repr(counts).encode())
-    sha.update(state_bytes(flight.world))
-    sha.update(state_bytes(flight.ci.belief))
-    return Outcome(*counts, digest=sha.hexdigest())
+    return digested(counts, state_bytes(flight.world), state_bytes(flight.ci.belief))
+
+
+def digested(counts: Sequence[Sequence[int]], world: bytes, belief: bytes) -> Outcome:
+    """Return an outcome with its digest.
+
+    Parameters
+    ----------
+    counts
+        What an outcome counts, in the order of its attributes.
+    world, belief
+        The last states, as ``state_bytes`` writes them.
+    """
+    believed, true, phantom, masked, samples, applied, changed = map(tuple, counts)
+    listed = (believed, true, phantom, masked, samples, applied, changed)
+    sha = hashlib.sha256(repr(listed).encode())
+    sha.update(world)
+    sha.update(belief)
+    return Outcome(*listed, sha.hexdigest())

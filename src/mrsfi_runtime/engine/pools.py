@@ -6,12 +6,10 @@ results.
 
 import os
 import signal
-import traceback
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import lru_cache, partial
 from multiprocessing import get_context, parent_process
 from pathlib import Path
@@ -19,23 +17,15 @@ from threading import Thread
 from types import TracebackType
 from typing import Self
 
-from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.engine.flights import Engine, Evaluated
+from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Outcome
-
-
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """An evaluation whose mission code failed, with the traceback as text."""
-
-    traceback: str
 
 
 class WorkerPool:
-    """Worker processes that each load the generated code once.
+    """Worker processes that each load the generated code once, or threads of compiled code.
 
     Parameters
     ----------
@@ -44,7 +34,7 @@ class WorkerPool:
     seed
         Mission seed.
     n_workers
-        Number of processes; 1 evaluates in this process.
+        Number of processes, or threads; 1 evaluates in this process.
     settings
         Which engine evaluates; every process has its own.
 
@@ -65,7 +55,8 @@ class WorkerPool:
         settings = EngineSettings() if settings is None else settings
         settings.require_workers(n_workers)
         code = load_code(directory)
-        self._engine = settings.open(code, seed) if n_workers == 1 else None
+        is_here = n_workers == 1 or settings.name == COMPILED
+        self._engine = settings.open(code, seed, n_workers) if is_here else None
         self._evaluate_chunk = partial(_evaluate_chunk, directory, seed, settings)
         self._n_workers = n_workers
         self._executor = ProcessPoolExecutor(
@@ -91,7 +82,7 @@ class WorkerPool:
             self._engine.close()
         self._executor.shutdown(wait=True, cancel_futures=True)
 
-    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Outcome | Failure]:
+    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order, as they come.
 
         Raises
@@ -100,8 +91,7 @@ class WorkerPool:
             If a worker process died.
         """
         if self._engine is not None:
-            for specification in specifications:
-                yield _attempt(self._engine, specification)
+            yield from self._engine.evaluate_many(specifications)
             return
         chunks = _chunks(specifications, 4 * self._n_workers)
         try:
@@ -132,13 +122,6 @@ def _chunks(
         yield specifications[start : start + size]
 
 
-def _attempt(engine: Engine, specification: Specification) -> Outcome | Failure:
-    try:
-        return engine.evaluate(specification)
-    except EvaluationError:
-        return Failure(traceback.format_exc())
-
-
 def _start_worker() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides how a run ends
     Thread(target=_end_with_parent, daemon=True).start()
@@ -159,6 +142,6 @@ def _worker_engine(directory: Path, seed: int, settings: EngineSettings) -> Engi
 
 def _evaluate_chunk(
     directory: Path, seed: int, settings: EngineSettings, specifications: Sequence[Specification]
-) -> list[Outcome | Failure]:
+) -> list[Evaluated]:
     engine = _worker_engine(directory, seed, settings)
-    return [_attempt(engine, specification) for specification in specifications]
+    return list(engine.evaluate_many(specifications))

@@ -8,10 +8,12 @@ References
 Source paper, section III-G and Figure 4.
 """
 
+from collections.abc import Iterator, Sequence
 from types import TracebackType
 from typing import Self
 
 from mrsfi_runtime.engine import flights
+from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.hosting.lockstep import Boarding, Flight, Observer, fly
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -77,6 +79,10 @@ class ReferenceEngine:
             If the code of a region fails.
         """
         return flights.evaluate(self, specification, pool, observer, self._fly)
+
+    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+        """Evaluate specifications, and yield the results in the same order, as they come."""
+        return (flights.attempt(self, specification) for specification in specifications)
 
     def _fly(self, board: Boarding) -> Flight:
         self._simulation.reset(self.seed)

@@ -12,12 +12,14 @@ import json
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
 from threading import Timer
 from types import TracebackType
 from typing import Self
 
 from mrsfi_runtime.engine import flights
+from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.engine.simulation_process import request
 from mrsfi_runtime.errors import (
     GenerationError,
@@ -232,6 +234,10 @@ class RosbridgeEngine:
             If messages were lost, the connection is gone, or the simulation is late.
         """
         return flights.evaluate(self, specification, pool, observer, self._fly)
+
+    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+        """Evaluate specifications, and yield the results in the same order, as they come."""
+        return (flights.attempt(self, specification) for specification in specifications)
 
     def _fly(self, board: Boarding) -> Flight:
         try:

@@ -1,18 +1,20 @@
 """Which engine evaluates, and how it is reached."""
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.transport.rosbridge import Client
 
-REFERENCE, ROSBRIDGE = "reference", "rosbridge"
-ENGINES = (REFERENCE, ROSBRIDGE)
-"""Ways to evaluate a fault specification."""
+AUTO, REFERENCE, COMPILED, ROSBRIDGE = "auto", "reference", "compiled", "rosbridge"
+ENGINES = (AUTO, REFERENCE, COMPILED, ROSBRIDGE)
+"""Ways to evaluate a fault specification; auto is compiled where that is possible."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,18 +41,48 @@ class EngineSettings:
     has_simulation: bool = True
     patience: Patience = field(default_factory=Patience)
 
-    def open(self, code: MissionCode, seed: int) -> Engine:
+    def resolved(self, code: MissionCode, seed: int, tell: Callable[[str], None]) -> Self:
+        """Return settings that name an engine: auto becomes compiled, or else reference.
+
+        Parameters
+        ----------
+        code, seed
+            The mission, which is compiled on trial.
+        tell
+            Told why it cannot be.
+        """
+        if self.name != AUTO:
+            return self
+        try:
+            _compiled(code, seed, 1).close()
+        except (UsageError, EvaluationError) as error:
+            tell(f"not compiled: {error}; the reference engine evaluates, about 100 times slower")
+            return replace(self, name=REFERENCE)
+        return replace(self, name=COMPILED)
+
+    def open(self, code: MissionCode, seed: int, n_threads: int = 1) -> Engine:
         """Return the engine, ready to evaluate; the caller closes it.
+
+        Parameters
+        ----------
+        code, seed
+            The mission.
+        n_threads
+            Threads of the compiled engine.
 
         Raises
         ------
         UsageError
-            If the settings make no sense together.
+            If the settings make no sense together, or numba is not installed.
+        EvaluationError
+            If a region cannot be compiled.
         TransportError
             If the server or the simulation cannot be reached.
         """
         if self.name == REFERENCE:
             return ReferenceEngine(code, seed)
+        if self.name == COMPILED:
+            return _compiled(code, seed, n_threads)
         return RosbridgeEngine(
             code,
             seed,
@@ -75,3 +107,14 @@ class EngineSettings:
                 "embeds its own server"
             )
             raise UsageError(message)
+
+
+def _compiled(code: MissionCode, seed: int, n_threads: int) -> Engine:
+    try:
+        from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - optional
+    except ImportError as error:
+        if error.name != "numba":
+            raise
+        message = "--engine compiled needs numba; install it with: pip install 'mrsfi[fast]'"
+        raise UsageError(message) from error
+    return CompiledEngine(code, seed, n_threads)

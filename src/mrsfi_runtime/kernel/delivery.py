@@ -15,7 +15,28 @@ from mrsfi_runtime.kernel.injections import (
     InjectionState,
     Plan,
 )
+from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.kernel.state import State
+
+
+@kernel
+def send(world: State, inbox: State) -> None:
+    """Bring the newest message of every topic up to the true state of the tick.
+
+    It stands for the generated simulation, bus and interface where there is no bus.
+    """
+    for index in range(len(world.robots)):
+        robot = world.robots[index]
+        sent = inbox.robots[index]
+        if reports_position(world, index):
+            sent.x = robot.x
+            sent.y = robot.y
+            sent.z = robot.z
+        sent.speed = robot.speed
+        sent.energy = robot.energy
+    for index in range(len(world.sensors)):
+        inbox.sensors[index].count = world.sensors[index].count
+        inbox.sensors[index].active = world.sensors[index].active
 
 
 @kernel

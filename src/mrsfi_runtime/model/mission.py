@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
 
+from mrsfi_runtime.model.fault_types import Field
+
 
 @dataclass(frozen=True, slots=True)
 class Coordinates:
@@ -265,3 +267,8 @@ class Mission:
     def message_goal(self) -> dict[str, tuple[Message, Goal]]:
         """Every message by ID, with the goal that contains it."""
         return {message.id: (message, goal) for goal in self.goals for message in goal.messages}
+
+    @cached_property
+    def touches(self) -> dict[tuple[str, str], tuple[tuple[Field, int], ...]]:
+        """What ``targets.touched`` has found until now, by type and target of the fault."""
+        return {}

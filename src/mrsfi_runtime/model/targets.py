@@ -36,6 +36,13 @@ def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     SpecificationError
         If the fault refers to an element that the mission does not have.
     """
+    key = (fault.type, fault.target)
+    if key not in mission.touches:
+        mission.touches[key] = _found(mission, fault)
+    return mission.touches[key]
+
+
+def _found(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     kind = fault.kind
     try:
         if kind.affected is Field.OBSTACLE:

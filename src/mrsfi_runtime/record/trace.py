@@ -10,20 +10,15 @@ from typing import TextIO
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Mission
 
+CHANGING = ("robots", "sensors", "obstacles", "goals", "members", "commands", "switches")
+"""The lists of a state whose records change in a flight, in the order of a digest."""
+
 
 def state_bytes(state: State) -> bytes:
     """Return all that changes in a state as bytes: IEEE-754 doubles, −0 as 0."""
     packed = []
-    for records in (
-        state.robots,
-        state.sensors,
-        state.obstacles,
-        state.goals,
-        state.members,
-        state.commands,
-        state.switches,
-    ):
-        for record in records:
+    for name in CHANGING:
+        for record in getattr(state, name):
             values = [float(getattr(record, field.name)) + 0.0 for field in fields(record)]
             packed.append(struct.pack(f"<{len(values)}d", *values))
     return b"".join(packed)

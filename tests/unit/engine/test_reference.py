@@ -6,7 +6,8 @@ from shutil import copytree
 
 import pytest
 
-from mrsfi_runtime.engine.pools import Failure, WorkerPool
+from mrsfi_runtime.engine.flights import Failure
+from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
 from mrsfi_runtime.mission import load_code

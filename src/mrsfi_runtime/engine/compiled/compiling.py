@@ -1,0 +1,106 @@
+"""Makes the kernel and the regions of a mission known to numba, and compiles its flight."""
+
+import inspect
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+import numba
+from numba.extending import register_jitable
+
+from mrsfi_runtime.engine.compiled.driver import driver_text, load_driver, source_hash
+from mrsfi_runtime.engine.compiled.regions import CompilationError, explain
+from mrsfi_runtime.kernel import (
+    commands,
+    delivery,
+    effects,
+    motion,
+    randomness,
+    reactions,
+    tasks,
+    tick,
+)
+from mrsfi_runtime.mission import MissionCode
+
+_KERNEL = (commands, delivery, effects, motion, randomness, reactions, tasks, tick)
+_typeof: Any = numba.typeof
+_REGISTERED: set[FunctionType] = set()
+
+
+class CompiledFlight:
+    """The flight of a mission, compiled for the shapes of its arguments or found in the cache.
+
+    Parameters
+    ----------
+    code
+        Generated code of the mission.
+    state_type
+        Layout of its states.
+    """
+
+    def __init__(self, code: MissionCode, state_type: Any) -> None:
+        self._code = code
+        self._state_type = state_type
+        collective = _collective(code)
+        for module in (*_KERNEL, collective):
+            _register(module)
+        text = driver_text(code, collective.__name__)
+        sources = [path.read_text(encoding="utf-8") for path in _sources(collective)]
+        module = load_driver(source_hash([text, repr(state_type), *sources]), text)
+        self._fly_many = module.fly_many
+        self._compiled: set[Any] = set()
+
+    def __call__(self, *arguments: Any) -> None:
+        """Fly; see the driver for the arguments.
+
+        Raises
+        ------
+        CompilationError
+            If a region cannot be compiled.
+        """
+        self._compile(arguments)
+        self._fly_many(*arguments)
+
+    def _compile(self, arguments: Sequence[Any]) -> None:
+        """Compile before the call, so that an error of the compiler is none of the flight."""
+        shapes = tuple(getattr(argument, "dtype", None) for argument in arguments)
+        if shapes in self._compiled:
+            return
+        try:
+            self._fly_many.compile(tuple(_typeof(argument) for argument in arguments))
+        except Exception as error:
+            raise explain(self._code, self._state_type, error) from error
+        self._compiled.add(shapes)
+
+
+def _collective(code: MissionCode) -> ModuleType:
+    """Return the module that has all goal functions of a mission."""
+    module = sys.modules[code.checks[0].__module__]
+    for function in (*code.checks, *code.reactions):
+        if getattr(module, function.__name__, None) is not function:
+            message = (
+                f"{code.directory}: '{function.__name__}' is no function of {module.__name__}; "
+                "expected the goal functions of one generated file"
+            )
+            raise CompilationError(message)
+    return module
+
+
+def _register(module: ModuleType) -> None:
+    """Let compiled code call the kernel functions of a module; they themselves stay as they are."""
+    for function in _kernel_functions(module):
+        if function not in _REGISTERED:
+            _REGISTERED.add(function)
+            register_jitable(boundscheck=True)(function)
+
+
+def _kernel_functions(module: ModuleType) -> Iterator[FunctionType]:
+    return (found for found in vars(module).values() if getattr(found, "__kernel__", False))
+
+
+def _sources(collective: ModuleType) -> list[Path]:
+    """Return the file of the regions, and those from which they import kernel functions."""
+    files = {inspect.getfile(function) for function in _kernel_functions(collective)}
+    return sorted(Path(file) for file in {*files, str(collective.__file__)})

@@ -1,0 +1,205 @@
+"""Evaluates fault specifications with the kernel and the regions compiled, many in one call.
+
+References
+----------
+Source paper, section III-G and Figure 4, without the bus between the two sides.
+"""
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from mrsfi_runtime.engine.compiled.batch import Batch
+from mrsfi_runtime.engine.compiled.compiling import CompiledFlight
+from mrsfi_runtime.engine.compiled.layout import (
+    Records,
+    moment_type,
+    plan_type,
+    read_values,
+    result_type,
+    state_type,
+    write_state,
+)
+from mrsfi_runtime.engine.flights import Evaluated, attempt
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.hosting.lockstep import Observer
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.injections import plan
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.targets import require_no_overlap
+
+N_CHECKED = 2
+"""Evaluations that the reference engine repeats before any result is given out."""
+
+CHUNK = 64
+"""Specifications that are laid out and flown in one call, at most."""
+
+
+class CompiledEngine:
+    """Flies the mission many times in one call.
+
+    Parameters
+    ----------
+    code
+        Generated code of the mission.
+    seed
+        Mission seed: two specifications of one engine meet the same weather.
+    n_threads
+        Threads that share a chunk. Compiled code needs no interpreter, so they truly run side
+        by side.
+
+    Raises
+    ------
+    CompilationError
+        If a region cannot be compiled.
+
+    Notes
+    -----
+    A flight that fails is repeated on the reference engine, which can tell where and why.
+    """
+
+    def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
+        self.code = code
+        self.seed = seed
+        state = initial_state(code.mission, seed)
+        self._fresh: Records = np.zeros(3, state_type(state))
+        for row in self._fresh:
+            write_state(row, state)
+        self._moment_type = moment_type(state)
+        self._result_type = result_type(state)
+        self._reference = ReferenceEngine(code, seed)
+        self._is_checked = False
+        self._n_threads = n_threads
+        self._threads = ThreadPoolExecutor(n_threads)
+        self._fly_many = CompiledFlight(code, self._fresh.dtype)
+        self._fly(self._batch([()], code.pool), 0, 1)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        where: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the threads."""
+        self._threads.shutdown()
+
+    def evaluate(
+        self,
+        specification: Specification,
+        *,
+        pool: FaultPool | None = None,
+        observer: Observer | None = None,
+    ) -> Outcome:
+        """Fly the mission under a fault specification; as ``ReferenceEngine.evaluate``."""
+        pool = self.code.pool if pool is None else pool
+        batch = self._batch([specification], pool)
+        moments = np.zeros(self.code.mission.duration if observer else 0, self._moment_type)
+        if self._fly(batch, 0, 1, moments):
+            return self._reference.evaluate(specification, pool=pool, observer=observer)
+        if observer is not None:
+            self._tell(observer, moments)
+        return batch.outcome(0)
+
+    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+        """Evaluate specifications, and yield the results in the same order.
+
+        Raises
+        ------
+        EvaluationError
+            If one of the very first is another than on the reference engine.
+        """
+        for first in range(0, len(specifications), CHUNK):
+            chunk = specifications[first : first + CHUNK]
+            outcomes = self._evaluate_chunk(chunk)
+            if not self._is_checked:
+                self._check(chunk[:N_CHECKED], outcomes)
+            yield from outcomes
+
+    def _check(self, specifications: Sequence[Specification], found: Sequence[Evaluated]) -> None:
+        """Refuse to go on if the reference engine finds anything else."""
+        for specification, outcome in zip(specifications, found, strict=False):
+            expected = attempt(self._reference, specification)
+            if isinstance(expected, Outcome) and expected != outcome:
+                message = (
+                    f"{self.code.directory}: compiled, the mission has outcome {outcome}; the "
+                    f"reference engine has {expected} for {specification}; look for what compiles "
+                    "but differs (`mrsfi validate` warns of it), or use --engine reference"
+                )
+                raise EvaluationError(message)
+        self._is_checked = True
+
+    def _evaluate_chunk(self, specifications: Sequence[Specification]) -> list[Evaluated]:
+        n = len(specifications)
+        batch = self._batch(specifications, self.code.pool)
+        size = -(-n // self._n_threads)
+        firsts = range(0, n, size)
+        failed = self._threads.map(
+            lambda first: self._fly(batch, first, min(first + size, n)), firsts
+        )
+        again = {k for some in failed for k in some}
+        return [
+            attempt(self._reference, specification) if k in again else batch.outcome(k)
+            for k, specification in enumerate(specifications)
+        ]
+
+    def _batch(self, specifications: Sequence[Specification], pool: FaultPool) -> Batch:
+        mission = self.code.mission
+        for specification in specifications:
+            require_no_overlap(mission, pool, specification)
+        plans = [plan(mission, pool, specification) for specification in specifications]
+        return Batch(plans, self._result_type)
+
+    def _fly(
+        self, batch: Batch, first: int, last: int, moments: Records | None = None
+    ) -> list[int]:
+        """Fly some specifications of a batch, and return which of them failed."""
+        failed = []
+        at = np.zeros(2, np.int64)
+        states = self._fresh.copy()
+        plans = np.zeros(1, plan_type(batch.room))
+        moments = np.zeros(0, self._moment_type) if moments is None else moments
+        while first < last:
+            try:
+                self._fly_many(
+                    first,
+                    last,
+                    self._fresh.view(np.uint8),
+                    states.view(np.uint8),
+                    states,
+                    plans,
+                    batch.injections,
+                    batch.tallies,
+                    batch.ends,
+                    batch.results,
+                    moments,
+                    at,
+                )
+            except (ArithmeticError, LookupError, ValueError):
+                failed.append(int(at[0]))
+                first = int(at[0]) + 1
+            else:
+                first = last
+        return failed
+
+    def _tell(self, observer: Observer, moments: Records) -> None:
+        """Let an observer see recorded ticks."""
+        world = initial_state(self.code.mission, self.seed)
+        belief = initial_state(self.code.mission, self.seed)
+        for tick, moment in enumerate(moments):
+            world.mission.tick = belief.mission.tick = tick
+            read_values(world, moment["world"])
+            read_values(belief, moment["belief"])
+            true, believed = moment["is_true"].tolist(), moment["is_believed"].tolist()
+            observer(world, belief, [*map(bool, true)], [*map(bool, believed)])

@@ -1,0 +1,138 @@
+"""Lays states and fault plans out as structured arrays, field by field as their records say.
+
+A state becomes one record that holds arrays of records; the kernel reads and writes it with
+the same attributes, indices and loops as the plain objects.
+"""
+
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass, fields
+from operator import attrgetter
+from typing import Any, TypeAlias, get_args, get_type_hints
+
+import numpy as np
+import numpy.typing as npt
+
+from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, Plan
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.record.trace import CHANGING
+
+Records: TypeAlias = npt.NDArray[Any]
+"""A structured array."""
+
+NEVER = 2**62
+"""Start of the sentinel behind the last injection of a list."""
+
+_KINDS = {int: "<i8", float: "<f8"}
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """How much a compiled plan has room for; a larger specification is compiled for anew.
+
+    ``faults`` counts timed faults, ``injections`` those of one list with the sentinel behind
+    the last, ``held`` numbers that delays hold back.
+    """
+
+    faults: int = 64
+    injections: int = 256
+    held: int = 65_536
+
+    def for_plans(self, plans: Sequence[Plan]) -> "Room":
+        """Return room for all of some plans, in few sizes."""
+        return Room(
+            _grown(self.faults, max(len(one.tallies) for one in plans)),
+            _grown(self.injections, 1 + max(_longest(one) for one in plans)),
+            _grown(self.held, max(len(one.held) for one in plans)),
+        )
+
+
+def _grown(room: int, needed: int) -> int:
+    while room < needed:
+        room *= 8
+    return room
+
+
+def _longest(plan: Plan) -> int:
+    return max(len(plan.messages), len(plan.reports), len(plan.commands))
+
+
+def record_type(record: type) -> np.dtype[Any]:
+    """Return the layout of a record of integers and floats."""
+    return np.dtype([(name, _KINDS[hint]) for name, hint in get_type_hints(record).items()])
+
+
+def state_type(state: State) -> np.dtype[Any]:
+    """Return the layout of a state; lengths of lists are part of it."""
+    return np.dtype([_member(name, hint, state) for name, hint in get_type_hints(State).items()])
+
+
+def _member(name: str, hint: Any, state: State) -> tuple[Any, ...]:
+    elements = get_args(hint)
+    if not elements:
+        return name, record_type(hint)
+    kind = _KINDS[int] if elements[0] is int else record_type(elements[0])
+    return name, kind, (len(getattr(state, name)),)
+
+
+def write_state(row: Any, state: State) -> None:
+    """Copy a state into a record of its layout."""
+    for name, hint in get_type_hints(State).items():
+        elements = get_args(hint)
+        value = getattr(state, name)
+        if not elements:
+            row[name] = astuple(value)
+        elif value:
+            row[name] = value if elements[0] is int else [astuple(record) for record in value]
+
+
+def plan_type(room: Room) -> np.dtype[Any]:
+    """Return the layout of a plan."""
+    injection = record_type(InjectionState)
+    return np.dtype(
+        [
+            ("messages", injection, (room.injections,)),
+            ("reports", injection, (room.injections,)),
+            ("commands", injection, (room.injections,)),
+            ("held", "<f8", (room.held,)),
+            ("tallies", record_type(FaultTally), (room.faults,)),
+        ]
+    )
+
+
+def moment_type(state: State) -> np.dtype[Any]:
+    """Return the layout of what an observer sees of a tick."""
+    n_values = sum(
+        len(getattr(state, name)) * len(fields(get_args(get_type_hints(State)[name])[0]))
+        for name in CHANGING
+    )
+    n_goals = len(state.goals)
+    return np.dtype(
+        [
+            ("world", "<f8", (n_values,)),
+            ("belief", "<f8", (n_values,)),
+            ("is_true", "<i8", (n_goals,)),
+            ("is_believed", "<i8", (n_goals,)),
+        ]
+    )
+
+
+def result_type(state: State) -> np.dtype[Any]:
+    """Return the layout of what is left of a flight: the last moment, and counts per goal."""
+    moment = moment_type(state)
+    counts = ("believed", "true", "phantom", "masked", "samples")
+    shape = (len(state.goals),)
+    return np.dtype([*moment.descr, *((name, "<i8", shape) for name in counts)])
+
+
+def read_values(state: State, values: npt.NDArray[np.float64]) -> None:
+    """Bring a state up to what was packed of it."""
+    numbers = iter(values.tolist())
+    for name in CHANGING:
+        for record in getattr(state, name):
+            for field in fields(record):
+                number = next(numbers)
+                setattr(record, field.name, number if field.type is float else int(number))
+
+
+injection_row = attrgetter(*(field.name for field in fields(InjectionState)))
+"""Return an injection as a row of its layout."""

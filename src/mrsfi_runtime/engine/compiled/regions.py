@@ -1,0 +1,72 @@
+"""Says which line of which region cannot be compiled, and why, in plain words."""
+
+import inspect
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.mission import MissionCode
+
+_BEGIN = re.compile(r"# protected region (\S+) (?:on|off) begin")
+_PLACE = re.compile(r'File "([^"]+)", line (\d+)|Raised from (\S+) \((\d+)\)')
+
+_REASONS = (
+    (r"Untyped global name '(\w+)'.*<class 'function'>", "'{0}' is not marked @kernel"),
+    (r"Untyped global name '(\w+)'.*<class '(\w+)'>", "'{0}' is a global {1}; expected a number"),
+    (r"NameError: name '(\w+)'", "'{0}' is not defined"),
+    (r"Cannot unify (.+?) and (.+?) for '(\w+)", "'{2}' holds values of two types"),
+    (r"^'(\w+)'$", "records have no '{0}'"),
+)
+
+
+class CompilationError(EvaluationError):
+    """A region cannot be compiled; the message names file, line, region and reason."""
+
+
+def explain(code: MissionCode, state_type: Any, error: Exception) -> CompilationError:
+    """Return why a mission does not compile.
+
+    Parameters
+    ----------
+    code
+        Generated code of the mission.
+    state_type
+        Layout of its states.
+    error
+        What numba said of the whole.
+    """
+    for function in (*code.checks, *code.reactions):
+        try:
+            numba.njit(boundscheck=True)(function).compile((numba.from_dtype(state_type),))
+        except Exception as own:  # noqa: BLE001 - numba raises errors of any kind
+            return CompilationError(f"{_where(function, str(own))} cannot be compiled: {_why(own)}")
+    return CompilationError(f"{code.directory}: cannot be compiled: {_why(error)}")
+
+
+def _where(function: Callable[..., Any], text: str) -> str:
+    """Return file, line and region of what numba complains of."""
+    path = Path(inspect.getfile(function))
+    lines, first = inspect.getsourcelines(function)
+    begins = [(n, found[1]) for n, line in enumerate(lines) if (found := _BEGIN.search(line))]
+    n_before, region = begins[0] if begins else (0, function.__name__)
+    named = [
+        int(line or other_line)
+        for file, line, other, other_line in _PLACE.findall(text)
+        if Path(file or other).name == path.name
+    ]
+    line = named[-1] if named else first + n_before + 1
+    return f"{path}:{line}: region {region}"
+
+
+def _why(error: Exception) -> str:
+    text = str(error)
+    for pattern, words in _REASONS:
+        match = re.search(pattern, text)
+        if match:
+            return words.format(*match.groups())
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return lines[1 if len(lines) > 1 and "pipeline" in lines[0] else 0].partition(" Raised from")[0]

@@ -1,0 +1,188 @@
+"""The compiled engine finds what the reference engine finds, bit for bit."""
+
+import sys
+from dataclasses import replace
+from itertools import islice
+from random import Random
+
+import pytest
+
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.trace import TraceDigest
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
+from support_fleets import fleet
+from support_world import paper_code
+
+SEED = 3
+N_SPECIFICATIONS = 1000
+COMPILED = EngineSettings("compiled")
+
+
+def specifications(code, n, n_faults=20):
+    space = SearchSpace.of(code.mission, code.pool)
+    return [random_specification(space, n_faults, Random(seed)) for seed in range(n)]
+
+
+def traced(engine, specification):
+    digest = TraceDigest()
+    return engine.evaluate(specification, observer=digest), digest.hexdigest()
+
+
+def test_random_specifications_on_the_papers_mission_give_the_same_outcomes():
+    code = paper_code(120)
+    reference = ReferenceEngine(code, SEED)
+    drawn = specifications(code, N_SPECIFICATIONS)
+
+    with COMPILED.open(code, SEED, 2) as engine:
+        outcomes = list(engine.evaluate_many(drawn))
+
+    assert outcomes == [reference.evaluate(specification) for specification in drawn]
+
+
+@pytest.mark.parametrize(("seed", "n_robots"), [(1, 1), (2, 7), (3, 50)])
+def test_every_task_and_every_fault_type_of_a_random_mission_flies_alike(tmp_path, seed, n_robots):
+    code = fleet(tmp_path, seed, n_robots, 120)
+    reference = ReferenceEngine(code, seed)
+    alone = [(TimedFault(fault.id, 10, 80, fault.values),) for fault in code.pool]
+    drawn = specifications(code, 10)
+
+    with COMPILED.open(code, seed) as engine:
+        found = list(engine.evaluate_many([*alone, *drawn]))
+        traces = [traced(engine, specification) for specification in drawn[:3]]
+
+    expected = [reference.evaluate(specification) for specification in [*alone, *drawn]]
+    assert found == expected
+    assert traces == [traced(reference, specification) for specification in drawn[:3]]
+    assert any(any(outcome.believed) for outcome in expected)
+
+
+def edited(folder, region, body, imports=""):
+    """Return code of a small mission, one region of which has another body."""
+    code = fleet(folder, 1, 2, 40)
+    path = code.directory / "collective_intelligence.py"
+    text = path.read_text(encoding="utf-8")
+    begin = f"    # protected region {region} on begin\n"
+    head, _, tail = text.partition(begin)
+    _, end, tail = tail.partition(f"    # protected region {region} end\n")
+    lines = "".join(f"    {line}\n" for line in body.splitlines())
+    text = head + begin + lines + end + tail
+    marker = "# protected region imports on begin\n"
+    path.write_text(text.replace(marker, marker + imports), encoding="utf-8")
+    return replace(load_code(code.directory), pool=code.pool)
+
+
+def test_a_region_may_use_lists_sorting_and_nested_loops(tmp_path):
+    body = (
+        "xs = sorted([robot.x for robot in ci.robots])\n"
+        "total = 0.0\n"
+        "for k in range(len(xs)):\n"
+        "    total += xs[k] / (k + 1)\n"
+        "return total > 10.0 or min(xs) < -100.0"
+    )
+    code = edited(tmp_path, "g1.check", body)
+
+    with COMPILED.open(code, SEED) as engine:
+        assert traced(engine, ()) == traced(ReferenceEngine(code, SEED), ())
+
+
+def test_a_region_that_divides_by_zero_fails_with_its_line_and_spares_the_others(tmp_path):
+    body = "return 1 // (ci.sensors[0].active - 1 + ci.sensors[0].count * 0) > 5"
+    code = edited(tmp_path, "g1.check", body)
+    reference = ReferenceEngine(code, SEED)
+    drawn = [(), *specifications(code, 6)]
+
+    with COMPILED.open(code, SEED) as engine:
+        found = list(engine.evaluate_many(drawn))
+        with pytest.raises(EvaluationError, match=r"collective_intelligence.py:\d+: .*division"):
+            engine.evaluate(())
+
+    expected = list(reference.evaluate_many(drawn))
+    assert [type(one) for one in found] == [type(one) for one in expected]
+    assert "ZeroDivisionError" in found[0].traceback
+
+
+def test_a_region_that_reads_beyond_a_list_fails_as_in_python(tmp_path):
+    code = edited(tmp_path, "g1.check", "return ci.robots[len(ci.robots) + 7].x > 0.0")
+
+    with (
+        COMPILED.open(code, SEED) as engine,
+        pytest.raises(EvaluationError, match="IndexError"),
+    ):
+        engine.evaluate(())
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ("return any(robot.x > 1.0 for robot in ci.robots)", "use of yield"),
+        ("return unmarked(ci)", "'unmarked' is not marked @kernel"),
+        ("return LIMITS['x'] > 1", "'LIMITS' is a global dict"),
+        ("ci.robots[0].mood = 1.0\nreturn True", "have no 'mood'"),
+        ("with open('x') as file:\n    return True", "with"),
+        ("import math\nreturn math.pi > 3.0", "IMPORT_NAME"),
+        ("return nowhere(ci)", "'nowhere' is not defined"),
+    ],
+)
+def test_a_region_that_cannot_be_compiled_is_named_with_its_line(tmp_path, body, expected):
+    imports = "LIMITS = {'x': 2}\n\n\ndef unmarked(ci):\n    return True\n"
+    code = edited(tmp_path, "g1.check", body, imports)
+    line = 1 + (code.directory / "collective_intelligence.py").read_text().splitlines().index(
+        "    # protected region g1.check on begin"
+    )
+    told = []
+
+    with pytest.raises(EvaluationError) as error:
+        COMPILED.open(code, SEED)
+    auto = EngineSettings("auto").resolved(code, SEED, told.append)
+
+    path, place, *_ = str(error.value).split(":")
+    assert path.endswith("collective_intelligence.py")
+    assert line < int(place) <= line + body.count("\n") + 1
+    assert "region g1.check cannot be compiled" in str(error.value)
+    assert expected in str(error.value)
+    assert auto == EngineSettings("reference")
+    assert str(error.value) in told[0]
+
+
+def test_an_edited_region_and_an_edited_import_compile_anew(tmp_path, monkeypatch):
+    helper = tmp_path / "fleet_helper.py"
+    monkeypatch.syspath_prepend(str(tmp_path))
+    text = "from mrsfi_runtime.api import kernel\n\n\n@kernel\ndef limit():\n    return {}\n"
+    counts = []
+    for value in ("-1.0e9", "1.0e9"):
+        helper.write_text(text.format(value), encoding="utf-8")
+        body = "return ci.robots[0].x > limit()"
+        code = edited(tmp_path / value, "g1.check", body, "from fleet_helper import limit\n")
+        with COMPILED.open(code, SEED) as engine:
+            counts.append(engine.evaluate(()).believed[1])
+        monkeypatch.delitem(sys.modules, "fleet_helper")
+
+    assert counts == [40, 0]
+
+
+def test_threads_and_chunks_change_nothing():
+    code = paper_code(60)
+    drawn = specifications(code, 150)
+
+    results = []
+    for n_threads in (1, 2, 3):
+        with COMPILED.open(code, SEED, n_threads) as engine:
+            results.append(list(engine.evaluate_many(drawn)))
+            results.append(list(islice(engine.evaluate_many(drawn), 150)))
+
+    assert all(result == results[0] for result in results)
+
+
+def test_a_region_that_compiles_to_something_else_stops_the_search(tmp_path):
+    code = edited(tmp_path, "g1.check", "return (ci.mission.tick + 2) * 9000000000000000000 > 0")
+
+    with (
+        COMPILED.open(code, SEED) as engine,
+        pytest.raises(EvaluationError, match="the reference engine has"),
+    ):
+        list(engine.evaluate_many([()]))
