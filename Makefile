@@ -88,6 +88,8 @@ docs: $(BASE) ## regenerate docs/fault-effects/: what each fault of a pool does,
 	  --markdown docs/fault-effects/uuv_sampling.md
 	$(BIN)/mrsfi simulate tight_margins --each-fault 60:180 \
 	  --markdown docs/fault-effects/tight_margins.md
+	$(BIN)/mrsfi simulate tight_energy --each-fault 60:340 \
+	  --markdown docs/fault-effects/tight_energy.md
 
 clean: ## remove .venv, caches and build products; campaigns in runs/ stay
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

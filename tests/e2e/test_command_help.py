@@ -13,6 +13,7 @@ COMMANDS = (
     "evolve",
     "replay",
     "report",
+    "compare",
     "bridge",
     "import",
     "diff",

@@ -8,11 +8,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import conflicts, require_no_overlap
+from mrsfi_runtime.search.estimation import FaultModel
+from mrsfi_runtime.search.fitness import Score
+from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.steps import STEPS, Step, crept, dropped, filled, widened
 from mrsfi_runtime.search.variation import crossed, mutated
 from support_search import PAPER_FAULTS, paper_mission, paper_space, pool_of, random_pair
 
@@ -133,6 +137,102 @@ def test_the_same_seed_repeats_every_operator(
         return [first, second, *crossed(space, first, second, rng), mutated(space, first, rng)]
 
     assert run() == run()
+
+
+@pytest.mark.parametrize("step", [*STEPS, crept])
+@LAW
+@given(durations, pools, sizes, seeds)
+def test_steps_stay_legal_and_never_grow(
+    step: Step, duration: int, fault_ids: list[str], n_faults: int, seed: int
+) -> None:
+    mission, pool, rng = paper_mission(duration), pool_of(*fault_ids), Random(seed)
+    space = SearchSpace.of(mission, pool)
+    specification = random_specification(space, n_faults, rng)
+
+    for _ in range(5):
+        stepped = step(space, specification, rng)
+
+        require_legal(mission, pool, space, stepped)
+        assert 1 <= len(stepped) <= len(specification)
+        specification = stepped
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_steps_repeat_from_their_seed_and_can_change_something(step: Step) -> None:
+    space = paper_space()
+    specification = random_specification(space, 20, Random(1))
+
+    first = [step(space, specification, Random(seed)) for seed in range(20)]
+
+    assert first == [step(space, specification, Random(seed)) for seed in range(20)]
+    assert any(stepped != specification for stepped in first)
+
+
+@LAW
+@given(durations, pools, sizes, sizes, seeds)
+def test_filling_adds_faults_up_to_the_number_wanted(
+    duration: int, fault_ids: list[str], n_faults: int, n_wanted: int, seed: int
+) -> None:
+    mission, pool, rng = paper_mission(duration), pool_of(*fault_ids), Random(seed)
+    space = SearchSpace.of(mission, pool)
+    specification = random_specification(space, n_faults, rng)
+
+    more = filled(space, specification, n_wanted, rng)
+
+    require_legal(mission, pool, space, more)
+    assert set(specification) <= set(more)
+    assert len(more) <= max(n_wanted, len(specification))
+
+
+def test_a_widened_fault_fills_its_free_window() -> None:
+    space = paper_space()
+    free = (TimedFault("f26", 5, 9),)
+
+    assert widened(space, free, Random(1)) == (TimedFault("f26", 0, 999),)
+
+
+def test_a_dropped_fault_makes_room_for_those_it_excluded() -> None:
+    space = paper_space()
+    specification = (TimedFault("f26", 5, 9), TimedFault("f26", 10, 20))
+
+    assert dropped(space, specification, Random(1)) == (TimedFault("f26", 0, 999),)
+
+
+@LAW
+@given(durations, pools, sizes, seeds)
+def test_what_a_fault_model_generates_is_legal_also_after_learning(
+    duration: int, fault_ids: list[str], n_faults: int, seed: int
+) -> None:
+    mission, pool = paper_mission(duration), pool_of(*fault_ids)
+    space = SearchSpace.of(mission, pool)
+    model = FaultModel(space, n_faults, Random(seed))
+
+    for _ in range(4):
+        population = [Individual(model.generate()) for _ in range(8)]
+        for place, individual in enumerate(population):
+            require_legal(mission, pool, space, individual.specification)
+            assert 1 <= len(individual) <= n_faults
+            individual.assess(Score(float(place), ()))
+        model.update(population)
+
+
+@pytest.mark.parametrize("fault_id", FAULT_IDS)
+def test_landmarks_lie_within_the_bounds_and_begin_with_the_pools_own_values(
+    fault_id: str,
+) -> None:
+    candidate = paper_space(1000, fault_id).candidates[fault_id]
+
+    assert candidate.landmarks[0] == candidate.values
+    assert len(set(candidate.landmarks)) == len(candidate.landmarks)
+    for values in candidate.landmarks:
+        for value, (low, high) in zip(values, candidate.bounds, strict=True):
+            assert low <= value <= high
+
+
+def test_places_have_the_robots_the_obstacles_and_the_goal_areas_as_landmarks() -> None:
+    places = {values[:2] for values in paper_space().candidates["f11"].landmarks}
+
+    assert {(250.0, -250.0), (0.0, 500.0), (2400.0, 0.0)} <= places
 
 
 def legal_exchanges(

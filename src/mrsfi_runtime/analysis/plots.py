@@ -1,4 +1,4 @@
-"""Draws figures 5 to 12 of the paper; the only module that knows matplotlib.
+"""Draws figures 5 to 12 of the paper; of the modules that know matplotlib, the one with the style.
 
 Figures are plain objects, never the global state of pyplot. The same input gives the same
 bytes: no dates, no random identifiers, no version numbers in the files.
@@ -90,7 +90,7 @@ def save(figure: Figure, stem: Path) -> tuple[Path, Path]:
 
 def mission_map(mission: Mission) -> Figure:
     """Draw the working area of a mission beside its whole mission area (figure 5)."""
-    with _drawing((11.0, 7.4)) as figure:
+    with drawing((11.0, 7.4)) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=(2.3, 1), height_ratios=(1, 1.1))
         colours = {
             robot.id: SERIES[index % len(SERIES)] for index, robot in enumerate(mission.robots)
@@ -115,8 +115,8 @@ def mission_map(mission: Mission) -> Figure:
         far.set_anchor("NW")
         far.grid(visible=False)
         far.set_title("Whole mission area", fontsize=11)
-        far.xaxis.set_major_locator(_whole_numbers(4))
-        far.yaxis.set_major_locator(_whole_numbers(4))
+        far.xaxis.set_major_locator(whole_numbers(4))
+        far.yaxis.set_major_locator(whole_numbers(4))
 
         key = figure.add_subplot(grid[1, 1])
         key.set_axis_off()
@@ -126,7 +126,7 @@ def mission_map(mission: Mission) -> Figure:
 
 def mean_fitness(trend: Trend, label: str) -> Figure:
     """Draw mean fitness per generation with its deviation and trend (figures 6 and 8)."""
-    with _drawing((8.4, 4.8)) as figure:
+    with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Mean fitness of each generation", label)
         xs = [row.generation for row in trend.generations]
         means = [row.mean for row in trend.generations]
@@ -137,26 +137,26 @@ def mean_fitness(trend: Trend, label: str) -> Figure:
         line = [trend.intercept + trend.slope * x for x in xs]
         words = f"trend: {trend.slope:+.3g} per generation"
         axes.plot(xs, line, color=ORANGE, ls=(0, (5, 3)), lw=1.5, label=words)
-        _legend_below(figure)
+        legend_below(figure)
     return figure
 
 
 def best_fitness(trend: Trend, label: str) -> Figure:
     """Draw the best fitness per generation, and so far (figures 7 and 9)."""
-    with _drawing((8.4, 4.8)) as figure:
+    with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Best fitness of each generation", label)
         xs = [row.generation for row in trend.generations]
         best = [row.best for row in trend.generations]
         so_far = [max(best[: i + 1]) for i in range(len(best))]
         axes.step(xs, so_far, where="post", color=SAND, lw=1.8, label="best so far")
         axes.plot(xs, best, color=BLUE, marker="o", ms=4, lw=1.8, label="best of the generation")
-        _legend_below(figure)
+        legend_below(figure)
     return figure
 
 
 def generation_fronts(fronts: Mapping[int, Front]) -> Figure:
     """Draw the fronts of some generations' populations over two goals (figure 10)."""
-    with _drawing((7.6, 6.0)) as figure:
+    with drawing((7.6, 6.0)) as figure:
         goals = next(iter(fronts.values())).goals
         axes = _goal_axes(figure, "Pareto points of some generations", goals)
         for index, (generation, front) in enumerate(fronts.items()):
@@ -169,7 +169,7 @@ def generation_fronts(fronts: Mapping[int, Front]) -> Figure:
             axes.scatter(
                 xs, ys, s=48, color=colour, marker=marker, ec=PAPER, lw=0.7, label=words, zorder=3
             )
-        _legend_below(figure, ncols=3)
+        legend_below(figure, ncols=3)
     return figure
 
 
@@ -178,7 +178,7 @@ def whole_front(front: Front, cloud: Sequence[tuple[int, ...]], pick: Pick | Non
 
     ``cloud`` holds the violations of the front's two goals, shape ``(n_evaluations, 2)``.
     """
-    with _drawing((7.6, 6.0)) as figure:
+    with drawing((7.6, 6.0)) as figure:
         axes = _goal_axes(figure, "Non-dominated specifications of the campaign", front.goals)
         points = sorted(set(cloud))
         axes.scatter(
@@ -197,13 +197,13 @@ def whole_front(front: Front, cloud: Sequence[tuple[int, ...]], pick: Pick | Non
         axes.scatter(xs, ys, s=52, color=BLUE, ec=PAPER, lw=0.7, label=words, zorder=3)
         if pick is not None:
             _draw_pick(axes, front, pick)
-        _legend_below(figure, ncols=3)
+        legend_below(figure, ncols=3)
     return figure
 
 
 def fault_types(patterns: Sequence[TypePattern], n_top: int) -> Figure:
     """Draw how often each fault type occurs in the top, beside its base share (figure 12)."""
-    with _drawing((9.4, 1.9 + 0.27 * max(len(patterns), 4))) as figure:
+    with drawing((9.4, 1.9 + 0.27 * max(len(patterns), 4))) as figure:
         axes = figure.add_subplot()
         names = [pattern.type for pattern in patterns]
         counts = [pattern.n_occurrences for pattern in patterns]
@@ -243,16 +243,16 @@ def fault_types(patterns: Sequence[TypePattern], n_top: int) -> Figure:
             )
         axes.set(xlim=(0, reach * 1.04), ylim=(len(names) - 0.4, -0.6))
         axes.set(xlabel="occurrences (timed faults)", yticks=places, yticklabels=names)
-        axes.xaxis.set_major_locator(_whole_numbers())
+        axes.xaxis.set_major_locator(whole_numbers())
         axes.tick_params(axis="y", length=0, labelcolor=INK)
         axes.grid(visible=False, axis="y")
         axes.set_title(f"Fault types in the {n_top} most critical specifications")
-        _legend_below(figure, handles=keys)
+        legend_below(figure, handles=keys)
     return figure
 
 
 @contextmanager
-def _drawing(size: tuple[float, float]) -> Iterator[Figure]:
+def drawing(size: tuple[float, float]) -> Iterator[Figure]:
     """Yield an empty figure in our style, and fix its layout for every file format."""
     with rc_context(_STYLE):
         figure = Figure(figsize=size)
@@ -265,7 +265,7 @@ def _fitness_axes(figure: Figure, title: str, label: str) -> Axes:
     axes = figure.add_subplot()
     axes.set_title(title)
     axes.set(xlabel="generation", ylabel=label)
-    axes.xaxis.set_major_locator(_whole_numbers())
+    axes.xaxis.set_major_locator(whole_numbers())
     axes.margins(x=0.02)
     return axes
 
@@ -275,16 +275,18 @@ def _goal_axes(figure: Figure, title: str, goals: Sequence[str]) -> Axes:
     axes.set_title(title)
     first, second = goals
     axes.set(xlabel=f"violations of {first} (ticks)", ylabel=f"violations of {second} (ticks)")
-    axes.xaxis.set_major_locator(_whole_numbers())
-    axes.yaxis.set_major_locator(_whole_numbers())
+    axes.xaxis.set_major_locator(whole_numbers())
+    axes.yaxis.set_major_locator(whole_numbers())
     return axes
 
 
-def _legend_below(figure: Figure, *, ncols: int = 4, **keys: Any) -> None:
+def legend_below(figure: Figure, *, ncols: int = 4, **keys: Any) -> None:
+    """Put the legend of a figure below its axes."""
     figure.legend(loc="outside lower left", ncols=ncols, borderpad=0.2, columnspacing=1.6, **keys)
 
 
-def _whole_numbers(n_ticks: int = 8) -> MaxNLocator:
+def whole_numbers(n_ticks: int = 8) -> MaxNLocator:
+    """Return what marks an axis at whole numbers."""
     return MaxNLocator(n_ticks, integer=True, steps=[1, 2, 5, 10])
 
 

@@ -6,7 +6,6 @@ Source paper, section III-A, step 6.
 """
 
 from collections.abc import Iterable
-from math import fsum
 
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.campaign import Evaluation
@@ -18,8 +17,8 @@ def identity(specification: Specification) -> Specification:
 
 
 def score(evaluation: Evaluation) -> float:
-    """Return the number to rank by: the fitness, or the sum of several objectives."""
-    return fsum(evaluation.fitness)
+    """Return the number to rank by."""
+    return evaluation.fitness[0]
 
 
 def distinct(evaluations: Iterable[Evaluation]) -> tuple[Evaluation, ...]:

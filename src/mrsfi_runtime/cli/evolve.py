@@ -1,7 +1,7 @@
 """The command ``mrsfi evolve``."""
 
 import os
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +65,11 @@ by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on 
 )
 @click.option("--seed", type=int, help="Seed of the search.")
 @click.option("--mission-seed", type=int, help="Seed of the mission's weather.")
-@click.option("--algorithm", type=click.Choice(list(ALGORITHMS)), help="How to search.")
+@click.option(
+    "--algorithm",
+    metavar="NAME",
+    help=f"How to search: {', '.join(ALGORITHMS)}, or your own, MODULE:FUNCTION.",
+)
 @click.option("--generations", type=int, help="Generations after the first.")
 @click.option("--population", type=int, help="Individuals of a generation.")
 @click.option("--evaluations", type=int, help="Stop after exactly so many evaluations.")
@@ -154,17 +158,21 @@ def _search(campaign: OpenCampaign, engine: EngineSettings, workers: int | None)
     n_generations = store.n_generations
     recorded = share(settings, n_generations, store.n_evaluations + len(store.failures()))
     try:
-        with (
-            WorkerPool(code.directory, settings.mission_seed, n_workers, engine) as pool,
-            search_progress(settings, recorded) as on_generation,
-        ):
+        with ExitStack() as stack:
+            evaluate_many, *replicas = [
+                stack.enter_context(
+                    WorkerPool(code.directory, seed, n_workers, engine)
+                ).evaluate_many
+                for seed in settings.mission_seeds
+            ]
             run_campaign(
                 settings,
                 code.mission,
                 code.pool,
-                pool.evaluate_many,
+                evaluate_many,
                 store,
-                on_generation,
+                stack.enter_context(search_progress(settings, recorded)),
+                replicas=replicas,
             )
     except (KeyboardInterrupt, TransportError):
         tell(f"what was found until now is kept; see it with: mrsfi report {path}")

@@ -25,6 +25,7 @@ _COMMANDS = MappingProxyType(
         "evolve": "Search the most critical fault specifications.",
         "replay": "Fly evaluations of a campaign again and compare.",
         "report": "Write figures, tables and summary of a campaign anew.",
+        "compare": "Compare search algorithms on a mission, with several seeds.",
         "bridge": "Run a rosbridge server for simulators and collective intelligences.",
         "import": "Make a mission folder from a model of the paper's prototype.",
         "diff": "Print the difference of two models in the words of the model.",
@@ -53,6 +54,7 @@ In this order:
 
 \b
 Beside it:
+  mrsfi compare uuv_sampling             does a search find more than chance does?
   mrsfi bridge                           a rosbridge server that needs no ROS
   mrsfi import published.xmi             a model of the paper's prototype as a mission
   mrsfi diff old.xmi uuv_sampling        what changed in a model?

@@ -92,6 +92,27 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
     raise UsageError(message)
 
 
+def campaign_file(folders: MissionFolders, case: str) -> Path:
+    """Return the campaign file that --case names: ``case_NAME.toml`` of a mission, or any file.
+
+    Raises
+    ------
+    UsageError
+        If there is none.
+    """
+    named = folders.models / f"case_{case}.toml"
+    if named.is_file():
+        return named
+    if Path(case).is_file():
+        return Path(case)
+    known = [path.stem.removeprefix("case_") for path in folders.models.glob("case_*.toml")]
+    message = (
+        f"--case: found no campaign file '{case}'; expected the path of a TOML file, or one of: "
+        f"{', '.join(sorted(known)) or f'(there is no case_*.toml in {folders.models})'}"
+    )
+    raise UsageError(message)
+
+
 def _from_here(path: Path) -> Path:
     """Return a path as short as a user would write it."""
     here = Path.cwd()

@@ -134,7 +134,7 @@ def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -
         return
     title = (
         f"Evaluation {recorded.index} of {campaign.folder.path}, generation "
-        f"{recorded.generation}, fitness {' '.join(f'{value:.2f}' for value in recorded.fitness)}"
+        f"{recorded.generation}, fitness {recorded.fitness[0]:.2f}"
     )
     print_table(title, goal_table(mission, outcome))
     print_table("Faults", fault_table(campaign.code.pool, recorded.specification, outcome))

@@ -76,7 +76,7 @@ def critical_table(mission: Mission, pool: FaultPool, evaluations: Iterable[Eval
         table.add_row(
             str(rank),
             str(evaluation.index),
-            " ".join(f"{value:.2f}" for value in evaluation.fitness),
+            f"{evaluation.fitness[0]:.2f}",
             "believed\ntrue",
             *(f"{b}\n{t}" for b, t in zip(outcome.believed, outcome.true, strict=True)),
             Text(_fault_counts(pool, evaluation.specification)),

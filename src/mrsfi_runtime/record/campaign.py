@@ -35,7 +35,8 @@ class Evaluation:
     generation
         Generation that asked for it, from 0.
     fitness
-        Shape ``(n_objectives,)``; more is more critical.
+        What it is ranked by, first; more is more critical. If it is a mean over mission
+        seeds, the mean violations of each chosen goal follow.
     fault_ticks
         Ticks at which faults were active, summed over the timed faults.
     """

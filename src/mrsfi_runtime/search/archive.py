@@ -5,24 +5,13 @@ References
 Source paper, section III-D and equation (3).
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from collections.abc import Mapping
 
-from deap import base, tools
+from deap import tools
 
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.search.individuals import Individual
-
-
-class GoalVector(base.Fitness):  # type: ignore[misc]  # DEAP has no types
-    """Violations of each chosen goal; more is more critical."""
-
-    def __init__(self, violations: Sequence[float]) -> None:
-        self.weights = (1.0,) * len(violations)
-        super().__init__(violations)
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        return type(self)(self.values)
+from mrsfi_runtime.search.fitness import Score
+from mrsfi_runtime.search.individuals import GoalVector, Individual
 
 
 class FrontPoint:
@@ -58,23 +47,21 @@ class Archive:
         self.hall_of_fame = tools.HallOfFame(n_best)
         self.front = tools.ParetoFront()
         self.logbook = tools.Logbook()
-        self._offered: set[tuple[int, ...]] = set()
+        self._offered: set[tuple[float, ...]] = set()
 
-    def add(
-        self, evaluation: int, specification: Specification, fitness: float, goals: tuple[int, ...]
-    ) -> None:
+    def add(self, evaluation: int, specification: Specification, score: Score) -> None:
         """Offer an evaluation with its fitness and goal vector.
 
         A goal vector is offered to the front once: a second one is on it already or was
         dominated, and each offer costs a comparison with the whole front.
         """
         individual = Individual(specification)
-        individual.assess(fitness)
+        individual.assess(score)
         individual.number = evaluation
         self.hall_of_fame.update([individual])
-        if goals not in self._offered:
-            self._offered.add(goals)
-            self.front.update([FrontPoint(evaluation, GoalVector(goals))])
+        if score.goals not in self._offered:
+            self._offered.add(score.goals)
+            self.front.update([FrontPoint(evaluation, GoalVector(score.goals))])
 
     def log(self, generation: int, statistics: Mapping[str, float]) -> None:
         """Enter the statistics of a generation in the logbook."""

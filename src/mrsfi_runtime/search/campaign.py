@@ -13,14 +13,20 @@ from contextlib import closing
 from dataclasses import dataclass
 from time import monotonic
 
-from mrsfi_runtime.errors import EvaluationError, UsageError
+from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation
-from mrsfi_runtime.search.algorithms import ALGORITHMS, AlgorithmFactory, GenerationSummary
+from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.archive import Archive
-from mrsfi_runtime.search.fitness import FITNESS_FUNCTIONS, FitnessFunction, goal_vector
+from mrsfi_runtime.search.fitness import (
+    FITNESS_FUNCTIONS,
+    FitnessFunction,
+    Judge,
+    Score,
+    averaged,
+)
 from mrsfi_runtime.search.ledger import (
     WORST_FITNESS,
     Entry,
@@ -29,10 +35,14 @@ from mrsfi_runtime.search.ledger import (
     Ledger,
     Recorder,
 )
+from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
+from mrsfi_runtime.search.overseer import overseen
 from mrsfi_runtime.search.selection import SELECTIONS
 from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import fault_ticks
+from mrsfi_runtime.search.steps import MUTATIONS
+from mrsfi_runtime.search.variation import CROSSOVERS
 
 _CHUNK = 100  # specifications that are handed out together, and after which failures are counted
 
@@ -74,10 +84,12 @@ def require_settings(
     Raises
     ------
     UsageError
-        If the algorithm, the selection, the fitness function or a goal is unknown.
+        If an algorithm, a selection, an operator, the fitness function or a goal is unknown.
     """
     settings.chosen("algorithm", algorithms)
     settings.chosen("selection", SELECTIONS)
+    settings.chosen("crossover_operator", CROSSOVERS)
+    settings.chosen("mutation_operator", MUTATIONS)
     settings.chosen("fitness", fitness_functions)
     for goal in settings.goals:
         if goal not in mission.goal_ids:
@@ -97,6 +109,7 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     store: Recorder,
     on_generation: Callable[[Progress], None] = lambda _: None,
     *,
+    replicas: Sequence[EvaluateMany] = (),
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
     fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
     clock: Callable[[], float] = monotonic,
@@ -109,11 +122,13 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     Parameters
     ----------
     evaluate_many
-        Called with at most 100 specifications.
+        Called with at most 100 specifications; on the first of ``settings.mission_seeds``.
     store
         Where evaluations, failures and generations go, and are found by the next run.
     on_generation
         Called after each generation that was not recorded before.
+    replicas
+        The same as ``evaluate_many`` on each of the other mission seeds.
     clock
         Seconds since any moment.
 
@@ -132,13 +147,17 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
         If the record does not follow from the settings, or cannot be written.
     """
     require_settings(settings, mission, algorithms, fitness_functions)
-    algorithm = settings.chosen("algorithm", algorithms)(SearchSpace.of(mission, pool), settings)
-    fitness = settings.chosen("fitness", fitness_functions)
+    if len(replicas) != settings.replications - 1:
+        message = f"found {len(replicas)} replicas; expected {settings.replications - 1}"
+        raise ValueError(message)
+    algorithm = overseen(SearchSpace.of(mission, pool), settings, algorithms)
     ledger = Ledger(store, settings.source, clock)
-    assessment = _Assessment(settings, mission, fitness, evaluate_many, ledger)
+    judge = Judge(settings, mission, fitness_functions)
+    evaluators = (evaluate_many, *replicas)
+    assessment = _Assessment(settings, mission.duration, judge, evaluators, ledger)
     index = 0
     while not algorithm.is_finished:
-        summary = algorithm.tell(assessment.fitness_of(algorithm.ask(), index))
+        summary = algorithm.tell(assessment.scores_of(algorithm.ask(), index))
         progress = assessment.progress(summary)
         generation = Generation(
             index=summary.index,
@@ -159,34 +178,32 @@ class _Assessment:
     def __init__(
         self,
         settings: CampaignSettings,
-        mission: Mission,
-        fitness: FitnessFunction,
-        evaluate_many: EvaluateMany,
+        duration: int,
+        judge: Judge,
+        evaluators: Sequence[EvaluateMany],
         ledger: Ledger,
     ) -> None:
         self.archive = Archive()
         self._settings = settings
-        self._duration = mission.duration
-        chosen = settings.goals or mission.goal_ids
-        self._goals = tuple(mission.goal_ids.index(goal) for goal in chosen)
-        self._fitness = fitness
-        self._evaluate_many = evaluate_many
+        self._duration = duration
+        self._judge = judge
+        self._evaluators = evaluators
         self._ledger = ledger
         self._indexes: list[int | None] = []  # evaluation of each specification asked for
         self._n_evaluations = 0
         self._last_failure = ""
 
-    def fitness_of(self, specifications: Sequence[Specification], generation: int) -> list[float]:
-        """Return the fitness of specifications after recording them."""
-        fitness: list[float] = []
+    def scores_of(self, specifications: Sequence[Specification], generation: int) -> list[Score]:
+        """Return the scores of specifications after recording them."""
+        scores: list[Score] = []
         for first in range(0, len(specifications), _CHUNK):
             chunk = specifications[first : first + _CHUNK]
             n_failures = self._n_failures
             with closing(self._entries(chunk, generation)) as entries:
-                fitness += [self._counted(entry) for entry in entries]
+                scores += [self._counted(entry) for entry in entries]
             if self._n_failures > n_failures:
                 self._require_few_failures()
-        return fitness
+        return scores
 
     def _entries(
         self, specifications: Sequence[Specification], generation: int
@@ -194,43 +211,69 @@ class _Assessment:
         """Yield what is recorded of a chunk, then evaluate and record the rest."""
         number = len(self._indexes)
         recorded = self._ledger.recorded(number, self._n_evaluations, specifications, generation)
-        yield from recorded
+        for place, entry in enumerate(recorded, number):
+            self._require_same_score(entry, place)
+            yield entry
         rest = specifications[len(recorded) :]
         if not rest:
             return
         with self._ledger.writing() as keep:
-            for specification, result in zip(rest, self._evaluate_many(rest), strict=True):
-                entry = self._entry(specification, result, generation)
+            results = zip(*(evaluate(rest) for evaluate in self._evaluators), strict=True)
+            for specification, found in zip(rest, results, strict=True):
+                entry = self._entry(specification, found, generation)
                 yield entry
                 keep(entry)
 
     def _entry(
-        self, specification: Specification, result: Outcome | FailedOutcome, generation: int
+        self,
+        specification: Specification,
+        found: Sequence[Outcome | FailedOutcome],
+        generation: int,
     ) -> Entry:
-        if not isinstance(result, Outcome):
-            return FailedEvaluation(len(self._indexes), generation, specification, result.traceback)
-        fitness = self._fitness(result, self._goals, self._duration)
+        outcomes = [result for result in found if isinstance(result, Outcome)]
+        for result in found:
+            if not isinstance(result, Outcome):
+                number = len(self._indexes)
+                return FailedEvaluation(number, generation, specification, result.traceback)
         return Evaluation(
             index=self._n_evaluations,
             generation=generation,
             specification=specification,
-            outcome=result,
-            fitness=(fitness,),
+            outcome=outcomes[0],
+            fitness=self._recorded(averaged([self._judge.score(each) for each in outcomes])),
             fault_ticks=fault_ticks(specification, self._duration),
         )
 
-    def _counted(self, entry: Entry) -> float:
-        """Count an entry, offer it to the archive, and return its fitness."""
+    def _recorded(self, score: Score) -> tuple[float, ...]:
+        """Return what the record keeps of a score; the rest follows from the first outcome."""
+        return (score.fitness,) if len(self._evaluators) == 1 else (score.fitness, *score.goals)
+
+    def _score(self, entry: Evaluation) -> Score:
+        if len(self._evaluators) == 1:
+            return Score(entry.fitness[0], self._judge.goals(entry.outcome))
+        return Score(entry.fitness[0], entry.fitness[1:])
+
+    def _require_same_score(self, entry: Entry, place: int) -> None:
+        """Refuse a record whose fitness function was another one.
+
+        With replications the record lacks the outcomes that a mean comes from.
+        """
+        if isinstance(entry, Evaluation) and len(self._evaluators) == 1:
+            score = self._judge.score(entry.outcome)
+            if self._recorded(score) != entry.fitness:
+                raise RecordError(self._ledger.astray(f"the fitness of specification {place}"))
+
+    def _counted(self, entry: Entry) -> Score:
+        """Count an entry, offer it to the archive, and return its score."""
         if isinstance(entry, FailedEvaluation):
             self._indexes.append(None)
             self._last_failure = entry.traceback
-            return WORST_FITNESS
+            return Score(WORST_FITNESS, (0.0,) * self._judge.n_goals)
         self._indexes.append(entry.index)
         self._n_evaluations += 1
-        (fitness,) = entry.fitness
-        goals = goal_vector(entry.outcome, self._goals)
-        self.archive.add(entry.index, entry.specification, fitness, goals)
-        return fitness
+        score = self._score(entry)
+        self.archive.add(entry.index, entry.specification, score)
+        return score
 
     def _require_few_failures(self) -> None:
         if self._n_failures >= self._settings.max_failures:

@@ -1,4 +1,4 @@
-"""How critical an outcome is: the paper's fitness functions, on believed violations.
+"""How critical an outcome is: the paper's fitness functions, on the violations a campaign chose.
 
 References
 ----------
@@ -6,65 +6,145 @@ Source paper, section III-E e), equations (1) to (3).
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.search.settings import CampaignSettings
 
-FitnessFunction: TypeAlias = Callable[[Outcome, Sequence[int], int], float]
-"""From an outcome, the indexes of the chosen goals and the mission's duration; >= 0."""
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What a fitness function judges.
+
+    Attributes
+    ----------
+    outcome
+        All that one evaluation found.
+    violations
+        The count that the campaign chose, believed by default, of every goal in model order.
+    goals
+        Indexes of the chosen goals; all if the campaign names none.
+    duration
+        Ticks of the mission.
+    """
+
+    outcome: Outcome
+    violations: tuple[int, ...]
+    goals: tuple[int, ...]
+    duration: int
+
+
+class Score(NamedTuple):
+    """What an algorithm is told of a specification; more is more critical.
+
+    Attributes
+    ----------
+    fitness
+        Value of the fitness function; finite.
+    goals
+        Violations of each chosen goal, shape ``(n_chosen,)``.
+    """
+
+    fitness: float
+    goals: tuple[float, ...]
+
+
+FitnessFunction: TypeAlias = Callable[[Findings], float]
+"""From findings to a number >= 0; more is more critical."""
 
 _TOTAL = 0.3
 _DISTINCT = 0.7
 
 
-def weighted(outcome: Outcome, goals: Sequence[int], duration: int) -> float:  # noqa: ARG001 - FitnessFunction
+def weighted(findings: Findings) -> float:
     """Return violations of all goals, and the number of goals violated, weighted.
 
     References
     ----------
     Source paper, equation (1), to the letter: the second term is at most ``0.7 n_goals``.
     """
-    return _TOTAL * sum(outcome.believed) + _DISTINCT * _n_distinct(outcome)
+    return _TOTAL * sum(findings.violations) + _DISTINCT * _n_distinct(findings)
 
 
-def weighted_normalised(outcome: Outcome, goals: Sequence[int], duration: int) -> float:  # noqa: ARG001 - FitnessFunction
+def weighted_normalised(findings: Findings) -> float:
     """Return equation (1) with both terms as shares of what is possible, 0 … 1.
 
     Notes
     -----
     Deviates from the paper, where the total outweighs the number of goals some 400 times.
     """
-    n_goals = len(outcome.believed)
-    total = sum(outcome.believed) / (n_goals * duration)
-    return _TOTAL * total + _DISTINCT * _n_distinct(outcome) / n_goals
+    n_goals = len(findings.violations)
+    total = sum(findings.violations) / (n_goals * findings.duration)
+    return _TOTAL * total + _DISTINCT * _n_distinct(findings) / n_goals
 
 
-def focused(outcome: Outcome, goals: Sequence[int], duration: int) -> float:  # noqa: ARG001 - FitnessFunction
+def focused(findings: Findings) -> float:
     """Return the violations of the chosen goals.
 
     References
     ----------
     Source paper, equation (2).
     """
-    return float(sum(goal_vector(outcome, goals)))
+    return float(sum(goal_vector(findings.violations, findings.goals)))
 
 
-def goal_vector(outcome: Outcome, goals: Sequence[int]) -> tuple[int, ...]:
+def goal_vector(violations: Sequence[int], goals: Sequence[int]) -> tuple[int, ...]:
     """Return the violations of each chosen goal, shape ``(n_chosen,)``.
 
     References
     ----------
     Source paper, equation (3).
     """
-    return tuple(outcome.believed[goal] for goal in goals)
+    return tuple(violations[goal] for goal in goals)
 
 
-def _n_distinct(outcome: Outcome) -> int:
-    return sum(1 for violations in outcome.believed if violations)
+def _n_distinct(findings: Findings) -> int:
+    return sum(1 for violations in findings.violations if violations)
 
 
 FITNESS_FUNCTIONS: Mapping[str, FitnessFunction] = MappingProxyType(
     {"weighted": weighted, "weighted_normalised": weighted_normalised, "focused": focused}
 )
 """Fitness functions by their name in a campaign file."""
+
+
+class Judge:
+    """Scores outcomes as a campaign's settings say."""
+
+    def __init__(
+        self,
+        settings: CampaignSettings,
+        mission: Mission,
+        fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
+    ) -> None:
+        chosen = settings.goals or mission.goal_ids
+        self.n_goals = len(chosen)
+        self._goals = tuple(mission.goal_ids.index(goal) for goal in chosen)
+        self._duration = mission.duration
+        self._measure = settings.violations
+        self._fitness = settings.chosen("fitness", fitness_functions)
+
+    def score(self, outcome: Outcome) -> Score:
+        """Return the fitness and the goal vector of one outcome."""
+        findings = Findings(outcome, self._violations(outcome), self._goals, self._duration)
+        return Score(self._fitness(findings), self.goals(outcome))
+
+    def goals(self, outcome: Outcome) -> tuple[int, ...]:
+        """Return the goal vector of one outcome."""
+        return goal_vector(self._violations(outcome), self._goals)
+
+    def _violations(self, outcome: Outcome) -> tuple[int, ...]:
+        violations: tuple[int, ...] = getattr(outcome, self._measure)
+        return violations
+
+
+def averaged(scores: Sequence[Score]) -> Score:
+    """Return the mean of the scores that one specification has under several mission seeds."""
+    if len(scores) == 1:
+        return scores[0]
+    vectors = zip(*(score.goals for score in scores), strict=True)
+    return Score(fmean(score.fitness for score in scores), tuple(fmean(goal) for goal in vectors))

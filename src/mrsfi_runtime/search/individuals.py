@@ -4,6 +4,7 @@ The classes are plain ones: ``deap.creator`` would keep them in a global registr
 """
 
 import math
+from collections.abc import Sequence
 from random import Random
 from typing import Any, ClassVar, Self
 
@@ -11,8 +12,9 @@ from deap import base
 
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.variation import crossed, mutated
+from mrsfi_runtime.search.variation import Crossover, Mutation, crossed, mutated
 
 
 class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
@@ -21,20 +23,34 @@ class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
     weights: ClassVar[tuple[float, ...]] = (1.0,)
 
 
+class GoalVector(base.Fitness):  # type: ignore[misc]  # DEAP has no types
+    """Violations of each chosen goal; more is more critical."""
+
+    def __init__(self, violations: Sequence[float] = ()) -> None:
+        self.weights = (1.0,) * len(violations)
+        super().__init__(violations)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return type(self)(self.values)
+
+
 class Individual(list[TimedFault]):
     """A fault specification in evolution, in the order of ``SearchSpace.ordered``.
 
     Attributes
     ----------
     fitness
-        Without a value until the individual is evaluated.
+        What DEAP compares; without a value until the individual is evaluated.
+    score
+        What it was told to be, last.
     number
         Which of the specifications that the algorithm asked for, from 0; ``None`` before.
     """
 
     def __init__(self, specification: Specification) -> None:
         super().__init__(specification)
-        self.fitness = Criticality()
+        self.fitness: base.Fitness = Criticality()
+        self.score = Score(0.0, ())
         self.number: int | None = None
 
     @property
@@ -47,18 +63,24 @@ class Individual(list[TimedFault]):
         """Whether the fitness is known."""
         return bool(self.fitness.valid)
 
-    def assess(self, fitness: float) -> None:
-        """Set the fitness.
+    def assess(self, score: Score) -> None:
+        """Take the score.
 
         Raises
         ------
         EvaluationError
-            If it is not a finite number: DEAP takes NaN for better than everything.
+            If it is not finite: DEAP takes NaN for better than everything.
         """
-        if not math.isfinite(fitness):
-            message = f"the fitness of {self.specification} is {fitness}; expected a finite number"
+        if not all(map(math.isfinite, (score.fitness, *score.goals))):
+            message = (
+                f"the fitness of {self.specification} is {score.fitness}; expected a finite number"
+            )
             raise EvaluationError(message)
-        self.fitness.values = (fitness,)
+        self.score = score
+        self.fitness = self._compared(score)
+
+    def _compared(self, score: Score) -> base.Fitness:
+        return Criticality((score.fitness,))
 
     def become(self, specification: Specification) -> None:
         """Take the timed faults of another; the fitness is lost if they differ."""
@@ -70,7 +92,8 @@ class Individual(list[TimedFault]):
     def clone(self) -> Self:
         """Return a copy that shares the immutable timed faults."""
         copy = type(self)(self.specification)
-        copy.fitness.wvalues = self.fitness.wvalues
+        if self.is_evaluated:
+            copy.assess(self.score)
         copy.number = self.number
         return copy
 
@@ -78,16 +101,34 @@ class Individual(list[TimedFault]):
         return self.clone()
 
 
-def mutate(individual: Individual, space: SearchSpace, rng: Random, share: float) -> None:
-    """Mutate in place, as DEAP's operators do."""
-    individual.become(mutated(space, individual.specification, rng, share))
+class GoalIndividual(Individual):
+    """An individual that DEAP compares by its goal vector."""
+
+    def _compared(self, score: Score) -> base.Fitness:
+        return GoalVector(score.goals)
 
 
-def mate(first: Individual, second: Individual, space: SearchSpace, rng: Random) -> None:
-    """Exchange faults in place, as DEAP's operators do."""
-    for individual, specification in zip(
-        (first, second),
-        crossed(space, first.specification, second.specification, rng),
-        strict=True,
-    ):
-        individual.become(specification)
+def mutate(
+    individual: Individual,
+    space: SearchSpace,
+    rng: Random,
+    share: float,
+    operator: Mutation = mutated,
+) -> tuple[Individual]:
+    """Mutate in place, and return the individual, as DEAP's operators do."""
+    individual.become(operator(space, individual.specification, rng, share))
+    return (individual,)
+
+
+def mate(
+    first: Individual,
+    second: Individual,
+    space: SearchSpace,
+    rng: Random,
+    operator: Crossover = crossed,
+) -> tuple[Individual, Individual]:
+    """Exchange faults in place, and return both, as DEAP's operators do."""
+    one, other = operator(space, first.specification, second.specification, rng)
+    first.become(one)
+    second.become(other)
+    return first, second

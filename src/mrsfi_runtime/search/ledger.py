@@ -100,7 +100,7 @@ class Ledger:
         for place, asked in enumerate(specifications[:n_known], number):
             entry = self._failures.get(place) or next(evaluations, None)
             if entry is None or (entry.specification, entry.generation) != (asked, generation):
-                raise RecordError(self._astray(f"specification {place} of the search"))
+                raise RecordError(self.astray(f"specification {place} of the search"))
             entries.append(entry)
         return entries
 
@@ -114,10 +114,11 @@ class Ledger:
         """
         recorded = self._store.generation(generation.index)
         if recorded is not None and recorded != generation:
-            raise RecordError(self._astray(f"generation {generation.index}"))
+            raise RecordError(self.astray(f"generation {generation.index}"))
         return recorded is not None
 
-    def _astray(self, place: str) -> str:
+    def astray(self, place: str) -> str:
+        """Return the message for a record of which a place is not what the search makes."""
         return (
             f"{self._source}: the record does not follow from its own settings, models and code: "
             f"{place} is another one; expected what the same mrsfi, Python and DEAP would search; "

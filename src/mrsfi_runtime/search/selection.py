@@ -65,5 +65,18 @@ def uniform(individuals: Sequence[Individual], n_selected: int, rng: Random) -> 
         return list(tools.selRandom(individuals, n_selected))
 
 
-SELECTIONS: Mapping[str, Selection] = MappingProxyType({"roulette": roulette, "uniform": uniform})
+def tournament(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
+    """Select the best of three drawn at random, again and again."""
+    with lent_to_deap(rng):
+        return list(tools.selTournament(individuals, n_selected, tournsize=3))
+
+
+def best(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:  # noqa: ARG001 - Selection
+    """Select the best, each once."""
+    return list(tools.selBest(individuals, n_selected))
+
+
+SELECTIONS: Mapping[str, Selection] = MappingProxyType(
+    {"roulette": roulette, "tournament": tournament, "best": best, "uniform": uniform}
+)
 """Selections by their name in a campaign file."""

@@ -9,13 +9,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, Self, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar, cast
 
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.search.user_functions import user_function
 
 T = TypeVar("T")
 
 _LARGEST_SEED = 2**63 - 1
+
+VIOLATIONS = ("believed", "true", "masked")
+"""Counts of an outcome that a search can look at."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +29,7 @@ class CampaignSettings:
     Attributes
     ----------
     algorithm
-        ``paper``, ``random`` or ``drift``.
+        One of ``ALGORITHMS``, or ``module:function``, as are the other functions below.
     population
         Number of individuals.
     generations
@@ -37,9 +41,20 @@ class CampaignSettings:
     mutation_share
         Chance of each fault of a mutating individual to be drawn anew. The paper has none.
     selection
-        ``roulette`` or ``uniform``.
+        One of ``SELECTIONS``.
+    crossover_operator, mutation_operator
+        One of ``CROSSOVERS`` and of ``MUTATIONS``.
+    offspring
+        How many ``eaMuPlusLambda``, ``eaMuCommaLambda`` breed in a generation; none means
+        ``population``, and twice that for ``eaMuCommaLambda``.
     fitness
-        ``weighted``, ``weighted_normalised`` or ``focused``.
+        One of ``FITNESS_FUNCTIONS``.
+    violations
+        Which count of an outcome fitness and front look at: ``believed``, ``true`` or
+        ``masked``.
+    replications
+        Over how many mission seeds, from ``mission_seed`` on, fitness and goal vector are
+        averaged.
     goals
         IDs of the goals that ``focused`` and the Pareto front look at; none means all.
     seed, mission_seed
@@ -65,7 +80,12 @@ class CampaignSettings:
     mutation: float = 0.7
     mutation_share: float = 0.5
     selection: str = "roulette"
+    crossover_operator: str = "exchange"
+    mutation_operator: str = "redraw"
+    offspring: int | None = None
     fitness: str = "weighted"
+    violations: str = "believed"
+    replications: int = 1
     goals: tuple[str, ...] = ()
     seed: int = 1
     mission_seed: int = 1
@@ -121,18 +141,29 @@ class CampaignSettings:
         del values["source"]
         return values | {"goals": list(self.goals)}
 
+    @property
+    def mission_seeds(self) -> tuple[int, ...]:
+        """The seeds over which fitness is averaged, ``mission_seed`` first."""
+        return tuple(
+            (self.mission_seed + number) % (_LARGEST_SEED + 1)
+            for number in range(self.replications)
+        )
+
     def chosen(self, key: str, table: Mapping[str, T]) -> T:
-        """Return the entry of a table that a setting names.
+        """Return the entry of a table that a setting names, or the function of a user's module.
 
         Raises
         ------
         UsageError
-            If the table has no such entry.
+            If the table has no such entry, or there is no such function.
         """
         name = getattr(self, key)
+        where = f"{self.source}: [search] {key}"
+        if ":" in name:
+            return cast("T", user_function(name, where))
         if name not in table:
             known = ", ".join(f"'{entry}'" for entry in table)
-            message = f"{self.source}: [search] {key}: found '{name}'; expected one of {known}"
+            message = f"{where}: found '{name}'; expected one of {known}, or 'module:function'"
             raise UsageError(message)
         return table[name]
 
@@ -177,7 +208,14 @@ _RULES: Mapping[str, _Rule] = MappingProxyType(
         "mutation": _CHANCE,
         "mutation_share": _CHANCE,
         "selection": _NAME,
+        "crossover_operator": _NAME,
+        "mutation_operator": _NAME,
+        "offspring": _whole(1),
         "fitness": _NAME,
+        "violations": _Rule(
+            f"one of {', '.join(map(repr, VIOLATIONS))}", lambda value: value in VIOLATIONS, str
+        ),
+        "replications": _whole(1, 1000),
         "goals": _GOALS,
         "seed": _whole(0, _LARGEST_SEED),
         "mission_seed": _whole(0, _LARGEST_SEED),

@@ -7,6 +7,7 @@ Source paper, sections III-C b) and III-E a) to c).
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from random import Random
 from types import MappingProxyType
 from typing import Self, TypeAlias
@@ -16,6 +17,7 @@ from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import conflicts
+from mrsfi_runtime.search.landmarks import is_place, landmarks
 
 Window: TypeAlias = tuple[int, int]
 """First and last tick, both included."""
@@ -37,6 +39,11 @@ class Candidate:
         Whether each value is a whole number, shape ``(n_parameters,)``.
     conflicts
         IDs of the faults that it may not overlap, its own included.
+    landmarks
+        Values within the bounds that mean something in the mission, the pool's own first;
+        shape ``(n_landmarks, n_parameters)``.
+    is_place
+        Whether the values are coordinates.
     """
 
     index: int
@@ -44,6 +51,8 @@ class Candidate:
     bounds: tuple[tuple[float, float], ...]
     is_integer: tuple[bool, ...]
     conflicts: frozenset[str]
+    landmarks: tuple[tuple[float, ...], ...] = ()
+    is_place: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +82,8 @@ class SearchSpace:
                 bounds=value_bounds(mission, fault),
                 is_integer=tuple(parameter.is_integer for parameter in fault.kind.parameters),
                 conflicts=excluded[fault.id],
+                landmarks=landmarks(mission, fault),
+                is_place=is_place(fault),
             )
             for index, fault in enumerate(pool)
         }
@@ -84,6 +95,47 @@ class SearchSpace:
             first.start <= second.finish
             and second.start <= first.finish
             and second.fault in self.candidates[first.fault].conflicts
+        )
+
+    def require(self, specification: Specification, where: str) -> Specification:
+        """Return a specification as the record has it, or refuse it.
+
+        Parameters
+        ----------
+        where
+            Who made it, for the message.
+
+        Raises
+        ------
+        SpecificationError
+            If a fault, a window or a value is none of this space, or two faults clash.
+        """
+        for timed in specification:
+            if not self._has(timed):
+                message = (
+                    f"{where} made {timed}; expected a fault of the pool, its window within "
+                    f"0 … {self.duration - 1} and its values within the bounds of the model"
+                )
+                raise SpecificationError(message)
+        for first, second in combinations(specification, 2):
+            if self.clash(first, second):
+                message = (
+                    f"{where} made {first} and {second}, which conflict and overlap; "
+                    "SearchSpace.free_windows says where there is room"
+                )
+                raise SpecificationError(message)
+        return self.ordered(specification)
+
+    def _has(self, timed: TimedFault) -> bool:
+        candidate = self.candidates.get(timed.fault)
+        return (
+            candidate is not None
+            and 0 <= timed.start <= timed.finish < self.duration
+            and len(timed.values) == len(candidate.bounds)
+            and all(
+                low <= value <= high
+                for value, (low, high) in zip(timed.values, candidate.bounds, strict=True)
+            )
         )
 
     def ordered(self, faults: Iterable[TimedFault]) -> Specification:

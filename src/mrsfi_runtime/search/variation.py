@@ -8,12 +8,21 @@ References
 Source paper, sections III-E b) and c), VI a).
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from random import Random
+from types import MappingProxyType
 from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.search.space import Candidate, SearchSpace, random_window
+
+Mutation: TypeAlias = Callable[[SearchSpace, Specification, Random, float], Specification]
+"""From a specification, with the chance of each of its faults to change, another one."""
+
+Crossover: TypeAlias = Callable[
+    [SearchSpace, Specification, Specification, Random], tuple[Specification, Specification]
+]
+"""From two specifications two others."""
 
 Block: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
 """Places in two specifications of faults that can only change sides together."""
@@ -170,3 +179,7 @@ def _only(specification: Specification, places: set[int]) -> list[TimedFault]:
 
 def _without(specification: Specification, places: set[int]) -> list[TimedFault]:
     return [timed for place, timed in enumerate(specification) if place not in places]
+
+
+CROSSOVERS: Mapping[str, Crossover] = MappingProxyType({"exchange": crossed})
+"""Crossovers by their name in a campaign file."""

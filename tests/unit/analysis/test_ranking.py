@@ -31,8 +31,8 @@ def test_a_specification_counts_once_in_whatever_order_its_faults_stand() -> Non
     assert [entry.index for entry in top(found, 10)] == [0, 2]
 
 
-def test_several_objectives_are_ranked_by_their_sum() -> None:
-    low = replace(evaluation(0, (1,)), fitness=(4.0, 0.0))
-    high = replace(evaluation(1, (1,)), fitness=(2.0, 3.0))
+def test_mean_violations_beside_the_fitness_play_no_part_in_the_ranking() -> None:
+    low = replace(evaluation(0, (1,)), fitness=(2.0, 9.0))
+    high = replace(evaluation(1, (1,)), fitness=(4.0, 0.0))
 
     assert top([low, high], 2) == (high, low)

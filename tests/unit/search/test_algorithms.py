@@ -4,16 +4,23 @@ from random import Random
 
 import pytest
 
-from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.search.algorithms import ALGORITHMS, Algorithm, GenerationSummary
+from mrsfi_runtime.search.algorithms import ALGORITHMS
+from mrsfi_runtime.search.fitness import Score
+from mrsfi_runtime.search.loop import Algorithm, GenerationSummary
 from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.specifications import random_specification
 from support_search import paper_space, stand_in_outcome
 
 
-def fitness_of(specification: Specification) -> float:
-    return float(sum(stand_in_outcome(specification).believed))
+def score_of(specification: Specification) -> Score:
+    goals = stand_in_outcome(specification).believed
+    return Score(float(sum(goals)), goals)
+
+
+def scores(n_scores: int, fitness: float = 0.0) -> list[Score]:
+    return [Score(fitness, (fitness,) * 6)] * n_scores
 
 
 def start(settings: CampaignSettings, duration: int = 1000, *fault_ids: str) -> Algorithm:
@@ -24,7 +31,7 @@ def run(algorithm: Algorithm) -> tuple[list[list[Specification]], list[Generatio
     asked, summaries = [], []
     while not algorithm.is_finished:
         asked.append(algorithm.ask())
-        summaries.append(algorithm.tell([fitness_of(s) for s in asked[-1]]))
+        summaries.append(algorithm.tell([score_of(s) for s in asked[-1]]))
     return asked, summaries
 
 
@@ -74,7 +81,7 @@ def test_the_same_seed_repeats_the_run_and_another_does_not(name: str) -> None:
 
 def test_the_random_state_continues_the_run() -> None:
     algorithm = start(CampaignSettings(algorithm="random", generations=1))
-    algorithm.tell([0.0] * len(algorithm.ask()))
+    algorithm.tell(scores(len(algorithm.ask())))
     version, words, gauss = json.loads(algorithm.random_state())
     rng = Random()
     rng.setstate((version, tuple(words), gauss))
@@ -89,7 +96,7 @@ def test_statistics_are_those_of_the_population() -> None:
     specifications = [specification for generation in asked for specification in generation]
 
     for generation, summary in zip(asked, summaries, strict=True):
-        fitness = [fitness_of(specifications[number]) for number in summary.population]
+        fitness = [score_of(specifications[number]).fitness for number in summary.population]
         assert summary.statistics == {
             "n_evaluations": len(generation),
             "mean": statistics.fmean(fitness),
@@ -109,24 +116,122 @@ def test_selection_raises_fitness_where_drift_does_not() -> None:
     assert late(paper) > paper[0].statistics["mean"] > late(drift)
 
 
-def test_a_population_of_zero_fitness_evolves_on() -> None:
-    algorithm = start(CampaignSettings(generations=3))
+@pytest.mark.parametrize(
+    "settings",
+    [
+        CampaignSettings(algorithm="guided", generations=20),
+        CampaignSettings(algorithm="eaMuPlusLambda", selection="best", generations=20),
+    ],
+)
+def test_elitists_never_lose_their_best(settings: CampaignSettings) -> None:
+    asked, summaries = run(start(settings))
+
+    best = [summary.statistics["max"] for summary in summaries]
+    assert best == sorted(best)
+    assert best[-1] == max(score_of(found).fitness for turn in asked for found in turn)
+
+
+@pytest.mark.parametrize("n_goals", [1, 2, 6])
+def test_nsga2_never_loses_the_most_violations_of_a_goal(n_goals: int) -> None:
+    algorithm = start(CampaignSettings(algorithm="nsga2", generations=20))
+    told: list[Score] = []
+    most = []
 
     while not algorithm.is_finished:
-        summary = algorithm.tell([0.0] * len(algorithm.ask()))
+        new = [score_of(specification) for specification in algorithm.ask()]
+        told += [Score(0.0, score.goals[:n_goals]) for score in new]
+        summary = algorithm.tell(told[-len(new) :])
+        most.append(max(told[number].goals[0] for number in summary.population))
+
+    assert most == sorted(most)
+    assert most[-1] == max(score.goals[0] for score in told)
+
+
+def test_nsga2_does_not_look_at_the_fitness() -> None:
+    def asked_with(fitness: float) -> list[list[Specification]]:
+        algorithm = start(CampaignSettings(algorithm="nsga2", generations=4))
+        asked = []
+        while not algorithm.is_finished:
+            asked.append(algorithm.ask())
+            goals = [score_of(specification).goals for specification in asked[-1]]
+            algorithm.tell([Score(fitness * place, goal) for place, goal in enumerate(goals)])
+        return asked
+
+    assert asked_with(1.0) == asked_with(-1.0)
+
+
+def test_a_model_of_good_specifications_learns() -> None:
+    _, summaries = run(start(CampaignSettings(algorithm="eaGenerateUpdate")))
+
+    means = [summary.statistics["mean"] for summary in summaries]
+    assert statistics.fmean(means[-5:]) > max(means[:5])
+
+
+def test_the_guided_search_begins_with_long_windows_at_landmarks() -> None:
+    space = paper_space()
+
+    first = start(CampaignSettings(algorithm="guided")).ask()
+
+    assert len(first) == 20
+    for specification in first:
+        whole = [timed for timed in specification if (timed.start, timed.finish) == (0, 999)]
+        assert 15 <= len(whole) <= len(specification) <= 20
+        places = {
+            timed.values[:2] for timed in specification if space.candidates[timed.fault].is_place
+        }
+        landmarks = {values[:2] for f in ("f9", "f11") for values in space.candidates[f].landmarks}
+        assert places <= landmarks
+
+
+def test_the_guided_search_asks_for_nothing_twice() -> None:
+    asked, _ = run(start(CampaignSettings(algorithm="guided", generations=20)))
+    specifications = [specification for generation in asked for specification in generation]
+
+    assert len(set(specifications)) == len(specifications)
+
+
+def test_a_comma_strategy_needs_as_many_offspring_as_individuals() -> None:
+    settings = CampaignSettings(algorithm="eaMuCommaLambda", population=20, offspring=19)
+
+    with pytest.raises(UsageError, match="offspring: found 19; eaMuCommaLambda needs at least"):
+        start(settings)
+
+
+@pytest.mark.parametrize(("name", "n_offspring"), [("eaMuPlusLambda", 7), ("eaMuCommaLambda", 31)])
+def test_strategies_breed_as_many_as_set(name: str, n_offspring: int) -> None:
+    settings = CampaignSettings(
+        algorithm=name, offspring=n_offspring, crossover=0.5, mutation=0.5, generations=3
+    )
+
+    asked, summaries = run(start(settings))
+
+    assert [len(generation) for generation in asked] == [20, *[n_offspring] * 3]
+    assert all(len(summary.population) == 20 for summary in summaries)
+
+
+@pytest.mark.parametrize("name", ALGORITHMS)
+def test_a_population_of_zero_fitness_evolves_on(name: str) -> None:
+    algorithm = start(CampaignSettings(algorithm=name, generations=3))
+
+    while not algorithm.is_finished:
+        summary = algorithm.tell(scores(len(algorithm.ask())))
 
     assert len(summary.population) == 20
 
 
+@pytest.mark.parametrize("name", ALGORITHMS)
 @pytest.mark.parametrize("population", [1, 2, 3])
-def test_small_populations_evolve(population: int) -> None:
-    _, summaries = run(start(CampaignSettings(population=population, generations=3)))
+def test_small_populations_evolve(name: str, population: int) -> None:
+    settings = CampaignSettings(algorithm=name, population=population, generations=3)
+
+    _, summaries = run(start(settings))
 
     assert [len(summary.population) for summary in summaries] == [population] * 4
 
 
-def test_a_mission_of_one_tick_and_a_pool_of_one_fault_can_be_searched() -> None:
-    _, summaries = run(start(CampaignSettings(generations=3), 1, "f26"))
+@pytest.mark.parametrize("name", ALGORITHMS)
+def test_a_mission_of_one_tick_and_a_pool_of_one_fault_can_be_searched(name: str) -> None:
+    _, summaries = run(start(CampaignSettings(algorithm=name, generations=3), 1, "f26"))
 
     assert len(summaries) == 4
 
@@ -135,13 +240,13 @@ def test_asking_and_telling_out_of_turn_is_refused() -> None:
     algorithm = start(CampaignSettings(generations=0))
 
     with pytest.raises(ValueError, match="expected 0 after an ask"):
-        algorithm.tell([1.0])
+        algorithm.tell(scores(1))
     asked = algorithm.ask()
     with pytest.raises(ValueError, match="found another ask"):
         algorithm.ask()
     with pytest.raises(ValueError, match="found 1 fitness values; expected 20"):
-        algorithm.tell([1.0])
-    algorithm.tell([1.0] * len(asked))
+        algorithm.tell(scores(1))
+    algorithm.tell(scores(len(asked)))
     with pytest.raises(ValueError, match="found another ask"):
         algorithm.ask()
 
@@ -151,4 +256,4 @@ def test_fitness_that_is_not_a_number_is_refused() -> None:
     n_asked = len(algorithm.ask())
 
     with pytest.raises(EvaluationError, match="expected a finite number"):
-        algorithm.tell([float("nan")] * n_asked)
+        algorithm.tell(scores(n_asked, float("nan")))

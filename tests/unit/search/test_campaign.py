@@ -251,6 +251,11 @@ def test_a_result_too_few_is_noticed() -> None:
         (CampaignSettings(algorithm="magic"), "algorithm: found 'magic'; expected one of 'paper'"),
         (CampaignSettings(selection="magic"), "selection: found 'magic'; expected one of 'roul"),
         (CampaignSettings(fitness="magic"), "fitness: found 'magic'; expected one of 'weighted'"),
+        (
+            CampaignSettings(mutation_operator="magic"),
+            "mutation_operator: found 'magic'; expected one",
+        ),
+        (CampaignSettings(crossover_operator="x"), "crossover_operator: found 'x'; expected one"),
         (CampaignSettings(goals=("g1", "g9")), "goals: found 'g9'; mission 'uuv_sampling' has g1"),
     ],
 )
@@ -324,6 +329,59 @@ def test_a_run_cut_anywhere_and_resumed_leaves_the_record_of_a_whole_one(
         ]
         assert [p.fitness for p in resumed.front] == [p.fitness for p in archive.front]
         assert list(resumed.logbook) == list(archive.logbook)
+
+
+def on_another_seed(specifications: Sequence[Specification]) -> list[Outcome | Failed]:
+    return [
+        Failed("Traceback: other seed")
+        if specification[-1].finish % 10 == 0
+        else outcome_of(
+            *(violations // 3 for violations in stand_in_outcome(specification).believed)
+        )
+        for specification in specifications
+    ]
+
+
+@pytest.mark.parametrize("algorithm", ["paper", "nsga2", "guided"])
+def test_replications_average_over_mission_seeds_and_resume(algorithm: str) -> None:
+    settings = CampaignSettings(
+        algorithm=algorithm, generations=3, replications=3, max_failures=1000
+    )
+    replicas = (on_another_seed, evaluate_stand_in)
+    mission, pool, whole = paper_mission(), pool_of(), MemoryRecorder()
+    run_campaign(settings, mission, pool, failing_if_rare, whole, replicas=replicas)
+    n_all = len(whole.kept) + len(whole.failed)
+    cut = MemoryRecorder()
+    with suppress(KeyboardInterrupt):
+        run_campaign(settings, mission, pool, Cut(30), cut, replicas=replicas)
+
+    run_campaign(settings, mission, pool, failing_if_rare, cut, replicas=replicas)
+
+    assert whole.failed
+    assert cut == whole
+    assert n_all >= 60
+    for evaluation in whole.kept:
+        believed = stand_in_outcome(evaluation.specification).believed
+        assert evaluation.outcome.believed == believed
+        mean = [(v + v // 3 + v) / 3 for v in believed]
+        assert evaluation.fitness[1:] == pytest.approx(mean)
+        n_distinct = sum(v > 0 for v in believed) * 2 + sum(v // 3 > 0 for v in believed)
+        fitness = 0.3 * sum(mean) + 0.7 * n_distinct / 3
+        assert evaluation.fitness[0] == pytest.approx(fitness)
+
+
+def test_too_few_replicas_are_noticed() -> None:
+    with pytest.raises(ValueError, match="found 0 replicas; expected 1"):
+        Run(CampaignSettings(replications=2)).start()
+
+
+def test_a_record_that_another_fitness_function_wrote_is_refused() -> None:
+    run = Run(CampaignSettings(generations=1))
+    run.start()
+    run.settings = replace(run.settings, violations="masked")
+
+    with pytest.raises(RecordError, match="the fitness of specification 0 is another one"):
+        run.start()
 
 
 def test_a_run_that_failures_ended_ends_so_again_without_evaluating() -> None:

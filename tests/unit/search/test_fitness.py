@@ -1,9 +1,22 @@
 import pytest
 
-from mrsfi_runtime.search.fitness import FITNESS_FUNCTIONS, goal_vector
-from support_search import outcome_of
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.search.fitness import (
+    FITNESS_FUNCTIONS,
+    Findings,
+    Judge,
+    Score,
+    averaged,
+    goal_vector,
+)
+from mrsfi_runtime.search.settings import CampaignSettings
+from support_search import outcome_of, paper_mission
 
-OUTCOME = outcome_of(10, 0, 5, 0, 0, 85)
+VIOLATIONS = (10, 0, 5, 0, 0, 85)
+
+
+def findings_of(violations: tuple[int, ...], duration: int = 1000) -> Findings:
+    return Findings(outcome_of(*violations), violations, (0, 2), duration)
 
 
 @pytest.mark.parametrize(
@@ -15,19 +28,43 @@ OUTCOME = outcome_of(10, 0, 5, 0, 0, 85)
     ],
 )
 def test_fitness_follows_its_equation(name: str, expected: float) -> None:
-    assert FITNESS_FUNCTIONS[name](OUTCOME, (0, 2), 1000) == pytest.approx(expected, rel=1e-15)
+    assert FITNESS_FUNCTIONS[name](findings_of(VIOLATIONS)) == pytest.approx(expected, rel=1e-15)
 
 
 @pytest.mark.parametrize("name", FITNESS_FUNCTIONS)
 def test_a_mission_without_violations_has_fitness_zero(name: str) -> None:
-    assert FITNESS_FUNCTIONS[name](outcome_of(0, 0, 0), (0, 1), 1000) == 0.0
+    assert FITNESS_FUNCTIONS[name](findings_of((0, 0, 0))) == 0.0
 
 
 def test_normalised_fitness_is_one_when_every_goal_is_always_violated() -> None:
-    fitness = FITNESS_FUNCTIONS["weighted_normalised"](outcome_of(50, 50), (0, 1), 50)
+    fitness = FITNESS_FUNCTIONS["weighted_normalised"](findings_of((50, 50), 50))
 
     assert fitness == pytest.approx(1.0)
 
 
 def test_goal_vector_keeps_the_order_of_the_chosen_goals() -> None:
-    assert goal_vector(OUTCOME, (5, 0)) == (85, 10)
+    assert goal_vector(VIOLATIONS, (5, 0)) == (85, 10)
+
+
+@pytest.mark.parametrize(
+    ("violations", "expected"),
+    [("believed", (10.0, 3)), ("true", (8.0, 4)), ("masked", (3.0, 2))],
+)
+def test_a_campaign_chooses_which_violations_are_judged(
+    violations: str, expected: tuple[float, int]
+) -> None:
+    counts = {"believed": (3, 0, 7), "true": (4, 1, 4), "phantom": (1, 0, 4), "masked": (2, 1, 1)}
+    padded = {name: (*count, 0, 0, 0) for name, count in counts.items()}
+    outcome = Outcome(**padded, samples=(0,) * 6, applied=(), changed=(), digest="")
+    settings = CampaignSettings(fitness="focused", goals=("g3", "g1"), violations=violations)
+
+    score = Judge(settings, paper_mission()).score(outcome)
+
+    fitness, first_goal = expected
+    assert score == Score(fitness, (int(fitness) - first_goal, first_goal))
+
+
+def test_scores_of_several_mission_seeds_are_averaged() -> None:
+    scores = [Score(1.0, (0, 4)), Score(2.0, (3, 4)), Score(6.0, (3, 1))]
+
+    assert averaged(scores) == Score(3.0, (2.0, 3.0))

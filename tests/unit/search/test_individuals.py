@@ -4,14 +4,15 @@ from random import Random
 import pytest
 
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual, mate, mutate
 from support_search import paper_space, random_pair
 
 
 def evaluated_pair() -> tuple[Individual, Individual]:
     first, second = map(Individual, random_pair(paper_space(), 20, Random(1)))
-    first.assess(3.0)
-    second.assess(4.0)
+    first.assess(Score(3.0, ()))
+    second.assess(Score(4.0, ()))
     first.number, second.number = 0, 1
     return first, second
 
@@ -21,7 +22,7 @@ def test_fitness_that_is_not_finite_is_refused(value: float) -> None:
     individual, _ = evaluated_pair()
 
     with pytest.raises(EvaluationError, match="expected a finite number"):
-        individual.assess(value)
+        individual.assess(Score(value, ()))
 
 
 @pytest.mark.parametrize("copy", [Individual.clone, deepcopy])

@@ -6,15 +6,16 @@ import pytest
 
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
-from mrsfi_runtime.search.selection import roulette, uniform
+from mrsfi_runtime.search.selection import best, roulette, tournament, uniform
 
 
 def population_of(*fitness: float) -> list[Individual]:
     individuals = []
     for place, value in enumerate(fitness):
         individual = Individual((TimedFault("f1", place, place),))
-        individual.assess(value)
+        individual.assess(Score(value, ()))
         individuals.append(individual)
     return individuals
 
@@ -58,7 +59,21 @@ def test_uniform_selection_does_not_look_at_fitness() -> None:
     assert shares(uniform(population, 5000, Random(1)), population) == [0.2] * 5
 
 
-@pytest.mark.parametrize("select", [roulette, uniform])
+def test_tournaments_of_three_prefer_the_better() -> None:
+    population = population_of(0.0, 1.0)
+
+    selected = tournament(population, 5000, Random(1))
+
+    assert shares(selected, population) == [0.1, 0.9]  # 1/8 and 7/8
+
+
+def test_the_best_are_each_selected_once() -> None:
+    population = population_of(3.0, 1.0, 2.0)
+
+    assert best(population, 2, Random(1)) == [population[0], population[2]]
+
+
+@pytest.mark.parametrize("select", [roulette, tournament, uniform])
 def test_selection_repeats_from_its_seed_and_leaves_the_global_generator_alone(select) -> None:
     population = population_of(1.0, 2.0, 3.0)
     before = random.getstate()

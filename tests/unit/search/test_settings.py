@@ -112,3 +112,24 @@ def test_a_name_that_no_table_has_is_refused() -> None:
 
     with pytest.raises(UsageError, match=r"algorithm: found 'magic'; expected one of 'a', 'b'"):
         settings.chosen("algorithm", {"a": 1, "b": 2})
+
+
+def test_replications_fly_on_the_mission_seeds_that_follow() -> None:
+    settings = CampaignSettings(mission_seed=2**63 - 2, replications=3)
+
+    assert settings.mission_seeds == (2**63 - 2, 2**63 - 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("violations = 'phantom'", "violations: found 'phantom'; expected one of 'believed', 'tru"),
+        ("violations = ['true']", "violations: found .*; expected one of 'believed'"),
+        ("replications = 0", "replications: found 0; expected a whole number 1 … 1000"),
+        ("offspring = 0", "offspring: found 0; expected a whole number >= 1"),
+        ("mutation_operator = ''", "mutation_operator: found ''; expected a name"),
+    ],
+)
+def test_values_that_make_no_sense_are_refused(line: str, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        CampaignSettings.parse(f"[search]\n{line}", "case.toml")

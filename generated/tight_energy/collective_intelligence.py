@@ -1,0 +1,181 @@
+# Generated from mission tight_energy by collective_intelligence.py.j2.
+# Edit inside protected regions only.
+"""The collective intelligence: one check and one reaction per goal, in model order."""
+
+from mrsfi_runtime.api import State, kernel, reactions, tasks
+
+# protected region imports on begin
+# protected region imports end
+
+CLEAR = 0
+WITHIN = 1
+ENERGY = 2
+TEMPERATURES = 3
+DEPTHS = 4
+ROUNDS = 5
+E1 = 0  # ADA
+E2 = 1  # BOB
+E3 = 2  # CEM
+E1_GPS_POSITION = 0
+E1_TEMPERATURE = 1
+E2_GPS_POSITION = 2
+E2_DEPTH = 3
+E3_GPS_POSITION = 4
+E3_PRESSURE = 5
+REEF = 0
+WRECK = 1
+
+
+# protected region helpers on begin
+# protected region helpers end
+
+
+@kernel
+def check_clear(ci: State) -> bool:
+    """Return whether goal clear (AvoidCollision) is violated now.
+
+    Members: e1, e2, e3.
+    """
+    # protected region clear.check on begin
+    return tasks.avoid_collision_violated(ci, CLEAR)
+    # protected region clear.check end
+
+
+@kernel
+def react_clear(ci: State) -> None:
+    """Command the members of goal clear (AvoidCollision).
+
+    Members: e1, e2, e3.
+    """
+    # protected region clear.react on begin
+    reactions.avoid_collision(ci, CLEAR)
+    # protected region clear.react end
+
+
+@kernel
+def check_within(ci: State) -> bool:
+    """Return whether goal within (StayWithinMissionArea) is violated now.
+
+    Members: e1, e2, e3.
+    """
+    # protected region within.check on begin
+    return tasks.stay_within_mission_area_violated(ci, WITHIN)
+    # protected region within.check end
+
+
+@kernel
+def react_within(ci: State) -> None:
+    """Command the members of goal within (StayWithinMissionArea).
+
+    Members: e1, e2, e3.
+    """
+    # protected region within.react on begin
+    reactions.stay_within_mission_area(ci, WITHIN)
+    # protected region within.react end
+
+
+@kernel
+def check_energy(ci: State) -> bool:
+    """Return whether goal energy (SufficientEnergy) is violated now.
+
+    Members: e1, e2, e3.
+    """
+    # protected region energy.check on begin
+    return tasks.sufficient_energy_violated(ci, ENERGY)
+    # protected region energy.check end
+
+
+@kernel
+def react_energy(ci: State) -> None:
+    """Command the members of goal energy (SufficientEnergy).
+
+    Members: e1, e2, e3.
+    """
+    # protected region energy.react on begin
+    reactions.sufficient_energy(ci, ENERGY)
+    # protected region energy.react end
+
+
+@kernel
+def check_temperatures(ci: State) -> bool:
+    """Return whether goal temperatures (GatherSamples) is violated now.
+
+    Members: e1.
+    """
+    # protected region temperatures.check on begin
+    return tasks.gather_samples_violated(ci, TEMPERATURES)
+    # protected region temperatures.check end
+
+
+@kernel
+def react_temperatures(ci: State) -> None:
+    """Command the members of goal temperatures (GatherSamples).
+
+    Members: e1.
+    """
+    # protected region temperatures.react on begin
+    reactions.gather_samples(ci, TEMPERATURES)
+    # protected region temperatures.react end
+
+
+@kernel
+def check_depths(ci: State) -> bool:
+    """Return whether goal depths (GatherSamples) is violated now.
+
+    Members: e2.
+    """
+    # protected region depths.check on begin
+    return tasks.gather_samples_violated(ci, DEPTHS)
+    # protected region depths.check end
+
+
+@kernel
+def react_depths(ci: State) -> None:
+    """Command the members of goal depths (GatherSamples).
+
+    Members: e2.
+    """
+    # protected region depths.react on begin
+    reactions.gather_samples(ci, DEPTHS)
+    # protected region depths.react end
+
+
+@kernel
+def check_rounds(ci: State) -> bool:
+    """Return whether goal rounds (Patrol) is violated now.
+
+    Members: e3.
+    """
+    # protected region rounds.check on begin
+    return tasks.patrol_violated(ci, ROUNDS)
+    # protected region rounds.check end
+
+
+@kernel
+def react_rounds(ci: State) -> None:
+    """Command the members of goal rounds (Patrol).
+
+    Members: e3.
+    """
+    # protected region rounds.react on begin
+    reactions.patrol(ci, ROUNDS)
+    # protected region rounds.react end
+
+
+CHECKS = (
+    check_clear,
+    check_within,
+    check_energy,
+    check_temperatures,
+    check_depths,
+    check_rounds,
+)
+
+REACTIONS = (
+    react_clear,
+    react_within,
+    react_energy,
+    react_temperatures,
+    react_depths,
+    react_rounds,
+)

@@ -1,0 +1,200 @@
+"""Searches compared: several algorithms, the same seeds and as many evaluations each.
+
+References
+----------
+Source paper, section V, RQ1. A. Arcuri and L. Briand, "A Hitchhiker's Guide to Statistical Tests
+for Assessing Randomized Algorithms in Software Engineering", Software Testing, Verification and
+Reliability 24, 2014.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from itertools import combinations
+from math import isfinite
+from typing import Any
+
+from mrsfi_runtime.analysis.rank_tests import (
+    Quartiles,
+    RankTest,
+    compare_ranks,
+    holm,
+    quartiles,
+)
+from mrsfi_runtime.analysis.run_results import RunResult, reached
+
+SCHEMA = 1
+"""Version of ``comparison.json``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A number by which runs are compared.
+
+    Attributes
+    ----------
+    name
+        In tables; ``title`` is for people.
+    is_more_better
+        Otherwise less is.
+    is_tested
+        Whether algorithms are tested on it; wall times are only told.
+    """
+
+    name: str
+    title: str
+    is_more_better: bool
+    value: Callable[[RunResult], float]
+    is_tested: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class PairTest:
+    """Two algorithms on one measure.
+
+    Attributes
+    ----------
+    ranks
+        Of the first algorithm against the second, turned so that larger is better: ``a12`` above
+        0.5 means that the first does better.
+    holm_p_value
+        Adjusted for all pairs on this measure.
+    """
+
+    measure: str
+    first: str
+    second: str
+    ranks: RankTest
+    holm_p_value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """What the runs of some algorithms say about them.
+
+    Attributes
+    ----------
+    quartiles
+        By measure, then by algorithm.
+    tests
+        Of every pair of algorithms, by measure; none of a single algorithm.
+    """
+
+    algorithms: tuple[str, ...]
+    seeds: tuple[int, ...]
+    runs: tuple[RunResult, ...]
+    measures: tuple[Measure, ...]
+    quartiles: Mapping[str, Mapping[str, Quartiles]]
+    tests: tuple[PairTest, ...]
+
+    def of(self, algorithm: str) -> tuple[RunResult, ...]:
+        """Return the runs of an algorithm, by seed."""
+        return tuple(run for run in self.runs if run.algorithm == algorithm)
+
+
+def compare(algorithms: Sequence[str], runs: Sequence[RunResult]) -> Comparison:
+    """Compare algorithms by their runs, at least one each.
+
+    Parameters
+    ----------
+    algorithms
+        In the order in which they are shown and paired.
+    runs
+        All on one mission, with one number of evaluations.
+    """
+    ordered = tuple(sorted(runs, key=lambda run: (algorithms.index(run.algorithm), run.seed)))
+    measures = _measures(ordered)
+    values = {
+        measure.name: {
+            name: [measure.value(run) for run in ordered if run.algorithm == name]
+            for name in algorithms
+        }
+        for measure in measures
+    }
+    return Comparison(
+        algorithms=tuple(algorithms),
+        seeds=tuple(sorted({run.seed for run in runs})),
+        runs=ordered,
+        measures=measures,
+        quartiles={
+            measure: {name: quartiles(found) for name, found in by_algorithm.items()}
+            for measure, by_algorithm in values.items()
+        },
+        tests=tuple(
+            test
+            for measure in measures
+            if measure.is_tested
+            for test in _tests(measure, values[measure.name])
+        ),
+    )
+
+
+def _measures(runs: Sequence[RunResult]) -> tuple[Measure, ...]:
+    """Return what can be told of the runs; a number of goals that none broke is left out."""
+    measures = [Measure("fitness", "best fitness", True, lambda run: run.best_fitness)]
+    if all(run.hypervolume is not None for run in runs):
+        measures.append(
+            Measure("hypervolume", "hypervolume", True, lambda run: run.hypervolume or 0.0)
+        )
+    for name, words in (("at_once", "by one specification"), ("together", "by all so far")):
+        n_most = max(sum(place is not None for place in getattr(run, name)) for run in runs)
+        measures += [_breaking(name, n_goals, words) for n_goals in range(1, n_most + 1)]
+    size = Measure("front_size", "front size", True, lambda run: run.front_size, is_tested=False)
+    time = Measure("seconds", "wall time (s)", False, lambda run: run.seconds, is_tested=False)
+    return (*measures, size, time)
+
+
+def _breaking(name: str, n_goals: int, words: str) -> Measure:
+    return Measure(
+        f"{name}_{n_goals}",
+        f"evaluations to break {n_goals} goal{'s' if n_goals > 1 else ''} {words}",
+        False,
+        lambda run: reached(getattr(run, name)[n_goals - 1]),
+    )
+
+
+def _tests(measure: Measure, values: Mapping[str, Sequence[float]]) -> list[PairTest]:
+    sign = 1.0 if measure.is_more_better else -1.0
+    pairs = list(combinations(values, 2))
+    found = [
+        compare_ranks([sign * v for v in values[first]], [sign * v for v in values[second]])
+        for first, second in pairs
+    ]
+    return [
+        PairTest(measure.name, first, second, ranks, adjusted)
+        for (first, second), ranks, adjusted in zip(
+            pairs, found, holm([ranks.p_value for ranks in found]), strict=True
+        )
+    ]
+
+
+def as_json(comparison: Comparison) -> dict[str, Any]:
+    """Return a comparison as values of JSON; what was never reached is ``null``."""
+    return {
+        "schema": SCHEMA,
+        "algorithms": list(comparison.algorithms),
+        "seeds": list(comparison.seeds),
+        "quartiles": {
+            measure: {
+                name: {part: finite(value) for part, value in asdict(found).items()}
+                for name, found in by_algorithm.items()
+            }
+            for measure, by_algorithm in comparison.quartiles.items()
+        },
+        "tests": [
+            {
+                "measure": test.measure,
+                "first": test.first,
+                "second": test.second,
+                **asdict(test.ranks),
+                "magnitude": test.ranks.magnitude,
+                "holm_p_value": test.holm_p_value,
+            }
+            for test in comparison.tests
+        ],
+        "runs": [run.as_json() | {"best_fitness": run.best_fitness} for run in comparison.runs],
+    }
+
+
+def finite(value: float) -> float | None:
+    """Return a number, or nothing for infinity."""
+    return value if isfinite(value) else None

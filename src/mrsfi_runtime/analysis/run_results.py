@@ -1,0 +1,182 @@
+"""What one search found, in the numbers by which searches are compared."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from math import inf
+from typing import Any, Self
+
+from moocore import hypervolume
+
+from mrsfi_runtime.analysis.fronts import goal_columns, non_dominated
+from mrsfi_runtime.analysis.ranking import score
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.campaign import Evaluation
+
+MOST_OBJECTIVES = 7
+"""Goals over which a hypervolume is computed; its cost grows exponentially with their number."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """What one algorithm found with one seed.
+
+    Attributes
+    ----------
+    improvements
+        Number of evaluations at which a fitness above all before was found, and the fitness.
+    at_once
+        For k = 1, 2, … the number of evaluations until one specification broke k goals;
+        ``None`` if none did. Shape ``(n_goals,)``.
+    together
+        The same for k goals broken by one or another of the specifications so far.
+    hypervolume
+        Share of the possible that the front reaches or exceeds, 0 … 1; see ``front_volume``.
+        ``None`` with fewer than two goals, or too many.
+    front_size
+        Different vectors of violations that no other dominates.
+    seconds
+        Wall time of the search.
+    digest
+        Over all evaluations, as in the report of the same search by itself.
+    """
+
+    algorithm: str
+    seed: int
+    n_evaluations: int
+    n_failures: int
+    improvements: tuple[tuple[int, float], ...]
+    at_once: tuple[int | None, ...]
+    together: tuple[int | None, ...]
+    hypervolume: float | None
+    front_size: int
+    seconds: float
+    digest: str
+
+    @property
+    def best_fitness(self) -> float:
+        """Highest fitness of all evaluations; 0 without any."""
+        return self.improvements[-1][1] if self.improvements else 0.0
+
+    def best_after(self, n_evaluations: int) -> float:
+        """Return the highest fitness of the first so many evaluations."""
+        return max(
+            (value for place, value in self.improvements if place <= n_evaluations), default=0.0
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the result as values of JSON."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Self:
+        """Return the result that ``as_json`` described.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            If the values are not those of a result.
+        """
+        counts = {name: _counts(values[name]) for name in ("at_once", "together")}
+        improvements = tuple((int(place), float(best)) for place, best in values["improvements"])
+        return cls(**{**values, **counts, "improvements": improvements})
+
+
+def _counts(values: Iterable[int | None]) -> tuple[int | None, ...]:
+    return tuple(None if value is None else int(value) for value in values)
+
+
+def reached(n_evaluations: int | None) -> float:
+    """Return a number of evaluations that can be ranked: never comes after any other."""
+    return inf if n_evaluations is None else float(n_evaluations)
+
+
+def measure_run(  # noqa: PLR0913 - what is known of a run, each by name
+    mission: Mission,
+    evaluations: Sequence[Evaluation],
+    *,
+    algorithm: str,
+    seed: int,
+    goals: Sequence[str] = (),
+    counts: str = "believed",
+    n_failures: int,
+    seconds: float,
+    digest: str,
+) -> RunResult:
+    """Return what a search found.
+
+    Parameters
+    ----------
+    evaluations
+        In the order in which they were asked for.
+    goals
+        IDs of the goals that front and hypervolume look at; none means all.
+    counts
+        Violations that are looked at: ``believed``, ``true`` or ``masked``.
+
+    Raises
+    ------
+    UsageError
+        If the mission lacks one of the goals.
+    """
+    columns = goal_columns(mission, goals or mission.goal_ids)
+    found: list[tuple[int, ...]] = [getattr(one.outcome, counts) for one in evaluations]
+    front = non_dominated(tuple(one[column] for column in columns) for one in found)
+    broken = [frozenset(goal for goal, count in enumerate(one) if count) for one in found]
+    return RunResult(
+        algorithm=algorithm,
+        seed=seed,
+        n_evaluations=len(evaluations),
+        n_failures=n_failures,
+        improvements=_improvements(evaluations),
+        at_once=_first_reaching(map(len, broken), len(mission.goals)),
+        together=_first_reaching(_united_sizes(broken), len(mission.goals)),
+        hypervolume=front_volume(front, len(columns), mission.duration),
+        front_size=len(front),
+        seconds=seconds,
+        digest=digest,
+    )
+
+
+def front_volume(front: Sequence[tuple[int, ...]], n_goals: int, duration: int) -> float | None:
+    """Return the hypervolume of a front of violations, as a share of the possible.
+
+    The reference point is one tick below no violation, ``(-1, …, -1)``, and the best possible
+    point ``(duration, …, duration)``. So a front whose points violate one goal alone counts,
+    and the volume is the number of whole vectors of violations that the front reaches or
+    exceeds, over the number of all.
+
+    Returns
+    -------
+    float or None
+        ``None`` with fewer than two goals, or more than ``MOST_OBJECTIVES``.
+    """
+    if not 2 <= n_goals <= MOST_OBJECTIVES:
+        return None
+    if not front:
+        return 0.0
+    shares = [[(count + 1) / (duration + 1) for count in point] for point in front]
+    return float(hypervolume(shares, ref=[0.0] * n_goals, maximise=True))
+
+
+def _united_sizes(broken: Iterable[frozenset[int]]) -> Iterable[int]:
+    """Yield how many goals were broken by any evaluation so far."""
+    united: frozenset[int] = frozenset()
+    for goals in broken:
+        united |= goals
+        yield len(united)
+
+
+def _first_reaching(sizes: Iterable[int], n_goals: int) -> tuple[int | None, ...]:
+    """Return at which place, from 1, a size of 1, 2, … ``n_goals`` or more stands first."""
+    places: list[int | None] = []
+    for place, size in enumerate(sizes, 1):
+        places += [place] * (size - len(places))
+    return (*places, *[None] * (n_goals - len(places)))
+
+
+def _improvements(evaluations: Sequence[Evaluation]) -> tuple[tuple[int, float], ...]:
+    found: list[tuple[int, float]] = []
+    for place, evaluation in enumerate(evaluations, 1):
+        if not found or score(evaluation) > found[-1][1]:
+            found.append((place, score(evaluation)))
+    return tuple(found)

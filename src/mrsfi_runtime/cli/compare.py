@@ -1,0 +1,229 @@
+"""The command ``mrsfi compare``."""
+
+import os
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import monotonic
+
+import click
+
+from mrsfi_runtime.analysis.comparison import Comparison, as_json, compare
+from mrsfi_runtime.analysis.comparison_folder import ComparisonFolder
+from mrsfi_runtime.cli.campaigns import RUNS
+from mrsfi_runtime.cli.comparison_runs import (
+    Progress,
+    common_settings,
+    only_comparison,
+    runs_of,
+)
+from mrsfi_runtime.cli.comparison_tables import legend, quartile_table, rank_test_table
+from mrsfi_runtime.cli.console import print_json, print_table, tell
+from mrsfi_runtime.cli.engines import BOTH, EngineOptions, engine_options
+from mrsfi_runtime.cli.missions import (
+    MissionFolders,
+    campaign_file,
+    find_mission,
+    generated_option,
+    mission_argument,
+)
+from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.errors import TransportError, UsageError
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.search.campaign import require_settings
+from mrsfi_runtime.search.settings import CampaignSettings
+
+_HELP = """Compare search algorithms on MISSION: several seeds, as many evaluations for each.
+
+Every algorithm searches with the seeds 1 to --seeds, all else as the campaign file says.
+Prints medians with quartiles, and for every two algorithms the Mann-Whitney U test, its
+p-value, the same adjusted for several tests on one measure (Holm), and A12: the chance that a
+run of the first does better than one of the second.
+
+\b
+Examples:
+  mrsfi compare uuv_sampling
+  mrsfi compare uuv_sampling --case b --algorithms paper,random,drift --seeds 10
+  mrsfi compare uuv_sampling --seeds 5 --evaluations 200 --out runs/quick
+  mrsfi compare uuv_sampling --json | jq '.tests[] | select(.measure == "fitness")'
+
+A comparison that was ended goes on with the same command; a run that is finished is not made
+again, also when algorithms or seeds are added. Any run can be had by itself, with the same
+digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
+"""
+
+
+@dataclass(slots=True)
+class _Teller:
+    """Tells of each run, and how long the rest may take."""
+
+    _began: float = field(default_factory=monotonic)
+    _n_new: int = 0
+
+    def __call__(self, progress: Progress) -> None:
+        run = progress.run
+        place = f"run {progress.number}/{progress.n_runs}  {run.algorithm} seed {run.seed}"
+        if not progress.is_new:
+            tell(f"{place}  was finished already")
+            return
+        self._n_new += 1
+        rest = progress.n_runs - progress.number
+        left = round((monotonic() - self._began) / self._n_new * rest)
+        tell(
+            f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
+            f"{run.seconds:.1f} s  left {left // 60}:{left % 60:02d}"
+        )
+
+
+@click.command(name="compare", help=_HELP)
+@mission_argument
+@generated_option
+@click.option(
+    "--case",
+    default="a",
+    show_default=True,
+    metavar="a|b|FILE",
+    help="Campaign file: case_NAME.toml beside the models, or any TOML file.",
+)
+@click.option(
+    "--algorithms",
+    default="paper,random,drift",
+    show_default=True,
+    metavar="NAME,NAME,…",
+    help="Algorithms, as in a campaign file.",
+)
+@click.option(
+    "--seeds",
+    type=click.IntRange(1),
+    default=30,
+    show_default=True,
+    help="Runs of each algorithm, with seeds 1, 2, …",
+)
+@click.option(
+    "--evaluations",
+    type=click.IntRange(1),
+    default=909,
+    show_default=True,
+    help="Evaluations of each run.",
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(1),
+    help="Processes that evaluate [default: as many as this machine has processors].",
+)
+@engine_options(BOTH, default=AUTO)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Folder of the comparison, new or to go on with [default: runs/compare-NAME-CASE].",
+)
+@click.option("--json", "is_json", is_flag=True, help="Print the comparison for a script.")
+def command(  # noqa: PLR0913 - one for each option
+    *,
+    mission: str,
+    generated: Path | None,
+    case: str,
+    algorithms: str,
+    seeds: int,
+    evaluations: int,
+    workers: int | None,
+    engine: EngineOptions,
+    out: Path | None,
+    is_json: bool,
+) -> None:
+    """Compare search algorithms on a mission."""
+    flown_by = engine.settings(default=AUTO)
+    flown_by.require_workers(workers or 1)
+    folders = find_mission(mission, generated)
+    settings = _settings(folders, case, algorithms, evaluations)
+    path = RUNS / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
+    with only_comparison(path, folders) as folder:
+        comparison = _compared(folder, settings, seeds, flown_by, workers)
+        content = {
+            "mission": folders.name,
+            "settings": common_settings(next(iter(settings.values()))),
+            **as_json(comparison),
+        }
+        folder.write(comparison, content)
+    _tell_fewer(comparison, evaluations)
+    if is_json:
+        print_json({"folder": str(path), **content})
+    else:
+        _print(comparison, folder, evaluations)
+
+
+def _settings(
+    folders: MissionFolders, case: str, algorithms: str, evaluations: int
+) -> dict[str, CampaignSettings]:
+    """Return the settings of each algorithm, or refuse what cannot be searched."""
+    names = [name.strip() for name in algorithms.split(",")]
+    if not all(names) or len(set(names)) < len(names):
+        message = f"--algorithms: found '{algorithms}'; expected different names with commas"
+        raise UsageError(message)
+    file = campaign_file(folders, case)
+    flown = folders.load().mission
+    settings = {}
+    for name in names:
+        one = CampaignSettings.load(file, algorithm=name, seed=1, evaluations=evaluations)
+        require_settings(one, flown)
+        settings[name] = one
+    return settings
+
+
+def _compared(
+    folder: ComparisonFolder,
+    settings: Mapping[str, CampaignSettings],
+    n_seeds: int,
+    engine: EngineSettings,
+    workers: int | None,
+) -> Comparison:
+    n_workers = workers or (1 if engine.url else os.cpu_count() or 1)
+    code = load_code(CampaignFolder(folder.path).generated)
+    mission_seeds = next(iter(settings.values())).mission_seeds
+    engine = engine.resolved(code, mission_seeds[0], tell)
+    n_runs = len(settings) * n_seeds
+    tell(f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, {n_workers} workers")
+    try:
+        with ExitStack() as stack:
+            evaluators = [
+                stack.enter_context(
+                    WorkerPool(code.directory, mission_seed, n_workers, engine)
+                ).evaluate_many
+                for mission_seed in mission_seeds
+            ]
+            runs = runs_of(folder, settings, n_seeds, code, evaluators, _Teller())
+    except (KeyboardInterrupt, TransportError):
+        tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")
+        raise
+    return compare(tuple(settings), runs)
+
+
+def _tell_fewer(comparison: Comparison, n_evaluations: int) -> None:
+    """Say which algorithms did not use all of their evaluations."""
+    for name in comparison.algorithms:
+        n_fewer = sum(run.n_evaluations < n_evaluations for run in comparison.of(name))
+        if n_fewer:
+            tell(
+                f"warning: {n_fewer} runs of {name} made fewer than {n_evaluations} evaluations, "
+                "because some failed or the algorithm had nothing more to ask"
+            )
+
+
+def _print(comparison: Comparison, folder: ComparisonFolder, n_evaluations: int) -> None:
+    title = (
+        f"{len(comparison.algorithms)} algorithms, {len(comparison.seeds)} seeds, "
+        f"{n_evaluations} evaluations a run"
+    )
+    print_table(title, quartile_table(comparison))
+    if comparison.tests:
+        print_table("Mann-Whitney U: does the first do better?", rank_test_table(comparison))
+    for line in legend(comparison):
+        click.echo(line)
+    click.echo(f"runs         {folder.runs}")
+    click.echo(f"tables       {folder.path}/runs.csv, quartiles.csv, tests.csv")
+    click.echo(f"figures      {folder.figures}")
+    click.echo(f"summary      {folder.summary}")

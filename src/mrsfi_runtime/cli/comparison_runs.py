@@ -1,0 +1,192 @@
+"""The runs of a comparison: every algorithm with every seed, those that are finished not again."""
+
+import hashlib
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import mrsfi_runtime
+from mrsfi_runtime.analysis.comparison_folder import ComparisonFolder
+from mrsfi_runtime.analysis.run_results import RunResult, measure_run
+from mrsfi_runtime.cli.missions import MissionFolders
+from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.search.ledger import EvaluateMany
+from mrsfi_runtime.search.settings import CampaignSettings
+
+_VARIED = ("algorithm", "seed")
+_DECISIVE = ("model", "kernel", "hosting", "search")
+"""Rooms of mrsfi whose source decides what a search finds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """A run is finished, just now or before."""
+
+    number: int
+    n_runs: int
+    run: RunResult
+    is_new: bool
+
+
+@contextmanager
+def only_comparison(path: Path, folders: MissionFolders) -> Iterator[ComparisonFolder]:
+    """Be the writer of a comparison while the body runs, and make its folder if it is new.
+
+    The folder keeps a copy of the models and of the generated code that its runs fly.
+
+    Raises
+    ------
+    RecordError
+        If it is another mission's, holds something else, or is written by another process.
+    """
+    folder, copies = ComparisonFolder(path), CampaignFolder(path)
+    if not folder.runs.is_dir():
+        copies = CampaignFolder.reserve(path)
+    with only_writer(copies):
+        if not folder.runs.is_dir():
+            copies.fill(folders.models, folders.generated)
+            folder.runs.mkdir()
+        _require_same_files(copies, folders)
+        folder.tidy()
+        yield folder
+
+
+def _require_same_files(copies: CampaignFolder, folders: MissionFolders) -> None:
+    for source, copy in ((folders.models, copies.model), (folders.generated, copies.generated)):
+        for name in sorted({*_hashes(source), *_hashes(copy)}):
+            if _hashes(source).get(name) != _hashes(copy).get(name):
+                message = (
+                    f"{copy / name}: the comparison's own copy differs from {source / name}; "
+                    "expected the mission that its runs flew; compare in another folder with "
+                    "--out, or remove this one"
+                )
+                raise RecordError(message)
+
+
+def _hashes(folder: Path) -> dict[str, str]:
+    """Return the hashes of a folder's files by name; what a campaign file says is in the runs."""
+    files = sorted(path for path in folder.iterdir() if path.is_file() and path.suffix != ".toml")
+    return {path.name: _hash([path]) for path in files}
+
+
+def _hash(files: Sequence[Path]) -> str:
+    digest = hashlib.sha256()
+    for file in files:
+        content = file.read_bytes()
+        digest.update(f"{file.name} {len(content)}\n".encode() + content)
+    return digest.hexdigest()
+
+
+def common_settings(settings: CampaignSettings) -> dict[str, Any]:
+    """Return the settings that all runs of a comparison share."""
+    return {key: value for key, value in settings.as_json().items() if key not in _VARIED}
+
+
+def _subject(settings: CampaignSettings) -> dict[str, Any]:
+    """Return what decides the runs of an algorithm, beside mission and seed.
+
+    Beside the settings that is the source of what searches and flies, a user's own modules
+    included, so that no result of an earlier version stands beside one of a later.
+    """
+    package = Path(mrsfi_runtime.__file__).parent
+    sources = [file for room in _DECISIVE for file in sorted((package / room).rglob("*.py"))]
+    return {
+        **common_settings(settings),
+        "mrsfi_sha256": _hash(sources),
+        "own_sha256": {
+            name: _hash([Path(file)])
+            for name in _own_modules(settings)
+            if (file := getattr(sys.modules.get(name), "__file__", None))
+        },
+    }
+
+
+def _own_modules(settings: CampaignSettings) -> list[str]:
+    """Return the modules that settings name as ``module:function``; they are imported by now."""
+    values = settings.as_json().values()
+    named = {value.partition(":")[0] for value in values if isinstance(value, str)}
+    return sorted(named & set(sys.modules))
+
+
+def runs_of(
+    folder: ComparisonFolder,
+    settings: Mapping[str, CampaignSettings],
+    n_seeds: int,
+    code: MissionCode,
+    evaluators: Sequence[EvaluateMany],
+    on_run: Callable[[Progress], None],
+) -> list[RunResult]:
+    """Return the result of every algorithm with every seed; make and keep those that are missing.
+
+    Parameters
+    ----------
+    settings
+        By algorithm.
+    n_seeds
+        Seeds are 1 to this number; all algorithms have their turn with a seed before the next.
+    evaluators
+        One for each of the mission seeds over which fitness is averaged.
+    on_run
+        Called after each run.
+
+    Raises
+    ------
+    RecordError
+        If the folder has results of something else, or cannot be written.
+    EvaluationError
+        If too many evaluations of a run failed.
+    """
+    found: list[RunResult] = []
+    n_runs = n_seeds * len(settings)
+    subjects = {name: _subject(one) for name, one in settings.items()}
+    for seed in range(1, n_seeds + 1):
+        for name, one in settings.items():
+            run = folder.kept(name, seed, subjects[name])
+            is_new = run is None
+            if run is None:
+                run = _flown(folder, replace(one, seed=seed), code, evaluators)
+                folder.keep(run, subjects[name])
+            found.append(run)
+            on_run(Progress(len(found), n_runs, run, is_new))
+    return found
+
+
+def _flown(
+    folder: ComparisonFolder,
+    settings: CampaignSettings,
+    code: MissionCode,
+    evaluators: Sequence[EvaluateMany],
+) -> RunResult:
+    """Run a search, recorded as any campaign is, in a folder that goes with its end."""
+    with folder.scratch() as place:
+        return _searched(place, settings, code, evaluators)
+
+
+def _searched(
+    place: Path, settings: CampaignSettings, code: MissionCode, evaluators: Sequence[EvaluateMany]
+) -> RunResult:
+    with CampaignStore.create(place, settings.as_json(), {}) as store:
+        began = monotonic()
+        first, *replicas = evaluators
+        run_campaign(settings, code.mission, code.pool, first, store, replicas=replicas)
+        seconds = monotonic() - began
+        return measure_run(
+            code.mission,
+            store.evaluations(),
+            algorithm=settings.algorithm,
+            seed=settings.seed,
+            goals=settings.goals,
+            counts=settings.violations,
+            n_failures=len(store.failures()),
+            seconds=seconds,
+            digest=store.digest(),
+        )

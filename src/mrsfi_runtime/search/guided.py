@@ -1,0 +1,165 @@
+"""Our own search: long windows and values that mean something, improved by small steps.
+
+The paper's loop forgets its best, cannot choose other faults than it began with, and draws
+every value anew. This one begins with faults that are active as long as they may, at
+landmarks, keeps the best, and takes small steps from there.
+"""
+
+from collections.abc import Sequence
+from random import Random
+from typing import TypeAlias
+
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.search.individuals import Individual
+from mrsfi_runtime.search.loop import Algorithm, GenerationalLoop
+from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.steps import STEPS, Step, filled, grafted
+from mrsfi_runtime.search.variation import crossed
+
+_TOURNAMENT = 3
+_NICHE_SHARE = 0.3  # of parents: from the archives
+_CROSSOVER = 0.25  # of children: from two parents
+_MORE_STEPS = 0.5  # chance of a further step, again and again
+_MEMORY = 0.95  # of a step's credit, at each use
+_LEAST = 0.05  # credit that keeps a step in use
+_TWINS = 2  # individuals of one goal vector in a population
+_HALF = 0.5
+_ATTEMPTS = 10  # to breed what was not asked for yet
+
+_Niche: TypeAlias = tuple[object, ...]
+
+
+def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
+    """Return the search by long windows, landmarks and small steps.
+
+    A child comes from one parent by a few small steps, whose chances follow their success, or
+    first takes faults over from the best of a goal that its parent violates less. Parents are
+    the winners of tournaments, or the best of every goal and of every pattern of violated
+    goals. The best of parents and children survive, newer ones first, at most two of one goal
+    vector.
+
+    Notes
+    -----
+    An individual has at most ``settings.faults`` timed faults, and may have fewer. Chances
+    and operators of the campaign file are the paper's and play no part.
+    """
+    rng = Random(settings.seed)
+    guide = _Guide(space, settings, rng)
+    return GenerationalLoop(settings, rng, guide.breed, guide.survive)
+
+
+class _Guide:
+    def __init__(self, space: SearchSpace, settings: CampaignSettings, rng: Random) -> None:
+        self._space = space
+        self._n_faults = settings.faults
+        self._size = settings.population
+        self._rng = rng
+        self._asked: set[Specification] = set()
+        self._niches: dict[_Niche, tuple[tuple[float, ...], Individual]] = {}
+        self._credit = dict.fromkeys(STEPS, 1.0)
+        self._bred: list[tuple[Individual, float, list[Step]]] = []
+
+    def breed(self, population: Sequence[Individual]) -> list[Individual]:
+        """Return faults that are active as long as they may be, later offspring of the best."""
+        self._bred.clear()
+        offspring = []
+        for _ in range(self._size):
+            individual = self._child(population) if population else self._long()
+            self._asked.add(individual.specification)
+            offspring.append(individual)
+        return offspring
+
+    def _long(self) -> Individual:
+        return Individual(filled(self._space, (), self._n_faults, self._rng))
+
+    def survive(
+        self, population: Sequence[Individual], offspring: list[Individual]
+    ) -> list[Individual]:
+        """Return the best of both; learn from the offspring."""
+        for individual in offspring:
+            self._enter_niches(individual)
+        for individual, parent_fitness, steps in self._bred:
+            if individual.is_evaluated:
+                self._reward(steps, is_better=individual.score.fitness > parent_fitness)
+        ranked = sorted([*offspring, *population], key=_fitness, reverse=True)  # new ones first
+        return _without_twins(ranked)[: self._size]
+
+    def _reward(self, steps: list[Step], *, is_better: bool) -> None:
+        for step in steps:
+            self._credit[step] = _MEMORY * self._credit[step] + (1.0 - _MEMORY) * is_better
+
+    def _enter_niches(self, individual: Individual) -> None:
+        """Keep the best of every pattern of violated goals, and of every goal."""
+        goals, fitness = individual.score.goals, individual.score.fitness
+        self._enter(("pattern", *(violations > 0 for violations in goals)), (fitness,), individual)
+        for place, violations in enumerate(goals):
+            self._enter(("goal", place), (violations, fitness), individual)
+
+    def _enter(self, niche: _Niche, rank: tuple[float, ...], individual: Individual) -> None:
+        known = self._niches.get(niche)
+        if known is None or rank > known[0]:
+            self._niches[niche] = rank, individual
+
+    def _child(self, population: Sequence[Individual]) -> Individual:
+        """Return a child that was not asked for yet, if that is not hard to find."""
+        for _ in range(_ATTEMPTS):
+            parent = self._parent(population)
+            specification, steps = self._varied(parent)
+            if specification not in self._asked:
+                child = Individual(specification)
+                self._bred.append((child, _fitness(parent), steps))
+                return child
+        return self._long()
+
+    def _parent(self, population: Sequence[Individual]) -> Individual:
+        if self._niches and self._rng.random() < _NICHE_SHARE:
+            return self._rng.choice(tuple(self._niches.values()))[1]
+        drawn = [self._rng.choice(population) for _ in range(_TOURNAMENT)]
+        return max(drawn, key=_fitness)
+
+    def _donor(self, parent: Individual) -> Individual:
+        """Draw the best of a goal, the likelier the less the parent violates it beside it."""
+        goals = parent.score.goals
+        best = [self._niches["goal", place][1] for place in range(len(goals))]
+        gains = [1.0 + each.score.goals[place] - goals[place] for place, each in enumerate(best)]
+        return self._rng.choices(best, gains)[0]
+
+    def _varied(self, parent: Individual) -> tuple[Specification, list[Step]]:
+        rng, space = self._rng, self._space
+        specification = parent.specification
+        if rng.random() < _CROSSOVER:
+            donor = self._donor(parent).specification
+            mixed = rng.choice((_exchanged, grafted))
+            specification = mixed(space, specification, donor, rng)
+        if len(specification) < self._n_faults and rng.random() < _HALF:
+            specification = filled(space, specification, len(specification) + 1, rng)
+        steps: list[Step] = []
+        while not steps or rng.random() < _MORE_STEPS:
+            weights = [max(_LEAST, credit) for credit in self._credit.values()]
+            (step,) = rng.choices(STEPS, weights)
+            steps.append(step)
+            specification = step(space, specification, rng)
+        return specification[: self._n_faults], steps
+
+
+def _exchanged(
+    space: SearchSpace, specification: Specification, donor: Specification, rng: Random
+) -> Specification:
+    return crossed(space, specification, donor, rng)[0]
+
+
+def _fitness(individual: Individual) -> float:
+    return individual.score.fitness
+
+
+def _without_twins(ranked: Sequence[Individual]) -> list[Individual]:
+    """Return the first few of every goal vector, then the rest."""
+    n_seen: dict[tuple[float, ...], int] = {}
+    first: list[Individual] = []
+    rest: list[Individual] = []
+    for individual in ranked:
+        n_twins = n_seen.get(individual.score.goals, 0)
+        n_seen[individual.score.goals] = n_twins + 1
+        (first if n_twins < _TWINS else rest).append(individual)
+    return first + rest

@@ -1,0 +1,181 @@
+"""The interface of a search algorithm, and the loop that most of them are.
+
+An algorithm asks for the scores of fault specifications and is told them; it neither
+evaluates nor records. Asking and telling again from the same seed gives the same, so a
+run is repeated, or resumed, by telling it what was recorded.
+"""
+
+import json
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from random import Random
+from typing import Protocol, TypeAlias
+
+from deap import tools
+
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.search.fitness import Score
+from mrsfi_runtime.search.individuals import Individual
+from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.search.space import SearchSpace
+
+
+@dataclass(frozen=True, slots=True)
+class GenerationSummary:
+    """A generation whose fitness is known.
+
+    Attributes
+    ----------
+    statistics
+        ``n_evaluations``: how many specifications were asked for; ``mean``, ``std``,
+        ``min`` and ``max`` of the population's fitness.
+    population
+        For each individual, which of the specifications ever asked for it is, from 0.
+        Shape ``(n_individuals,)``.
+    """
+
+    index: int
+    statistics: Mapping[str, float]
+    population: tuple[int, ...]
+
+
+class Algorithm(Protocol):
+    """A search, turn by turn: ``ask``, evaluate, ``tell``, until it is finished."""
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether there is nothing left to ask."""
+
+    def ask(self) -> list[Specification]:
+        """Return the specifications of the next generation that need evaluation."""
+
+    def tell(self, scores: Sequence[Score]) -> GenerationSummary:
+        """Take their scores, in the same order, and end the generation."""
+
+    def random_state(self) -> str:
+        """Return the state of the random generator as JSON text."""
+
+
+Breeding: TypeAlias = Callable[[Sequence[Individual]], list[Individual]]
+"""From a population, empty at first, its offspring; who is not evaluated yet will be."""
+
+Survival: TypeAlias = Callable[[Sequence[Individual], list[Individual]], list[Individual]]
+"""From a population and its evaluated offspring the next population, not empty."""
+
+
+def replaced(parents: Sequence[Individual], offspring: list[Individual]) -> list[Individual]:  # noqa: ARG001 - Survival
+    """Return the offspring: nobody survives."""
+    return offspring
+
+
+class GenerationalLoop:
+    """An algorithm that breeds offspring, and lets some of them and of the population survive.
+
+    Generation 0 is the first population. The run ends after ``settings.generations``
+    more, or, if ``settings.evaluations`` is set, after exactly that many evaluations:
+    individuals beyond it are left out of the last generation. It also ends when a
+    generation after the last of ``settings.generations`` asks for nothing.
+    """
+
+    def __init__(
+        self,
+        settings: CampaignSettings,
+        rng: Random,
+        breed: Breeding,
+        survive: Survival = replaced,
+    ) -> None:
+        self._settings = settings
+        self._rng = rng
+        self._breed = breed
+        self._survive = survive
+        self._population: list[Individual] = []
+        self._offspring: list[Individual] = []
+        self._pending: list[Individual] | None = None
+        self._n_asked = 0
+        self._n_closed = 0
+        self._is_idle = False
+        self._statistics = tools.Statistics(lambda individual: individual.score.fitness)
+        self._statistics.register("mean", statistics.fmean)
+        self._statistics.register("std", statistics.pstdev)
+        self._statistics.register("min", min)
+        self._statistics.register("max", max)
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the generations or evaluations are used up."""
+        limit = self._settings.evaluations
+        if limit is not None and self._n_asked >= limit:
+            return self._pending is None
+        are_generations_over = self._n_closed > self._settings.generations
+        return are_generations_over and (limit is None or self._is_idle)
+
+    def ask(self) -> list[Specification]:
+        """Breed the next generation and return its specifications that need evaluation.
+
+        Raises
+        ------
+        ValueError
+            If the fitness of those asked for before was not told, or the run is finished.
+        """
+        if self._pending is not None or self.is_finished:
+            message = "expected the fitness of what was asked for, or a new run; found another ask"
+            raise ValueError(message)
+        offspring = []
+        pending: list[Individual] = []
+        room = self._room()
+        for individual in self._breed(self._population):
+            if not individual.is_evaluated:
+                if room is not None and len(pending) >= room:
+                    continue
+                individual.number = self._n_asked + len(pending)
+                pending.append(individual)
+            offspring.append(individual)
+        self._offspring = offspring
+        self._pending = pending
+        self._n_asked += len(pending)
+        self._is_idle = not pending
+        return [individual.specification for individual in pending]
+
+    def _room(self) -> int | None:
+        limit = self._settings.evaluations
+        return None if limit is None else limit - self._n_asked
+
+    def tell(self, scores: Sequence[Score]) -> GenerationSummary:
+        """Take the scores of the specifications asked for, in the same order.
+
+        Raises
+        ------
+        ValueError
+            If nothing was asked for, or the number differs.
+        EvaluationError
+            If a fitness is not a finite number.
+        """
+        if self._pending is None or len(scores) != len(self._pending):
+            n_expected = 0 if self._pending is None else len(self._pending)
+            message = f"found {len(scores)} fitness values; expected {n_expected} after an ask"
+            raise ValueError(message)
+        for individual, score in zip(self._pending, scores, strict=True):
+            individual.assess(score)
+        n_evaluations = len(self._pending)
+        self._population = self._survive(self._population, self._offspring)
+        self._pending = None
+        self._n_closed += 1
+        return GenerationSummary(
+            index=self._n_closed - 1,
+            statistics={"n_evaluations": n_evaluations}
+            | self._statistics.compile(self._population),
+            population=tuple(
+                individual.number
+                for individual in self._population
+                if individual.number is not None
+            ),
+        )
+
+    def random_state(self) -> str:
+        """Return the state of the random generator as JSON text."""
+        return json.dumps(self._rng.getstate())
+
+
+AlgorithmFactory: TypeAlias = Callable[[SearchSpace, CampaignSettings], Algorithm]
+"""Begins a search."""

@@ -1,0 +1,50 @@
+"""Keeps an eye on functions that a team wrote: what they make must be what a search may fly."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.search.fitness import Score
+from mrsfi_runtime.search.loop import Algorithm, AlgorithmFactory, GenerationSummary
+from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.user_functions import told_by_line
+
+_OPERATORS = ("algorithm", "crossover_operator", "mutation_operator")
+
+
+def overseen(
+    space: SearchSpace, settings: CampaignSettings, algorithms: Mapping[str, AlgorithmFactory]
+) -> Algorithm:
+    """Begin the search that settings name; watch it if a team wrote a part of it."""
+    algorithm = settings.chosen("algorithm", algorithms)(space, settings)
+    written = [name for name in (getattr(settings, key) for key in _OPERATORS) if ":" in name]
+    if not written:
+        return algorithm
+    where = f"{settings.source}: [search] {' or '.join(repr(name) for name in written)}"
+    return _Overseen(algorithm, space, where)
+
+
+@dataclass(frozen=True, slots=True)
+class _Overseen:
+    algorithm: Algorithm
+    space: SearchSpace
+    where: str
+
+    @property
+    def is_finished(self) -> bool:
+        with told_by_line(self.where):
+            return self.algorithm.is_finished
+
+    def ask(self) -> list[Specification]:
+        with told_by_line(self.where):
+            asked = self.algorithm.ask()
+            return [self.space.require(specification, self.where) for specification in asked]
+
+    def tell(self, scores: Sequence[Score]) -> GenerationSummary:
+        with told_by_line(self.where):
+            return self.algorithm.tell(scores)
+
+    def random_state(self) -> str:
+        with told_by_line(self.where):
+            return self.algorithm.random_state()

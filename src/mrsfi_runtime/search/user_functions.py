@@ -1,0 +1,114 @@
+"""Functions that a team wrote for its search, named ``module:function`` in a campaign file.
+
+Modules are found where Python looks, and in the current folder. What goes wrong in them is
+told by file and line, as a mistake in what was given, not as a defect of mrsfi.
+"""
+
+import importlib
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from mrsfi_runtime.errors import MrsfiError, UsageError
+
+_NOT_WRITTEN_HERE = (
+    str(Path(__file__).parents[1]),
+    str(Path(importlib.__file__).parents[1]),
+    sys.prefix,
+    "<",
+)
+"""Where code lies that no team wrote: this package, Python's library, installed packages."""
+
+
+def user_function(name: str, where: str) -> Callable[..., Any]:
+    """Return the function that ``module:function`` names.
+
+    Parameters
+    ----------
+    where
+        File and key that name it, for messages.
+
+    Raises
+    ------
+    UsageError
+        If there is no such module or function, or the module cannot be imported. The function
+        itself raises it too, in place of any foreign exception.
+    """
+    module_name, _, attribute = name.partition(":")
+    if not all(part.isidentifier() for part in (*module_name.split("."), attribute)):
+        message = f"{where}: found '{name}'; expected 'module:function', such as 'my_search:creep'"
+        raise UsageError(message)
+    module = _imported(module_name, f"{where}: found '{name}'")
+    found = getattr(module, attribute, None)
+    if not callable(found):
+        functions = [key for key, value in vars(module).items() if _is_own(value, module)]
+        known = ", ".join(functions) or "none"
+        message = (
+            f"{where}: found '{name}'; expected a function of {module.__file__}, which has: {known}"
+        )
+        raise UsageError(message)
+    return guarded(found, f"{where}: '{name}'")
+
+
+def guarded(function: Callable[..., Any], where: str) -> Callable[..., Any]:
+    """Return a user's function that tells its failures as ``UsageError``, by file and line."""
+
+    @wraps(function)
+    def call(*args: Any, **kwargs: Any) -> Any:
+        with told_by_line(where):
+            return function(*args, **kwargs)
+
+    return call
+
+
+@contextmanager
+def told_by_line(where: str) -> Iterator[None]:
+    """Turn any foreign exception of the body into a ``UsageError`` that names file and line."""
+    try:
+        yield
+    except MrsfiError:
+        raise
+    except Exception as error:
+        message = f"{where} failed at {_place(error)}: {_reason(error)}; correct it there"
+        raise UsageError(message) from error
+
+
+def _imported(name: str, where: str) -> ModuleType:
+    folder = str(Path.cwd())
+    sys.path.insert(0, folder)
+    try:
+        with told_by_line(f"{where}; its module"):
+            return importlib.import_module(name)
+    except UsageError as error:
+        missing = error.__cause__
+        if isinstance(missing, ModuleNotFoundError) and missing.name == name.partition(".")[0]:
+            message = (
+                f"{where}; expected a module '{name}' in the current folder, {folder}, or on "
+                "Python's path; set PYTHONPATH to its folder"
+            )
+            raise UsageError(message) from error
+        raise
+    finally:
+        sys.path.remove(folder)
+
+
+def _is_own(value: object, module: ModuleType) -> bool:
+    return callable(value) and getattr(value, "__module__", None) == module.__name__
+
+
+def _place(error: Exception) -> str:
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{error.filename}:{error.lineno}"
+    frames = traceback.extract_tb(error.__traceback__)
+    written = [frame for frame in frames if not frame.filename.startswith(_NOT_WRITTEN_HERE)]
+    frame = (written or frames)[-1]
+    return f"{frame.filename}:{frame.lineno}"
+
+
+def _reason(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"

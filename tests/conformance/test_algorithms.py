@@ -1,0 +1,103 @@
+"""Every algorithm on a mission that really flies: exact budget, legal, repeatable, resumable."""
+
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.cli.missions import find_mission
+from mrsfi_runtime.cli.resume import begun
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.targets import require_no_overlap
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.search.algorithms import ALGORITHMS
+from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.search.space import SearchSpace
+from support_resume import MISSION, SEARCH, digest, evaluations, killed_after, workspace
+
+N_EVALUATIONS = 40
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with models and generated code of the small mission."""
+    return workspace(tmp_path_factory.mktemp("place"))
+
+
+def begin(place: Path, name: str, algorithm: str) -> Path:
+    settings = CampaignSettings(
+        algorithm=algorithm, population=8, faults=6, evaluations=N_EVALUATIONS, seed=3
+    )
+    path = place / f"{name}-{algorithm}"
+    folders = find_mission(str(place / "models" / MISSION))
+    with begun(path, folders, settings, "a", EngineSettings()):
+        return path
+
+
+def search(campaign: Path) -> int:
+    """Search a campaign to its end, and return how many specifications were evaluated."""
+    code = load_code(campaign / "generated")
+    with CampaignStore.open(campaign) as store:
+        n_before = store.n_evaluations
+        settings = CampaignSettings.from_json(store.settings)
+        engine = ReferenceEngine(code, settings.mission_seed)
+        run_campaign(
+            settings,
+            code.mission,
+            code.pool,
+            lambda specifications: map(engine.evaluate, specifications),
+            store,
+        )
+        return store.n_evaluations - n_before
+
+
+@pytest.fixture(scope="module", params=ALGORITHMS)
+def whole(place: Path, request: pytest.FixtureRequest) -> Path:
+    """Folder of a campaign of one algorithm that was never interrupted."""
+    path = begin(place, "whole", request.param)
+    search(path)
+    return path
+
+
+def algorithm_of(campaign: Path) -> str:
+    with CampaignStore.open(campaign) as store:
+        return str(store.settings["algorithm"])
+
+
+def test_it_flies_as_many_specifications_as_it_may(whole: Path) -> None:
+    assert len(evaluations(whole)) == N_EVALUATIONS
+
+
+def test_what_it_flies_keeps_the_restriction_and_the_bounds(whole: Path) -> None:
+    code = load_code(whole / "generated")
+    space = SearchSpace.of(code.mission, code.pool)
+
+    for evaluation in evaluations(whole):
+        require_no_overlap(code.mission, code.pool, evaluation.specification)
+        assert space.require(evaluation.specification, "record") == evaluation.specification
+        assert 1 <= len(evaluation.specification) <= 6
+
+
+def test_every_generation_keeps_statistics_of_a_recorded_population(whole: Path) -> None:
+    with CampaignStore.open(whole) as store:
+        generations, recorded = store.generations(), store.evaluations()
+
+    assert sum(g.statistics["n_evaluations"] for g in generations) == N_EVALUATIONS
+    for generation in generations:
+        fitness = [recorded[index].fitness[0] for index in generation.population]
+        assert generation.statistics["max"] == max(fitness)
+        assert generation.statistics["min"] == min(fitness)
+
+
+def test_killed_and_resumed_it_ends_as_one_that_never_was(place: Path, whole: Path) -> None:
+    path = begin(place, "killed", algorithm_of(whole))
+
+    is_killed = killed_after(0.0, SEARCH, path, 1, n_evaluated=20)
+    n_kept = len(evaluations(path))
+    n_after = search(path)
+
+    assert is_killed
+    assert n_kept + n_after == N_EVALUATIONS
+    assert digest(path) == digest(whole)

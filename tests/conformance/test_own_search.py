@@ -1,0 +1,59 @@
+"""The example of a search of one's own: it runs, goes on after a cut, and keeps the rules."""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.search.campaign import EvaluateMany, run_campaign
+from mrsfi_runtime.search.settings import CampaignSettings
+from support_search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "own_search"
+
+
+@pytest.fixture(params=["own_parts", "own_algorithm"])
+def settings(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> CampaignSettings:
+    monkeypatch.syspath_prepend(EXAMPLE)
+    return CampaignSettings.load(EXAMPLE / f"{request.param}.toml", evaluations=95)
+
+
+def run(settings: CampaignSettings, recorder: MemoryRecorder, evaluate: EvaluateMany) -> None:
+    run_campaign(
+        settings,
+        paper_mission(),
+        pool_of(),
+        evaluate,
+        recorder,
+        replicas=[evaluate_stand_in] * (settings.replications - 1),
+    )
+
+
+def test_it_searches_with_as_many_evaluations_as_it_may(settings: CampaignSettings) -> None:
+    recorder = MemoryRecorder()
+
+    run(settings, recorder, evaluate_stand_in)
+
+    assert len(recorder.kept) == 95
+    assert recorder.generations[-1].statistics["max"] >= recorder.generations[0].statistics["max"]
+
+
+def test_it_goes_on_after_a_cut_as_if_there_had_been_none(settings: CampaignSettings) -> None:
+    whole, cut = MemoryRecorder(), MemoryRecorder()
+    run(settings, whole, evaluate_stand_in)
+
+    def cut_short(specifications: Sequence[Specification]) -> list[Outcome]:
+        if cut.n_evaluations >= 40:
+            raise KeyboardInterrupt
+        return evaluate_stand_in(specifications)
+
+    with suppress(KeyboardInterrupt):
+        run(settings, cut, cut_short)
+    n_before = cut.n_evaluations
+    run(settings, cut, evaluate_stand_in)
+
+    assert 40 <= n_before < 95
+    assert cut == whole

@@ -1,0 +1,183 @@
+import csv
+import json
+import os
+import signal
+import subprocess
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+import pytest
+
+from support_cli import MISSION, command_line, contents, edit, mrsfi, mrsfi_json, workspace
+
+FEW = ("--evaluations", "6", "--workers", "1", "--engine", "reference")
+SMALL = ("compare", MISSION, "--case", "b", *FEW)
+PATIENCE = 120.0  # seconds after which a comparison counts as hanging
+
+
+def findings(content: dict[str, Any]) -> dict[str, Any]:
+    """Return what a comparison found, without what depends on machine and folder."""
+    runs = [{k: v for k, v in run.items() if k != "seconds"} for run in content["runs"]]
+    return {
+        "tests": content["tests"],
+        "runs": runs,
+        "quartiles": {k: v for k, v in content["quartiles"].items() if k != "seconds"},
+    }
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """Place and standard output of a finished comparison with two seeds; only to be read."""
+    folder = workspace(tmp_path_factory.mktemp("compared"))
+    done = mrsfi(*SMALL, "--seeds", "2", cwd=folder)
+    return folder, done.stdout
+
+
+def test_it_prints_medians_tests_and_where_everything_is(compared: tuple[Path, str]) -> None:
+    _, output = compared
+
+    lines = output.splitlines()
+    assert lines[0] == "3 algorithms, 2 seeds, 6 evaluations a run"
+    assert any(line.split()[:2] == ["fitness", "paper"] for line in lines)
+    assert any(line.startswith("hypervolume  share of the possible") for line in lines)
+    assert lines[-1].split() == ["summary", "runs/compare-uuv_sampling-b/comparison.json"]
+    assert max(map(len, lines)) <= 100
+
+
+def test_the_folder_holds_runs_tables_and_figures(compared: tuple[Path, str]) -> None:
+    folder = compared[0] / "runs" / "compare-uuv_sampling-b"
+
+    assert sorted(file.name for file in (folder / "runs").iterdir()) == [
+        f"{name}-{seed}.json" for name in ("drift", "paper", "random") for seed in (1, 2)
+    ]
+    assert sorted(file.name for file in (folder / "figures").glob("*.png")) == [
+        "course.png",
+        "goals.png",
+        "results.png",
+    ]
+    with (folder / "runs.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["n_evaluations"] for row in rows] == ["6"] * 6
+    content = json.loads((folder / "comparison.json").read_text())
+    assert (content["mission"], content["settings"]["goals"]) == (MISSION, ["g1", "g3"])
+    assert len([test for test in content["tests"] if test["measure"] == "fitness"]) == 3
+
+
+def test_a_run_is_the_campaign_of_the_same_seed(compared: tuple[Path, str]) -> None:
+    place, _ = compared
+    folder = place / "runs" / "compare-uuv_sampling-b"
+    run = json.loads((folder / "runs" / "random-2.json").read_text())["result"]
+
+    campaign = mrsfi_json(
+        *("evolve", MISSION, "--case", "b", "--algorithm", "random", "--seed", "2", *FEW),
+        cwd=place,
+    )
+
+    assert run["digest"] == campaign["digest"]
+    assert run["improvements"][-1][1] == campaign["best"]["fitness"]
+    assert run["front_size"] == len(campaign["front"]["points"])
+
+
+def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(place: Path) -> None:
+    out = ("--out", "runs/c")
+    mrsfi(*SMALL, "--seeds", "1", "--algorithms", "random", *out, cwd=place)
+    before = contents(place / "runs" / "c" / "runs")
+
+    done = mrsfi(*SMALL, "--seeds", "2", "--algorithms", "drift,random", *out, cwd=place)
+
+    after = contents(place / "runs" / "c" / "runs")
+    assert {name: after[name] for name in before} == before
+    assert sorted(after) == ["drift-1.json", "drift-2.json", "random-1.json", "random-2.json"]
+    assert done.stderr.count("was finished already") == 1
+
+
+def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(
+    compared: tuple[Path, str], place: Path
+) -> None:
+    folder = place / "runs" / "compare-uuv_sampling-b"
+    command = (*SMALL, "--seeds", "2")
+    with subprocess.Popen(
+        command_line(*command), cwd=place, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+    ) as process:
+        begun = monotonic()
+        while len(list(folder.glob("runs/*.json"))) < 2 or not list(folder.glob("unfinished-*")):
+            assert monotonic() - begun < PATIENCE
+            sleep(0.005)
+        os.kill(process.pid, signal.SIGKILL)
+    before = contents(folder / "runs")
+
+    again = mrsfi_json(*command, cwd=place)
+
+    whole = json.loads((compared[0] / "runs/compare-uuv_sampling-b/comparison.json").read_text())
+    assert findings(again) == findings(whole)
+    assert contents(folder / "runs").items() >= before.items()
+    assert not list(folder.glob("unfinished-*"))
+
+
+def test_runs_of_another_number_of_evaluations_or_mission_are_not_mixed(place: Path) -> None:
+    small = (*SMALL, "--seeds", "1", "--algorithms", "random")
+    mrsfi(*small, cwd=place)
+
+    other = mrsfi(*small, "--evaluations", "7", cwd=place, expected=9)
+    edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
+    mrsfi("generate", MISSION, cwd=place)
+    changed = mrsfi(*small, cwd=place, expected=9)
+
+    assert "found a run with other evaluations: evaluations 6; expected evaluations 7" in (
+        other.stderr
+    )
+    assert "mission.xmi: the comparison's own copy differs" in changed.stderr
+
+
+def test_replications_of_a_campaign_file_are_flown_too(place: Path) -> None:
+    file = place / "models" / MISSION / "case_a.toml"
+    edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")
+    small = ("--algorithm", "random", "--evaluations", "3", "--engine", "reference")
+
+    found = mrsfi_json(
+        *("compare", MISSION, "--algorithms", "random", "--seeds", "1", *small[2:]), cwd=place
+    )
+
+    campaign = mrsfi_json("evolve", MISSION, *small, cwd=place)
+    assert found["settings"]["replications"] == 2
+    assert found["runs"][0]["digest"] == campaign["digest"]
+
+
+def test_a_folder_of_something_else_is_refused(place: Path) -> None:
+    campaign = place / "runs" / "campaign"
+    campaign.mkdir(parents=True)
+    (campaign / "campaign.sqlite").write_bytes(b"")
+
+    done = mrsfi(*SMALL, "--seeds", "1", "--out", campaign, cwd=place, expected=9)
+
+    assert "found something there already" in done.stderr
+    assert [file.name for file in campaign.iterdir()] == ["campaign.sqlite"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--algorithms", "paper,magic"), "found 'magic'"),
+        (("--algorithms", "paper,paper"), "expected different names"),
+        (("--algorithms", "paper,"), "expected different names"),
+        (("--seeds", "0"), "--seeds"),
+        (("--evaluations", "0"), "--evaluations"),
+        (("--case", "z"), "found no campaign file 'z'"),
+    ],
+)
+def test_wrong_usage_ends_with_2_and_makes_no_folder(
+    arguments: tuple[str, ...], message: str, place: Path
+) -> None:
+    done = mrsfi("compare", MISSION, *arguments, cwd=place, expected=2)
+
+    assert message in done.stderr
+    assert not (place / "runs").exists()
+
+
+def test_stale_generated_code_ends_with_4(place: Path) -> None:
+    edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
+
+    done = mrsfi(*SMALL, cwd=place, expected=4)
+
+    assert "run `mrsfi generate" in done.stderr

@@ -1,0 +1,132 @@
+import json
+from dataclasses import replace
+from math import inf
+
+import pytest
+
+from mrsfi_runtime.analysis.comparison import Comparison, as_json, compare
+from mrsfi_runtime.analysis.rank_tests import Quartiles, holm
+from mrsfi_runtime.analysis.run_results import RunResult
+
+
+def run(algorithm: str, seed: int, best: float, **others: object) -> RunResult:
+    values = {
+        "n_evaluations": 50,
+        "n_failures": 0,
+        "improvements": ((1, best / 2), (9, best)),
+        "at_once": (1, None, None),
+        "together": (1, 2, None),
+        "hypervolume": best / 100,
+        "front_size": 4,
+        "seconds": 2.0 * seed,
+        "digest": f"{algorithm}{seed}",
+    }
+    return RunResult(algorithm=algorithm, seed=seed, **(values | others))  # type: ignore[arg-type]
+
+
+def three() -> Comparison:
+    runs = [run("good", seed, 20.0 + seed) for seed in (1, 2, 3, 4)]
+    runs += [run("bad", seed, 10.0 + seed) for seed in (4, 3, 2, 1)]
+    runs += [run("fair", seed, 17.0 + 2 * seed, at_once=(seed, 30, None)) for seed in (1, 2, 3, 4)]
+    return compare(("bad", "good", "fair"), runs)
+
+
+def test_runs_stand_by_algorithm_as_given_and_by_seed() -> None:
+    found = three()
+
+    assert [(one.algorithm, one.seed) for one in found.runs] == [
+        (name, seed) for name in ("bad", "good", "fair") for seed in (1, 2, 3, 4)
+    ]
+    assert found.seeds == (1, 2, 3, 4)
+    assert [one.digest for one in found.of("fair")] == ["fair1", "fair2", "fair3", "fair4"]
+
+
+def test_measures_that_no_run_reached_are_left_out() -> None:
+    names = [measure.name for measure in three().measures]
+
+    assert names == [
+        "fitness",
+        "hypervolume",
+        "at_once_1",
+        "at_once_2",
+        "together_1",
+        "together_2",
+        "front_size",
+        "seconds",
+    ]
+
+
+def test_hypervolume_is_left_out_where_it_was_not_computed() -> None:
+    runs = [replace(one, hypervolume=None) for one in three().runs]
+
+    names = [measure.name for measure in compare(("bad", "good", "fair"), runs).measures]
+
+    assert "hypervolume" not in names
+
+
+def test_medians_have_quartiles_and_what_was_never_reached_is_infinite() -> None:
+    found = three().quartiles
+
+    assert found["fitness"]["good"] == Quartiles(21.75, 22.5, 23.25)
+    assert found["at_once_2"]["good"] == Quartiles(inf, inf, inf)
+    assert found["at_once_2"]["fair"] == Quartiles(30.0, 30.0, 30.0)
+
+
+def test_a12_above_a_half_means_that_the_first_does_better_also_where_less_is_better() -> None:
+    tests = {(test.measure, test.first, test.second): test for test in three().tests}
+
+    assert tests["fitness", "bad", "good"].ranks.a12 == 0.0
+    assert tests["at_once_1", "good", "fair"].ranks.a12 == 0.875
+    assert tests["at_once_2", "good", "fair"].ranks.a12 == 0.0
+    assert tests["at_once_2", "bad", "good"].ranks.a12 == 0.5
+
+
+def test_every_pair_is_tested_on_every_measure_but_size_and_time() -> None:
+    tests = three().tests
+
+    assert [(t.first, t.second) for t in tests if t.measure == "fitness"] == [
+        ("bad", "good"),
+        ("bad", "fair"),
+        ("good", "fair"),
+    ]
+    assert len(tests) == 3 * 6
+    assert not {"seconds", "front_size"} & {test.measure for test in tests}
+
+
+def test_p_values_are_adjusted_for_the_pairs_of_their_measure() -> None:
+    tests = [test for test in three().tests if test.measure == "fitness"]
+
+    assert tests[0].ranks.p_value == pytest.approx(2 / 70)
+    assert tuple(test.holm_p_value for test in tests) == pytest.approx(
+        holm([test.ranks.p_value for test in tests])
+    )
+
+
+def test_one_algorithm_has_quartiles_and_no_tests() -> None:
+    found = compare(("good",), [run("good", 1, 5.0)])
+
+    assert found.quartiles["fitness"]["good"] == Quartiles(5.0, 5.0, 5.0)
+    assert found.tests == ()
+
+
+def test_json_has_nothing_that_json_has_not() -> None:
+    content = json.loads(json.dumps(as_json(three()), allow_nan=False))
+
+    assert content["schema"] == 1
+    assert content["quartiles"]["at_once_2"]["good"] == {
+        "lower": None,
+        "median": None,
+        "upper": None,
+    }
+    assert content["tests"][0] == {
+        "measure": "fitness",
+        "first": "bad",
+        "second": "good",
+        "u": 0.0,
+        "p_value": pytest.approx(2 / 70),
+        "holm_p_value": pytest.approx(6 / 70),
+        "method": "exact",
+        "a12": 0.0,
+        "magnitude": "large",
+    }
+    assert content["runs"][0]["best_fitness"] == 11.0

@@ -1,0 +1,166 @@
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.analysis import comparison_folder
+from mrsfi_runtime.analysis.comparison import Comparison, as_json, compare
+from mrsfi_runtime.analysis.comparison_folder import ComparisonFolder
+from mrsfi_runtime.analysis.run_results import RunResult, measure_run
+from mrsfi_runtime.errors import RecordError
+from support_record import generations_of_evaluations, mission
+
+SUBJECT = {"population": 20, "evaluations": 40, "goals": ["g1", "g3"]}
+
+
+def result(algorithm: str, seed: int) -> RunResult:
+    evaluations = [one for members in generations_of_evaluations(4, 10, seed) for one in members]
+    return measure_run(
+        mission(),
+        evaluations,
+        algorithm=algorithm,
+        seed=seed,
+        goals=("g1", "g3"),
+        n_failures=0,
+        seconds=0.5,
+        digest=f"{seed:064x}",
+    )
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> ComparisonFolder:
+    made = ComparisonFolder(tmp_path / "compared")
+    made.runs.mkdir(parents=True)
+    return made
+
+
+def compared() -> Comparison:
+    return compare(
+        ("paper", "my.own:search"),
+        [
+            result(name, seed + shift)
+            for shift, name in ((0, "paper"), (10, "my.own:search"))
+            for seed in (1, 2, 3)
+        ],
+    )
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_finished_run_is_found_again(folder: ComparisonFolder) -> None:
+    run = result("my.own:search", 7)
+
+    folder.keep(run, SUBJECT)
+
+    assert folder.kept("my.own:search", 7, SUBJECT) == run
+    assert folder.kept("my.own:search", 8, SUBJECT) is None
+    assert [file.name for file in folder.runs.iterdir()] == ["my.own:search-7.json"]
+
+
+def test_a_run_of_something_else_is_refused_and_says_what_differs(
+    folder: ComparisonFolder,
+) -> None:
+    folder.keep(result("paper", 1), SUBJECT)
+
+    with pytest.raises(
+        RecordError, match=r"paper-1\.json: .*evaluations 40; expected .* 50; .*--out"
+    ):
+        folder.kept("paper", 1, SUBJECT | {"evaluations": 50})
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "{}", '{"schema": 1, "subject": {}, "result": {}}', "null"],
+)
+def test_a_damaged_run_is_refused_by_name(folder: ComparisonFolder, text: str) -> None:
+    folder.run_file("paper", 1).write_text(text)
+
+    with pytest.raises(RecordError, match=r"paper-1\.json: is not the result of a run.*remove"):
+        folder.kept("paper", 1, SUBJECT)
+
+
+def test_a_run_under_a_wrong_name_is_refused(folder: ComparisonFolder) -> None:
+    folder.keep(result("paper", 1), SUBJECT)
+    folder.run_file("paper", 1).rename(folder.run_file("paper", 2))
+
+    with pytest.raises(RecordError, match="another schema or run"):
+        folder.kept("paper", 2, SUBJECT)
+
+
+def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(
+    folder: ComparisonFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = result("paper", 1)
+    folder.keep(run, SUBJECT)
+
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(comparison_folder.os, "fsync", full)
+    with pytest.raises(RecordError, match="No space left on device"):
+        folder.keep(run, SUBJECT | {"evaluations": 50})
+
+    assert folder.kept("paper", 1, SUBJECT) == run
+    assert len(list(folder.runs.iterdir())) == 1
+
+
+def test_tables_have_every_run_quartile_and_test(folder: ComparisonFolder) -> None:
+    comparison = compared()
+
+    folder.write(comparison, as_json(comparison))
+
+    runs = table(folder.path / "runs.csv")
+    assert [(row["algorithm"], row["seed"]) for row in runs[:4]] == [
+        ("paper", "1"),
+        ("paper", "2"),
+        ("paper", "3"),
+        ("my.own:search", "11"),
+    ]
+    assert float(runs[0]["fitness"]) == comparison.runs[0].best_fitness
+    assert runs[0]["digest"] == f"{1:064x}"
+    assert {row["n_runs"] for row in table(folder.path / "quartiles.csv")} == {"3"}
+    tests = table(folder.path / "tests.csv")
+    assert len(tests) == len(comparison.tests)
+    assert float(tests[0]["p_value"]) == comparison.tests[0].ranks.p_value
+    assert json.loads(folder.summary.read_text()) == json.loads(json.dumps(as_json(comparison)))
+
+
+def test_figures_are_drawn_and_nothing_else_is_left(folder: ComparisonFolder) -> None:
+    comparison = compared()
+
+    folder.write(comparison, as_json(comparison))
+    folder.write(comparison, as_json(comparison))
+
+    assert sorted(file.name for file in folder.figures.iterdir()) == [
+        f"{name}.{suffix}" for name in ("course", "goals", "results") for suffix in ("png", "svg")
+    ]
+    assert sorted(file.name for file in folder.path.iterdir()) == [
+        "comparison.json",
+        "figures",
+        "quartiles.csv",
+        "runs",
+        "runs.csv",
+        "tests.csv",
+    ]
+
+
+def test_what_a_kill_left_is_removed(folder: ComparisonFolder) -> None:
+    left = folder.path / "unfinished-x"
+    left.mkdir()
+    (left / "campaign.sqlite").write_bytes(b"x")
+    folder.keep(result("paper", 1), SUBJECT)
+
+    folder.tidy()
+
+    assert [file.name for file in folder.path.iterdir()] == ["runs"]
+
+
+def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+    comparison = compared()
+
+    with pytest.raises(RecordError, match="cannot be written"):
+        ComparisonFolder(tmp_path / "gone").write(comparison, as_json(comparison))

@@ -1,0 +1,105 @@
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from mrsfi_runtime.analysis import comparison_plots, plots
+from mrsfi_runtime.analysis.comparison import Comparison, compare
+from mrsfi_runtime.analysis.run_results import RunResult
+
+
+def run(algorithm: str, seed: int, best: float, volume: float | None = 0.2) -> RunResult:
+    return RunResult(
+        algorithm=algorithm,
+        seed=seed,
+        n_evaluations=400,
+        n_failures=0,
+        improvements=((1, best / 3), (40 * seed, best)),
+        at_once=(1, 20 * seed, 300 if best > 800 else None, None),
+        together=(1, 2, 3, None),
+        hypervolume=volume,
+        front_size=3,
+        seconds=1.0,
+        digest="d",
+    )
+
+
+def compared(volume: float | None = 0.2) -> Comparison:
+    names = ("guided", "paper", "random")
+    return compare(
+        names,
+        [
+            run(name, seed, 1200.0 - 300 * place + 20 * seed, volume)
+            for place, name in enumerate(names)
+            for seed in (1, 2, 3, 4, 5)
+        ],
+    )
+
+
+def texts(svg: Path) -> set[str]:
+    root = ET.fromstring(svg.read_bytes())
+    nodes = root.iter("{http://www.w3.org/2000/svg}text")
+    return {"".join(node.itertext()).strip() for node in nodes}
+
+
+WORDS = {
+    "results": {"Best fitness", "Hypervolume", "median", "quartiles", "guided", "random"},
+    "course": {"Best fitness so far: median and quartiles of the runs", "evaluations", "paper"},
+    "goals": {
+        "Evaluations to break several goals by one specification",
+        "evaluations (top: never)",
+        "guided",
+        "100",
+    },
+}
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name: str, tmp_path: Path) -> None:
+    figure = dict(comparison_plots.illustrate(compared()))[name]
+
+    _, svg = plots.save(figure, tmp_path / name)
+
+    assert WORDS[name] - texts(svg) == set()
+    extent = figure.get_tightbbox()
+    width, height = figure.get_size_inches()
+    assert (extent.x0 >= 0, extent.y0 >= 0) == (True, True)
+    assert (extent.x1 <= width, extent.y1 <= height) == (True, True)
+
+
+def test_the_same_comparison_gives_the_same_bytes(tmp_path: Path) -> None:
+    first, second = (
+        [
+            path.read_bytes()
+            for name, figure in comparison_plots.illustrate(compared())
+            for path in plots.save(figure, tmp_path / f"{name}{number}")
+        ]
+        for number in (1, 2)
+    )
+
+    assert first == second
+
+
+def test_without_a_hypervolume_the_fitness_stands_alone() -> None:
+    figure = comparison_plots.results(compared(volume=None))
+
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["Best fitness"]
+
+
+def test_where_no_run_broke_a_goal_no_goals_are_drawn() -> None:
+    calm = run("paper", 1, 0.0)
+    nothing = RunResult(**{**calm.as_json(), "at_once": (None,), "together": (None,)})
+
+    names = [name for name, _ in comparison_plots.illustrate(compare(("paper",), [nothing]))]
+
+    assert names == ["results", "course"]
+
+
+def test_the_course_ends_at_the_median_of_the_best() -> None:
+    comparison = compared()
+
+    (axes,) = comparison_plots.course(comparison).axes
+
+    ends = {line.get_label(): line.get_ydata()[-1] for line in axes.get_lines()}
+    expected = comparison.quartiles["fitness"]
+    assert ends == {name: found.median for name, found in expected.items()}

@@ -1,0 +1,109 @@
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mrsfi_runtime.analysis.fronts import non_dominated
+from mrsfi_runtime.analysis.run_results import RunResult, front_volume, measure_run
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.mission import Mission
+from support_record import evaluation, mission
+
+SIX = (0, 0, 0, 0, 0, 0)
+
+
+def measured(
+    believed: Sequence[tuple[int, ...]],
+    waters: Mission | None = None,
+    goals: tuple[str, ...] = (),
+    counts: str = "believed",
+) -> RunResult:
+    return measure_run(
+        waters or mission(),
+        [evaluation(index, found) for index, found in enumerate(believed)],
+        algorithm="paper",
+        seed=3,
+        goals=goals,
+        counts=counts,
+        n_failures=2,
+        seconds=1.5,
+        digest="d",
+    )
+
+
+def test_each_improvement_of_the_fitness_is_kept_with_its_place() -> None:
+    run = measured([(4, 0, 0, 0, 0, 0), (2, 1, 0, 0, 0, 0), (9, 0, 0, 0, 0, 0), (9, *SIX[1:])])
+
+    assert run.improvements == ((1, 4.0), (3, 9.0))
+    assert run.best_fitness == 9.0
+    assert [run.best_after(n) for n in range(5)] == [0.0, 4.0, 4.0, 9.0, 9.0]
+
+
+def test_goals_are_counted_by_one_specification_and_by_all_so_far() -> None:
+    run = measured([SIX, (1, 0, 0, 0, 0, 0), (0, 1, 1, 0, 0, 0), (1, 0, 0, 1, 1, 0)])
+
+    assert run.at_once == (2, 3, 4, None, None, None)
+    assert run.together == (2, 3, 3, 4, 4, None)
+
+
+def test_true_violations_are_looked_at_on_request() -> None:
+    run = measured([(1, 3, 0, 0, 0, 0)], counts="true")  # of which halves are true: 0 and 1
+
+    assert run.at_once[:2] == (1, None)
+
+
+def test_no_evaluations_have_a_result() -> None:
+    run = measured([])
+
+    assert (run.best_fitness, run.hypervolume, run.front_size) == (0.0, 0.0, 0)
+    assert run.at_once == run.together == (None,) * 6
+
+
+def test_the_front_is_over_the_chosen_goals() -> None:
+    found = [(5, 9, 1, 0, 0, 0), (1, 9, 5, 0, 0, 0), (1, 0, 4, 0, 0, 0)]
+
+    assert measured(found, goals=("g1", "g3")).front_size == 2
+    assert measured(found, goals=("g3", "g2")).front_size == 1
+    with pytest.raises(UsageError, match="found goal 'g9'"):
+        measured(found, goals=("g9",))
+
+
+@given(st.integers(2, 3), st.data())
+def test_hypervolume_is_the_share_of_vectors_that_the_front_reaches(
+    n_goals: int, data: st.DataObject
+) -> None:
+    duration = 6
+    point = st.tuples(*[st.integers(0, duration)] * n_goals)
+    front = non_dominated(data.draw(st.lists(point, min_size=1, max_size=8)))
+    grid = list(product(range(duration + 1), repeat=n_goals))
+    n_reached = sum(
+        any(all(x <= y for x, y in zip(vector, member, strict=True)) for member in front)
+        for vector in grid
+    )
+
+    volume = front_volume(front, n_goals, duration)
+
+    assert volume == pytest.approx(n_reached / len(grid))
+
+
+def test_hypervolume_needs_two_goals_and_not_too_many() -> None:
+    assert front_volume([(4,)], 1, 10) is None
+    assert front_volume([(4,) * 8], 8, 10) is None
+    assert front_volume([(10,) * 7], 7, 10) == pytest.approx(1.0)
+    assert front_volume([], 2, 10) == 0.0
+
+
+def test_a_front_on_an_axis_has_a_volume() -> None:
+    assert front_volume([(0, 9)], 2, 9) == pytest.approx(0.1)
+
+
+def test_a_result_survives_json() -> None:
+    run = measured([(1, 0, 2, 0, 0, 0), (3, 0, 2, 0, 0, 0)])
+    unvalued = replace(run, hypervolume=None)
+
+    assert RunResult.from_json(json.loads(json.dumps(run.as_json()))) == run
+    assert RunResult.from_json(json.loads(json.dumps(unvalued.as_json()))) == unvalued

@@ -1,0 +1,176 @@
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.errors import SpecificationError, UsageError
+from mrsfi_runtime.search.campaign import require_settings, run_campaign
+from mrsfi_runtime.search.settings import CampaignSettings
+from support_search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
+
+MODULE = """
+from mrsfi_runtime.model.faults import TimedFault
+
+NUMBER = 7
+
+
+def kept(space, specification, rng, share):
+    return specification
+
+
+def overlapping(space, specification, rng, share):
+    return (*specification, *specification)
+
+
+def late(space, specification, rng, share):
+    return tuple(timed._replace(finish=space.duration) for timed in specification)
+
+
+def unknown(space, specification, rng, share):
+    return (TimedFault("f99", 0, 1),)
+
+
+def broken(*args):
+    return 1 / 0
+
+
+def first_goal(findings):
+    return float(findings.violations[0])
+
+
+def worst_first(individuals, n_selected, rng):
+    return sorted(individuals, key=lambda i: i.score.fitness)[:1] * n_selected
+
+
+def unchanged(space, first, second, rng):
+    return first, second
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A module own_functions in the current folder, forgotten again afterwards."""
+    path = tmp_path / "own_functions.py"
+    path.write_text(MODULE, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    yield path
+    sys.modules.pop("own_functions", None)
+
+
+def campaign(**search: object) -> CampaignSettings:
+    lines = [f"{key} = {value!r}" for key, value in search.items()]
+    return CampaignSettings.parse("\n".join(["[search]", "generations = 2", *lines]), "case.toml")
+
+
+def run(settings: CampaignSettings) -> MemoryRecorder:
+    recorder = MemoryRecorder()
+    run_campaign(settings, paper_mission(), pool_of(), evaluate_stand_in, recorder)
+    return recorder
+
+
+@pytest.mark.usefixtures("own")
+def test_a_fitness_function_of_the_user_judges() -> None:
+    recorder = run(campaign(fitness="own_functions:first_goal"))
+
+    assert recorder.kept
+    assert all(e.fitness == (float(e.outcome.believed[0]),) for e in recorder.kept)
+
+
+@pytest.mark.usefixtures("own")
+def test_operators_of_the_user_vary() -> None:
+    recorder = run(
+        campaign(
+            mutation_operator="own_functions:kept", crossover_operator="own_functions:unchanged"
+        )
+    )
+
+    assert len(recorder.kept) == 20
+
+
+@pytest.mark.usefixtures("own")
+def test_a_selection_of_the_user_selects() -> None:
+    recorder = run(campaign(selection="own_functions:worst_first", crossover=0.0, mutation=0.0))
+
+    assert {g.statistics["max"] for g in recorder.generations[1:]} == {
+        recorder.generations[0].statistics["min"]
+    }
+
+
+@pytest.mark.usefixtures("own")
+def test_the_current_folder_does_not_stay_on_pythons_path() -> None:
+    before = list(sys.path)
+
+    campaign(fitness="own_functions:first_goal").chosen("fitness", {})
+
+    assert sys.path == before
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("own_functions:absent", r"expected a function of .*own_functions.py, which has: kept, "),
+        ("own_functions:NUMBER", r"found 'own_functions:NUMBER'; expected a function of"),
+        ("no_such_module:f", r"expected a module 'no_such_module' in the current folder"),
+        ("own functions:f", r"expected 'module:function'"),
+        ("own_functions:", r"expected 'module:function'"),
+        (":f", r"expected 'module:function'"),
+    ],
+)
+@pytest.mark.parametrize(
+    "key", ["algorithm", "selection", "fitness", "mutation_operator", "crossover_operator"]
+)
+@pytest.mark.usefixtures("own")
+def test_a_name_that_leads_nowhere_is_refused_by_file_and_key(
+    key: str, name: str, message: str
+) -> None:
+    with pytest.raises(UsageError, match=message) as refused:
+        require_settings(campaign(**{key: name}), paper_mission())
+
+    assert str(refused.value).startswith(f"case.toml: [search] {key}: found '{name}'; ")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("def broken(:\n", r"its module failed at .*own_functions.py:1: SyntaxError"),
+        ("\nimport no_such_thing\n", r"its module failed at .*own_functions.py:2: ModuleNotFound"),
+        ("x = 1\nx.y\n", r"its module failed at .*own_functions.py:2: AttributeError"),
+    ],
+)
+def test_a_module_that_cannot_be_imported_is_told_by_line(
+    own: Path, text: str, message: str
+) -> None:
+    own.write_text(text, encoding="utf-8")
+
+    with pytest.raises(UsageError, match=message):
+        require_settings(campaign(fitness="own_functions:f"), paper_mission())
+
+
+@pytest.mark.parametrize(
+    "key", ["algorithm", "selection", "fitness", "mutation_operator", "crossover_operator"]
+)
+@pytest.mark.usefixtures("own")
+def test_a_function_that_fails_is_told_by_line(key: str) -> None:
+    with pytest.raises(
+        UsageError, match=r"'own_functions:broken' failed at .*:24: ZeroDivisionError"
+    ) as failed:
+        run(campaign(**{key: "own_functions:broken"}))
+
+    assert str(failed.value).startswith(f"case.toml: [search] {key}: ")
+
+
+@pytest.mark.parametrize(
+    ("operator", "message"),
+    [
+        ("overlapping", "which conflict and overlap"),
+        ("late", "expected a fault of the pool, its window within 0 … 999"),
+        ("unknown", r"made TimedFault\(fault='f99'.*expected a fault of the pool"),
+    ],
+)
+@pytest.mark.usefixtures("own")
+def test_what_an_operator_must_not_make_is_refused(operator: str, message: str) -> None:
+    with pytest.raises(SpecificationError, match=message) as refused:
+        run(campaign(mutation_operator=f"own_functions:{operator}"))
+
+    assert f"case.toml: [search] 'own_functions:{operator}' made" in str(refused.value)
