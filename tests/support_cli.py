@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pytest
+from support_missing import skip
 
 ROOT = Path(__file__).resolve().parent.parent
 MISSION = "uuv_sampling"
@@ -124,8 +124,5 @@ def require_program(name: str) -> str:
     """Return the path of a program, or skip the test; in continuous integration, fail it."""
     path = shutil.which(name)
     if path is None:
-        message = f"needs the program '{name}'"
-        if os.environ.get("MRSFI_CI"):
-            pytest.fail(message)
-        pytest.skip(message)
+        skip(f"needs the program '{name}'")
     return path

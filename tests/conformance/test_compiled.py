@@ -186,3 +186,11 @@ def test_a_region_that_compiles_to_something_else_stops_the_search(tmp_path):
         pytest.raises(EvaluationError, match="the reference engine has"),
     ):
         list(engine.evaluate_many([()]))
+
+
+def test_code_that_was_loaded_again_since_still_compiles():
+    first = paper_code(60)
+    paper_code(60)
+
+    with COMPILED.open(first, SEED) as engine:
+        assert traced(engine, ()) == traced(ReferenceEngine(first, SEED), ())

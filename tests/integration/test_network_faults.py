@@ -2,15 +2,11 @@
 
 import asyncio
 import json
-import re
 import resource
-import signal
 import socket
 import string
-import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from random import Random
 from time import monotonic
 from typing import Any
@@ -22,41 +18,22 @@ from websockets.exceptions import InvalidStatus
 
 from mrsfi_runtime.bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.bridge.settings import Limits, Settings
-from mrsfi_runtime.cli.missions import find_mission
-from mrsfi_runtime.cli.resume import begun
-from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.search.settings import CampaignSettings
-from support_cli import ROOT, edit, mrsfi
+from support_missing import skip
 from support_network import (
     MEBI,
     Client,
     Server,
     Witness,
     bridge,
-    child_of,
     drained,
     dropped,
     masked_frame,
     raw_socket,
     send_operation,
-    wait_for_tick,
 )
-from support_resume import (
-    MISSION,
-    SEARCH,
-    are_gone,
-    digest,
-    evaluations,
-    finished,
-    workspace,
-)
-from support_rosbridge import process
 
 STRING = "std_msgs/String"
 Note = Callable[[str], None]
-FLIGHT = ("simulate", "uuv_sampling", "--engine", "rosbridge", "--timeout", "2")
-WITHIN = 15.0
-"""Seconds within which a side ends: its time-out, roslibpy's closing, a slow machine."""
 
 
 @contextmanager
@@ -186,7 +163,7 @@ def many_files() -> Iterator[None]:
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = 4096
     if hard not in (resource.RLIM_INFINITY,) and hard < wanted:
-        pytest.skip(f"needs {wanted} open files; the hard limit is {hard}")
+        skip(f"needs {wanted} open files; the hard limit is {hard}")
     resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, wanted), hard))
     yield
     resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
@@ -328,134 +305,3 @@ def test_a_callback_that_raises_is_kept_and_the_server_goes_on() -> None:
             assert server.failed.error is problem
             assert witness.is_served()
         client.settle()
-
-
-def ended_with_8(side: subprocess.Popen[str], note: Note, what: str) -> str:
-    """Require that a side of a flight ends with exit code 8 in time; return what it says."""
-    begin = monotonic()
-    output, errors = side.communicate(timeout=WITHIN)
-    note(f"{what} ended {monotonic() - begin:.1f} s later: {errors.splitlines()[-1]}")
-    assert side.returncode == 8, errors
-    assert "Traceback" not in output + errors
-    return errors
-
-
-def tick_of(errors: str) -> int:
-    """Return the tick that a message names."""
-    (tick,) = re.findall(r"run 1, tick (\d+): ", errors)
-    return int(tick)
-
-
-@pytest.mark.parametrize(
-    ("sign", "problem"),
-    [(signal.SIGKILL, "was lost"), (signal.SIGSTOP, "was silent for 2 s")],
-    ids=["killed", "stopped: its sockets are half open"],
-)
-def test_a_server_lost_in_mid_run_ends_both_sides_with_8(
-    sign: signal.Signals, problem: str, note: Note
-) -> None:
-    with (
-        bridge() as server,
-        process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
-        process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
-    ):
-        wait_for_tick(server.url, 1, 100)
-        server.process.send_signal(sign)
-        told = [
-            ended_with_8(ci, note, f"server {sign.name}: the CI"),
-            ended_with_8(simulation, note, f"server {sign.name}: the simulation"),
-        ]
-
-    assert all(100 <= tick_of(errors) < 1000 for errors in told)
-    assert all(problem in errors for errors in told)
-
-
-def test_a_killed_simulation_ends_the_ci_with_8_and_the_server_goes_on(note: Note) -> None:
-    with (
-        bridge() as server,
-        process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
-        process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
-    ):
-        wait_for_tick(server.url, 1, 100)
-        simulation.kill()
-        errors = ended_with_8(ci, note, "simulation killed: the CI")
-
-        assert 100 <= tick_of(errors) < 1000
-        assert "the simulation was silent for 2 s" in errors
-        with Witness(server.url) as witness:
-            assert witness.is_served()
-
-
-def test_a_killed_ci_ends_the_simulation_with_8_and_the_server_goes_on(note: Note) -> None:
-    with (
-        bridge() as server,
-        process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
-        process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
-    ):
-        wait_for_tick(server.url, 1, 100)
-        ci.kill()
-        errors = ended_with_8(simulation, note, "CI killed: the simulation")
-
-        assert 100 <= tick_of(errors) < 1000
-        assert "the collective intelligence was silent for 2 s" in errors
-        with Witness(server.url) as witness:
-            assert witness.is_served()
-
-
-def test_a_region_that_raises_ends_its_run_with_6_and_the_server_goes_on(tmp_path: Path) -> None:
-    workspace(tmp_path)
-    edit(
-        tmp_path / "generated" / MISSION / "collective_intelligence.py",
-        "    return tasks.sufficient_energy_violated(ci, ENERGY)\n",
-        "    return 1 // (60 - ci.mission.tick) == 7\n",
-    )
-    words = ("simulate", MISSION, "--engine", "rosbridge")
-
-    with bridge() as server, Witness(server.url) as witness:
-        errors = mrsfi(*words, "--url", server.url, cwd=tmp_path, expected=6).stderr
-
-        assert "collective_intelligence.py:85: mission 'tight margins' failed at tick 60" in errors
-        assert witness.is_served()
-
-
-def test_a_killed_command_leaves_no_simulation_behind() -> None:
-    with bridge() as server, process(*FLIGHT, "--url", server.url) as command:
-        wait_for_tick(server.url, 1, 100)
-        simulation = child_of(command)
-        command.kill()
-
-        assert are_gone([simulation], within=WITHIN)
-
-
-def uninterrupted(path: Path) -> None:
-    """Search a campaign of four individuals and two generations in process, to its end."""
-    folders = find_mission(str(ROOT / "models" / MISSION))
-    case = folders.models / "case_a.toml"
-    settings = CampaignSettings.load(case, population=4, generations=2, seed=3)
-    with begun(path, folders, settings, "a", EngineSettings()):
-        pass
-    finished(SEARCH, path, 1)
-
-
-def test_a_campaign_whose_server_dies_keeps_what_it_found_and_resumes(
-    tmp_path: Path, note: Note
-) -> None:
-    whole, path = tmp_path / "whole", tmp_path / "killed"
-    uninterrupted(whole)
-    words = ("evolve", MISSION, "--population", "4", "--generations", "2", "--seed", "3")
-    bus = ("--engine", "rosbridge", "--timeout", "5", "--workers", "1", "--out", path)
-
-    with bridge() as server, process(*words, *bus, "--url", server.url) as command:
-        wait_for_tick(server.url, 7, 20)
-        server.process.kill()
-        errors = ended_with_8(command, note, "server killed: the campaign")
-    before = evaluations(path)
-    with bridge() as server:
-        mrsfi("evolve", "--resume", path, "--workers", "1", "--url", server.url, cwd=ROOT)
-
-    note(f"server killed: {len(before)} of {len(evaluations(whole))} evaluations were kept")
-    assert f"mrsfi evolve --resume {path}" in errors
-    assert 4 <= len(before) < len(evaluations(whole))
-    assert evaluations(path)[: len(before)] == before
-    assert evaluations(path) == evaluations(whole)
-    assert digest(path) == digest(whole)

@@ -19,17 +19,11 @@ import pytest
 
 from support_cli import command_line, require_program
 from support_interop import Note
+from support_missing import skip
 
 _CLIENTS = Path(__file__).parent / "clients"
 _USUAL_PORT = 9090
 _TIMEOUT_S = 300
-
-
-def skip(reason: str) -> None:
-    """Skip the test; in continuous integration, fail it."""
-    if os.environ.get("MRSFI_CI"):
-        pytest.fail(reason)
-    pytest.skip(reason)
 
 
 @contextmanager

@@ -1,7 +1,6 @@
 """The paper's mission on MuJoCo: somebody else's simulator behind the topics, the CI unchanged."""
 
 import importlib.util
-import os
 import re
 import subprocess
 import sys
@@ -16,6 +15,7 @@ import pytest
 from mrsfi_runtime.mission import load_code
 from support_cli import MISSION, ROOT, mrsfi, mrsfi_json, stop_specification, workspace
 from support_interop import Note
+from support_missing import skip
 from support_rosbridge import process
 
 PAGE = ROOT / "docs" / "bus.md"
@@ -26,12 +26,8 @@ AREA, ENERGY, SAMPLES = "StayWithinMissionArea", "SufficientEnergy", "GatherSamp
 
 def require_mujoco() -> None:
     """Skip the test if MuJoCo is missing; in continuous integration, fail it."""
-    if importlib.util.find_spec("mujoco") is not None:
-        return
-    reason = "MuJoCo is missing; pip install -e '.[examples]'"
-    if os.environ.get("MRSFI_CI"):
-        pytest.fail(reason)
-    pytest.skip(reason)
+    if importlib.util.find_spec("mujoco") is None:
+        skip("MuJoCo is missing; pip install -e '.[examples]'")
 
 
 @contextmanager

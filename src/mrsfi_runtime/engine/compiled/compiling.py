@@ -43,7 +43,8 @@ class CompiledFlight:
     def __init__(self, code: MissionCode, state_type: Any) -> None:
         self._code = code
         self._state_type = state_type
-        collective = _collective(code)
+        _require_one_file(code)
+        collective = sys.modules[code.checks[0].__module__]
         for module in (*_KERNEL, collective):
             _register(module)
         text = driver_text(code, collective.__name__)
@@ -75,17 +76,19 @@ class CompiledFlight:
         self._compiled.add(shapes)
 
 
-def _collective(code: MissionCode) -> ModuleType:
-    """Return the module that has all goal functions of a mission."""
-    module = sys.modules[code.checks[0].__module__]
+def _require_one_file(code: MissionCode) -> None:
+    """Refuse goal functions that the flight could not call by name.
+
+    Where the file was loaded again since, its module is another, of the same content.
+    """
+    names = code.checks[0].__globals__
     for function in (*code.checks, *code.reactions):
-        if getattr(module, function.__name__, None) is not function:
+        if names.get(function.__name__) is not function:
             message = (
-                f"{code.directory}: '{function.__name__}' is no function of {module.__name__}; "
+                f"{code.directory}: '{function.__name__}' is no function of {names['__name__']}; "
                 "expected the goal functions of one generated file"
             )
             raise CompilationError(message)
-    return module
 
 
 def _register(module: ModuleType) -> None:

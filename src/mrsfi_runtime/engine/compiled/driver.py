@@ -177,6 +177,9 @@ def _make_room(cache: Path) -> None:
 
 def load_driver(key: str, text: str) -> ModuleType:
     """Return the driver of a key, written to the cache folder before if need be."""
+    name = f"mrsfi_compiled_{key}"
+    if name in sys.modules:  # with what it has compiled
+        return sys.modules[name]
     folder = cache_folder() / key
     path = folder / "flight.py"
     if not path.is_file():
@@ -185,4 +188,4 @@ def load_driver(key: str, text: str) -> ModuleType:
         staged = folder / f"flight.{os.getpid()}.tmp"
         staged.write_text(text, encoding="utf-8")
         staged.replace(path)
-    return load_module(f"mrsfi_compiled_{key}", path)
+    return load_module(name, path)
