@@ -35,6 +35,8 @@ OBSTACLES = (
     (-500, 500, 15),
 )
 
+SETTINGS = {"fitness": "weighted", "seed": 7, "rates": {"crossover": 0.7}}
+
 
 def area(identifier: str, x: float, y: float, radius: float) -> Area:
     """Return a disc."""
