@@ -17,6 +17,7 @@ from typing import Any, Protocol
 
 import roslibpy
 
+from benchmarks.prepared import PreparedTicks
 from benchmarks.relay import Relay
 from mrsfi_runtime.bridge.embedded import EmbeddedBridge, LocalClient
 
@@ -35,6 +36,18 @@ TOPICS = tuple(
 REPLY = ("/reply", "std_msgs/Int64")
 WARM_UP = 0.3
 """Seconds before ticks count."""
+N_PREPARED = 20_000
+"""Ticks encoded before a client alone is measured."""
+
+
+def messages(tick: int) -> list[tuple[str, dict[str, Any]]]:
+    """Return topic and message of all that is published in a tick."""
+    values: dict[str, dict[str, Any]] = {
+        "geometry_msgs/Point": {"x": float(tick), "y": -123.456789, "z": 1.0},
+        "std_msgs/Float64": {"data": float(tick)},
+        "std_msgs/Int64": {"data": tick},
+    }
+    return [(name, values[type_name]) for name, type_name in TOPICS]
 
 
 class Bus(Protocol):
@@ -101,14 +114,8 @@ class Simulation:
         if tick != self._tick:
             _end(f"the simulation got reply {tick}; expected {self._tick}")
         self._tick += 1
-        value = self._tick
-        for name, type_name in TOPICS:
-            if type_name == "geometry_msgs/Point":
-                self._bus.publish(name, {"x": float(value), "y": -123.456789, "z": 1.0})
-            elif type_name == "std_msgs/Float64":
-                self._bus.publish(name, {"data": float(value)})
-            else:
-                self._bus.publish(name, {"data": value})
+        for name, said in messages(self._tick):
+            self._bus.publish(name, said)
 
 
 class Intelligence:
@@ -184,6 +191,10 @@ def main(side: str, url: str, client: str, seconds: float) -> None:
     elif side == "relay":
         with Relay() as relay:
             _say(url=relay.url)
+            _wait_for_parent()
+    elif side == "prepared":
+        with PreparedTicks(messages, N_PREPARED) as prepared:
+            _say(url=prepared.url)
             _wait_for_parent()
     elif side == "embedded-relay":
         with Relay() as relay:

@@ -1,6 +1,6 @@
 """Flights over rosbridge for tests, and a relay that delays and tampers with what passes.
 
-Run ``python tests/support_rosbridge.py CLIENT MISSION DURATION SEED …`` to fly one random
+Run ``python tests/support_rosbridge.py CLIENT FORM MISSION DURATION SEED …`` to fly one random
 specification per seed in a process of its own: a process has one kind of client only.
 """
 
@@ -70,10 +70,17 @@ def reference_digests(code: MissionCode, seeds: Sequence[int]) -> list[list[str]
 
 
 def digests_apart(
-    client: str, mission: str, duration: int, seeds: Sequence[int], url: str = ""
+    client: str,
+    mission: str,
+    duration: int,
+    seeds: Sequence[int],
+    url: str = "",
+    *,
+    is_bundled: bool = False,
 ) -> list[list[str]]:
     """Return the digests of flights over rosbridge in a process of its own."""
-    words = [client, mission, str(duration), url, *map(str, seeds)]
+    form = "bundles" if is_bundled else "messages"
+    words = [client, form, mission, str(duration), url, *map(str, seeds)]
     done = subprocess.run(
         [sys.executable, "-W", "error", __file__, *words],
         check=False,
@@ -227,9 +234,11 @@ def is_running(pid: int) -> bool:
 
 def main() -> None:
     """Print the digests of flights over rosbridge as JSON."""
-    client, mission, duration, url, *seeds = sys.argv[1:]
+    client, form, mission, duration, url, *seeds = sys.argv[1:]
     code = code_of(mission, int(duration))
-    with RosbridgeEngine(code, FLIGHT_SEED, url=url or None, client=client) as engine:
+    with RosbridgeEngine(
+        code, FLIGHT_SEED, url=url or None, client=client, is_bundled=form == "bundles"
+    ) as engine:
         sys.stdout.write(json.dumps(digests(engine, [int(seed) for seed in seeds])))
 
 

@@ -91,6 +91,17 @@ def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_ho
     assert recorded["bus"] == {"url": None, "client": "twisted", "side": "both"}
 
 
+def test_a_campaign_with_bundles_finds_the_same_and_records_how(place):
+    local = mrsfi_json("evolve", MISSION, *TINY, "--out", "runs/local", cwd=place)
+    words = (*TINY, *ROSBRIDGE, "--bundle", "--out", "runs/bundles")
+    found = mrsfi_json("evolve", MISSION, *words, cwd=place)
+    with CampaignStore.open(place / "runs" / "bundles") as store:
+        recorded = store.manifest
+
+    assert found["digest"] == local["digest"]
+    assert recorded["bus"] == {"url": None, "client": "asyncio", "side": "both", "bundle": True}
+
+
 @pytest.mark.parametrize("client", ["asyncio", "twisted"])
 def test_two_sides_meet_on_a_server(place, url, client):
     meet = (*ROSBRIDGE, "--url", url, "--client", client)
@@ -239,6 +250,7 @@ def descendants(pid):
     ("words", "expected"),
     [
         (("--url", "ws://127.0.0.1:1"), "--url needs --engine rosbridge"),
+        (("--bundle",), "--bundle needs --engine rosbridge"),
         ((*ROSBRIDGE, "--side", "ci"), "--side ci needs --url"),
         ((*ROSBRIDGE, "--side", "simulation"), "--side simulation needs --url"),
         ((*ROSBRIDGE, "--url", "nowhere"), "expected ws://HOST:PORT"),

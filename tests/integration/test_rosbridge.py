@@ -57,16 +57,18 @@ def engine(code, **options):
     return RosbridgeEngine(code, FLIGHT_SEED, patience=PATIENCE, **options)
 
 
+@pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
 @pytest.mark.parametrize("client", CLIENTS)
-def test_twenty_random_specifications_of_the_paper_s_mission_fly_as_in_process(client):
-    flown = digests_apart(client, "uuv_sampling", 1000, TWENTY)
+def test_twenty_random_specifications_of_the_paper_s_mission_fly_as_in_process(client, is_bundled):
+    flown = digests_apart(client, "uuv_sampling", 1000, TWENTY, is_bundled=is_bundled)
 
     assert flown == expected("uuv_sampling", 1000, TWENTY)
 
 
+@pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
 @pytest.mark.parametrize("client", CLIENTS)
-def test_both_sides_on_a_server_of_its_own_fly_as_in_process(server, client):
-    flown = digests_apart(client, "tight_margins", 60, range(3), server.url)
+def test_both_sides_on_a_server_of_its_own_fly_as_in_process(server, client, is_bundled):
+    flown = digests_apart(client, "tight_margins", 60, range(3), server.url, is_bundled=is_bundled)
 
     assert flown == reference_digests(SHORT, range(3))
 
@@ -198,6 +200,46 @@ def test_what_the_simulation_misses_is_told_with_its_tick(server, tamper, proble
         simulation.close()
 
     assert "run 1, tick " in str(told.value)
+
+
+@pytest.mark.parametrize("topic", ["/mission/go/bundle", "/mission/tick/bundle"])
+def test_a_bundle_that_is_lost_is_told_with_its_tick(server, topic):
+    tamper = nth(topic, 17, lambda _: [])
+    simulation = SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)
+    try:
+        with (
+            Relay(server.url, to_client=tamper, to_server=tamper) as relay,
+            engine(SHORT, url=relay.url, has_simulation=False, is_bundled=True) as opened,
+            pytest.raises(TransportTimeout, match="tick 17: the simulation was silent for 3 s"),
+        ):
+            opened.evaluate(())
+    finally:
+        simulation.close()
+
+
+def test_a_simulation_that_knows_no_bundles_is_told(server):
+    deaf = nth("/mission/go/bundle", 0, lambda _: [])
+    simulation = SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)
+    try:
+        with (
+            Relay(server.url, to_server=deaf) as relay,
+            engine(SHORT, url=relay.url, has_simulation=False, is_bundled=True) as opened,
+            pytest.raises(TransportTimeout, match=r"tick 0: .*does it know /mission/go/bundle"),
+        ):
+            opened.evaluate(())
+    finally:
+        simulation.close()
+
+
+def test_one_simulation_answers_messages_and_bundles(server):
+    simulation = SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)
+    flown = []
+    for is_bundled in (True, False, True):
+        with engine(SHORT, url=server.url, has_simulation=False, is_bundled=is_bundled) as opened:
+            flown.append(digests(opened, range(2)))
+    simulation.close()
+
+    assert flown == [reference_digests(SHORT, range(2))] * 3
 
 
 def test_messages_that_overtake_their_announcement_are_no_loss(server):

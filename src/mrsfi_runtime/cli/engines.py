@@ -17,7 +17,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 BOTH, CI, SIMULATION = "both", "ci", "simulation"
 
-NAMES = ("engine", "url", "client", "side", "timeout")
+NAMES = ("engine", "url", "client", "side", "bundle", "timeout")
 """Parameters that choose an engine; of ours, all find the same."""
 
 
@@ -29,6 +29,7 @@ class EngineOptions:
     url: str | None = None
     client: str | None = None
     side: str | None = None
+    bundle: bool | None = None
     timeout: float | None = None
 
     def settings(
@@ -68,6 +69,7 @@ class EngineOptions:
             url=url,
             client=cast("Client", self.client or bus.get("client", CLIENTS[0])),
             has_simulation=side != CI,
+            is_bundled=bool(bus.get("bundle", False) if self.bundle is None else self.bundle),
             patience=self._patience(),
         )
 
@@ -93,6 +95,8 @@ def recorded_engine(settings: EngineSettings) -> dict[str, JSON]:
     side = BOTH if settings.has_simulation else CI
     url = None if settings.url is None else without_token(settings.url)
     bus: dict[str, JSON] = {"url": url, "client": settings.client, "side": side}
+    if settings.is_bundled:
+        bus["bundle"] = True
     return {"engine": settings.name, "bus": bus}
 
 
@@ -129,6 +133,11 @@ def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
             type=click.Choice(sides),
             show_default=BOTH,
             help="With --url: what this command runs; ci leaves the simulation to others.",
+        ),
+        click.option(
+            "--bundle/--no-bundle",
+            default=None,
+            help="With --engine rosbridge: all messages of a tick as one, for speed.",
         ),
         click.option(
             "--timeout",

@@ -25,10 +25,13 @@ from mrsfi_runtime.errors import (
     GenerationError,
     TransportClosed,
     TransportError,
+    TransportTimeout,
     UsageError,
 )
+from mrsfi_runtime.hosting.bundle import BundlingTransport
 from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
 from mrsfi_runtime.hosting.lockstep import Boarding, Flight, Observer
+from mrsfi_runtime.hosting.mission_topics import GO_BUNDLE
 from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -143,6 +146,8 @@ class RosbridgeEngine:
         Kind of roslibpy's connection.
     has_simulation
         Whether to start the simulation; otherwise somebody else's is behind the topics.
+    is_bundled
+        Whether the messages of a tick travel as one; the simulation has to know of it.
     patience
         How long the simulation may take.
 
@@ -164,6 +169,7 @@ class RosbridgeEngine:
         url: str | None = None,
         client: Client = "asyncio",
         has_simulation: bool = True,
+        is_bundled: bool = False,
         patience: Patience | None = None,
     ) -> None:
         self.code = code
@@ -182,9 +188,9 @@ class RosbridgeEngine:
                 self._transport = RosbridgeTransport(self._simulation.url, client)
                 opened.callback(self._transport.close)
             self._opened = opened.pop_all()
-        self._lockstep = BusLockstep(
-            self._transport, code.mission, code.interface, code.truth, patience
-        )
+        self._may_be_deaf = is_bundled and not has_simulation
+        transport = BundlingTransport.of_ci(self._transport) if is_bundled else self._transport
+        self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
 
     def __enter__(self) -> Self:
         return self
@@ -242,6 +248,11 @@ class RosbridgeEngine:
     def _fly(self, board: Boarding) -> Flight:
         try:
             return self._lockstep.fly(self.seed, board)
+        except TransportTimeout as error:
+            if not self._may_be_deaf or self._lockstep.tick:
+                raise
+            message = f"{error}; does it know {GO_BUNDLE.name}? Without --bundle it need not"
+            raise TransportTimeout(message) from error
         except TransportClosed as error:
             last_words = self._simulation.last_words() if self._simulation else ""
             if not last_words:

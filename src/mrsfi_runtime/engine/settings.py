@@ -31,6 +31,8 @@ class EngineSettings:
         Kind of roslibpy's connection.
     has_simulation
         Whether to start the simulation; otherwise somebody else's is behind the topics.
+    is_bundled
+        Whether the messages of a tick travel as one.
     patience
         How long the other side may take.
     """
@@ -39,6 +41,7 @@ class EngineSettings:
     url: str | None = None
     client: Client = "asyncio"
     has_simulation: bool = True
+    is_bundled: bool = False
     patience: Patience = field(default_factory=Patience)
 
     def resolved(self, code: MissionCode, seed: int, tell: Callable[[str], None]) -> Self:
@@ -89,6 +92,7 @@ class EngineSettings:
             url=self.url,
             client=self.client,
             has_simulation=self.has_simulation,
+            is_bundled=self.is_bundled,
             patience=self.patience,
         )
 

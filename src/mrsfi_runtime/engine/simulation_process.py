@@ -17,6 +17,7 @@ from threading import Thread
 from mrsfi_runtime.bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.bridge.settings import Settings
 from mrsfi_runtime.errors import MrsfiError, TransportError
+from mrsfi_runtime.hosting.bundle import BundlingTransport
 from mrsfi_runtime.hosting.embedded import EmbeddedTransport
 from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.hosting.simulation_host import SimulationHost
@@ -55,7 +56,8 @@ def serve_simulation(
         If messages were lost, the connection is gone, or the CI is silent in mid-run.
     """
     with _transport(url, client) as (transport, reached):
-        host = SimulationHost(transport, code.simulation, code.mission, patience)
+        bundling = BundlingTransport.of_simulation(transport)
+        host = SimulationHost(bundling, code.simulation, code.mission, patience)
         on_ready(reached, host)
         try:
             host.serve()

@@ -18,6 +18,12 @@ GO = Topic("/mission/go", "std_msgs/Int64MultiArray")
 TICK = Topic("/mission/tick", "std_msgs/Int64MultiArray")
 """Simulation to CI: ``[run, tick, number of messages before this one in the tick]``."""
 
+GO_BUNDLE = Topic("/mission/go/bundle", "std_msgs/String")
+"""CI to simulation: ``GO`` and all that goes before it, in one message."""
+
+TICK_BUNDLE = Topic("/mission/tick/bundle", "std_msgs/String")
+"""Simulation to CI: ``TICK`` and all that goes before it, in one message."""
+
 CLOCK = Topic("/clock", "rosgraph_msgs/Clock")
 """Simulation to all: one tick is one second."""
 

@@ -1,0 +1,130 @@
+"""All messages of a tick as one: for speed, where both sides know of it.
+
+What is published, what is counted and who hears what stays as without it; only the journey
+is shared. A bundle is a JSON list of ``[topic, message]`` pairs in the order in which they were
+published, the one that closes the tick last.
+"""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from mrsfi_runtime.errors import ProtocolError
+from mrsfi_runtime.hosting.mission_topics import FAILURE, GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
+from mrsfi_runtime.transport.topics import (
+    FailureListener,
+    Payload,
+    Provider,
+    Publisher,
+    Reply,
+    Service,
+    Topic,
+    Transport,
+)
+
+_ALONE = (SETUP, FAILURE)
+"""Topics that belong to no tick."""
+
+_encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
+
+
+class BundlingTransport:
+    """A transport that can send what belongs to one tick as one message.
+
+    Parameters
+    ----------
+    transport
+        Moves the messages and the bundles.
+    closing
+        Topic whose message ends a tick of this side.
+    sends, hears
+        Topics of the bundles of this side and of the other.
+    is_first
+        Whether to bundle from the start. Otherwise it answers in kind: bundles with bundles,
+        messages with messages.
+    """
+
+    def __init__(
+        self, transport: Transport, closing: Topic, sends: Topic, hears: Topic, *, is_first: bool
+    ) -> None:
+        self._transport = transport
+        self._closing = closing
+        self._hears = hears
+        self._is_first = self._is_bundling = is_first
+        self._waiting: list[tuple[str, Payload]] = []
+        self._callbacks: dict[str, Callable[[Payload], None]] = {}
+        self._send = transport.advertise(sends)
+        transport.subscribe(hears, self._receive)
+
+    @classmethod
+    def of_ci(cls, transport: Transport) -> "BundlingTransport":
+        """Return the transport of a collective intelligence that bundles."""
+        return cls(transport, GO, GO_BUNDLE, TICK_BUNDLE, is_first=True)
+
+    @classmethod
+    def of_simulation(cls, transport: Transport) -> "BundlingTransport":
+        """Return the transport of a simulation that does as the collective intelligence does."""
+        return cls(transport, TICK, TICK_BUNDLE, GO_BUNDLE, is_first=False)
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Return the function that publishes on a topic, alone or in the bundle of its tick."""
+        publish_alone = self._transport.advertise(topic)
+        is_alone, is_closing = topic in _ALONE, topic == self._closing
+
+        def publish(payload: Payload) -> None:
+            if is_alone:
+                self._waiting.clear()  # of a run that came to its end
+            if is_alone or not self._is_bundling:
+                publish_alone(payload)
+                return
+            self._waiting.append((topic.name, payload))
+            if is_closing:
+                pairs, self._waiting = self._waiting, []
+                self._send({"data": _encode(pairs)})
+
+        return publish
+
+    def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
+        """Have a callback receive every message of a topic, however it came; one per topic."""
+
+        def receive(payload: Payload) -> None:
+            self._is_bundling = self._is_first
+            callback(payload)
+
+        self._callbacks[topic.name] = callback
+        self._transport.subscribe(topic, receive)
+
+    def provide(self, service: Service, provider: Provider) -> None:
+        """Answer the calls of a service."""
+        self._transport.provide(service, provider)
+
+    def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
+        """Call a service."""
+        self._transport.call(service, request, on_reply)
+
+    def watch(self, listener: FailureListener) -> None:
+        """Have a function told of a lost connection, and of errors in callbacks."""
+        self._transport.watch(listener)
+
+    def close(self) -> None:
+        """Give up all topics and services."""
+        self._transport.close()
+
+    def _receive(self, payload: Payload) -> None:
+        """Take a bundle apart; as on the bus, what nobody subscribed to is left aside."""
+        self._is_bundling = True
+        for name, message in self._pairs(payload.get("data")):
+            callback = self._callbacks.get(name)
+            if callback is not None:
+                callback(message)
+
+    def _pairs(self, text: Any) -> list[tuple[str, Payload]]:
+        try:
+            pairs = [(str(name), dict(message)) for name, message in json.loads(text)]
+        except (TypeError, ValueError) as error:
+            message = (
+                f"{self._hears.name} carried {str(text)[:80]!r}; expected a JSON list of "
+                "[topic, message] pairs"
+            )
+            raise ProtocolError(message) from error
+        return pairs
