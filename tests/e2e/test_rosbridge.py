@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.record.campaign import CampaignStore
-from support_cli import MISSION, SMALL, mrsfi, mrsfi_json
+from support_cli import MISSION, SMALL, edit, mrsfi, mrsfi_json
 from support_rosbridge import is_running, process
 
 ROSBRIDGE = ("--engine", "rosbridge")
@@ -100,6 +100,19 @@ def test_a_campaign_with_bundles_finds_the_same_and_records_how(place):
 
     assert found["digest"] == local["digest"]
     assert recorded["bus"] == {"url": None, "client": "asyncio", "side": "both", "bundle": True}
+
+
+def test_replications_share_one_server(place, url):
+    file = place / "models" / MISSION / "case_a.toml"
+    edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")
+    pair = ("--population", "2", "--generations", "1", "--workers", "1")
+    meet = ("--url", url, "--bundle")
+    digests = [
+        mrsfi_json("evolve", MISSION, *pair, *options, "--out", out, cwd=place)["digest"]
+        for out, options in (("runs/local", ()), ("runs/bus", (*ROSBRIDGE, *meet)))
+    ]
+
+    assert digests[0] == digests[1]
 
 
 @pytest.mark.parametrize("client", ["asyncio", "twisted"])
