@@ -1,6 +1,6 @@
 """The command ``mrsfi validate``."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -25,6 +25,7 @@ from mrsfi_runtime.cli.missions import (
     mission_argument,
 )
 from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.errors import ModelError, MrsfiError, UsageError
 
 _HELP = """Check the models of MISSION and print every defect.
@@ -43,7 +44,8 @@ Examples:
 Each defect is one line: file, line, severity, what was found and what was expected, and
 the constraint. Errors end with exit code 3, warnings alone do not. A mission without errors
 is flown once without faults, if its generated code is fresh: a goal that is violated even
-then is worth a warning.
+then is worth a warning. So is what the compiled engine could not compile in a region of the
+generated code, or would compile to something else.
 
 With --fix, what has one sensible remedy is mended first: the change is shown as a diff, and
 written once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
@@ -88,6 +90,7 @@ def command(
             loaded = load_mission_folder(folders.models)
             counts = _counts(loaded)
             diagnostics = (*diagnostics, *_flown(folders, loaded))
+        diagnostics = (*diagnostics, *_linted(folders))
     if is_json:
         print_json(_as_json(name, diagnostics))
     else:
@@ -165,6 +168,19 @@ def _counts(loaded: LoadedModels) -> str:
 
 def _n(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _linted(folders: MissionFolders) -> Iterator[Diagnostic]:
+    """Yield a warning for every line of a region that may not fly compiled as it is written."""
+    for found in lint_regions(folders.generated):
+        yield Diagnostic(
+            path=found.path,
+            line=found.line,
+            element=found.place,
+            constraint="RegionCompilesAlike" if found.does_compile else "RegionCompiles",
+            severity="warning",
+            message=f"{found.place}: {found.message}",
+        )
 
 
 def _flown(folders: MissionFolders, loaded: LoadedModels) -> tuple[Diagnostic, ...]:

@@ -1,0 +1,116 @@
+"""Regions of the paper's mission with other bodies, run by Python and by numba."""
+
+import itertools
+import warnings
+from collections.abc import Iterator
+from copy import deepcopy
+from dataclasses import astuple
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, njit
+
+from mrsfi_runtime.engine.compiled.compiling import _KERNEL, _register
+from mrsfi_runtime.engine.compiled.layout import state_type, write_state
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.mission import load_code, load_module
+from support_cli import ROOT
+
+GENERATED = ROOT / "generated" / "uuv_sampling"
+FILE = "collective_intelligence.py"
+REGION = "g1.check"
+
+_numbers = itertools.count()
+
+
+def write_region(folder: Path, body: str, helpers: str = "") -> int:
+    """Write the mission's collective intelligence with another body of g1.check.
+
+    Parameters
+    ----------
+    folder
+        Where the file is written.
+    body
+        Lines of the region.
+    helpers
+        Lines for the region of the helpers, imports included.
+
+    Returns
+    -------
+    int
+        Line of the first line of the body.
+    """
+    text = (GENERATED / FILE).read_text(encoding="utf-8")
+    begin = f"    # protected region {REGION} on begin\n"
+    head, _, tail = text.partition(begin)
+    _, end, tail = tail.partition(f"    # protected region {REGION} end\n")
+    marker = "# protected region helpers on begin\n"
+    head = head.replace(marker, f"{marker}{helpers}") + begin
+    lines = "".join(f"    {line}\n" for line in body.splitlines())
+    folder.mkdir(exist_ok=True)
+    (folder / FILE).write_text(head + lines + end + tail, encoding="utf-8")
+    return head.count("\n") + 1
+
+
+def outcomes(folder: Path, n_states: int = 40) -> Iterator[tuple[Any, Any]]:
+    """Run the region on drawn states, and yield what Python and numba make of each.
+
+    What a run makes of a state is what the region returns and what it leaves in the state, or
+    the kind of error that it ends with.
+    """
+    module = load_module(f"region_{next(_numbers)}", folder / FILE)
+    for one in (*_KERNEL, module):
+        _register(one)
+    plain = module.check_g1
+    compiled = njit(boundscheck=True)(plain)
+    rng = Random(4)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # numba's, of what it reflects or finds slow
+        for _ in range(n_states):
+            state = drawn_state(rng)
+            row = _ROW.copy()
+            row["mission"]["tick"] = state.mission.tick
+            row["robots"] = [astuple(robot) for robot in state.robots]
+            row["sensors"] = [astuple(sensor) for sensor in state.sensors]
+            compiled.compile((from_dtype(row.dtype),))
+            yield _outcome(plain, state, state), _outcome(compiled, row[0], row)
+
+
+def _outcome(function: Any, argument: Any, state: Any) -> Any:
+    try:
+        returned = function(argument)
+    except Exception as error:  # noqa: BLE001 - of any kind, in a region of any body
+        return type(error).__name__
+    return returned, _values(state)
+
+
+def _values(state: Any) -> Any:
+    """Return what a region may write: commands, switches, goals and chances."""
+    if isinstance(state, np.ndarray):
+        records = [state[0][name].tolist() for name in ("commands", "switches", "goals")]
+        return records, state[0]["chances"].tolist()
+    names = ("commands", "switches", "goals")
+    records = [
+        [tuple(getattr(record, name) for name in record.__slots__) for record in getattr(state, of)]
+        for of in names
+    ]
+    return records, list(state.chances)
+
+
+def drawn_state(rng: Random) -> Any:
+    """Return the mission's first state with other positions, speeds, energies and counts."""
+    state = deepcopy(_FIRST, {id(_FIRST.directions): _FIRST.directions})  # nobody writes those
+    state.mission.tick = rng.randint(1, 999)
+    for robot in state.robots:
+        robot.x, robot.y = rng.uniform(-500.0, 500.0), rng.uniform(-500.0, 500.0)
+        robot.speed, robot.energy = rng.uniform(0.0, 9.0), rng.uniform(1.0, 1e4)
+    for sensor in state.sensors:
+        sensor.count, sensor.active = rng.randint(0, 2000), rng.randint(0, 1)
+    return state
+
+
+_FIRST = initial_state(load_code(GENERATED).mission, 3)
+_ROW = np.zeros(1, state_type(_FIRST))
+write_state(_ROW[0], _FIRST)

@@ -1,0 +1,180 @@
+from pathlib import Path
+
+from mrsfi_runtime.engine.region_lint import lint_regions
+
+FILE = "collective_intelligence.py"
+TEXT = """from mrsfi_runtime.api import State, kernel
+
+# protected region imports on begin
+{imports}
+# protected region imports end
+
+# protected region helpers on begin
+{helpers}
+# protected region helpers end
+
+
+@kernel
+def check_g1(ci: State) -> bool:
+    # protected region g1.check on begin
+    {body}
+    # protected region g1.check end
+"""
+HELPER = "    return math.hypot(3.0, 4.0)"
+
+
+def _write(folder: Path, body: str = "return True", imports: str = "", helpers: str = "") -> Path:
+    text = TEXT.format(imports=imports, helpers=helpers, body=body)
+    (folder / FILE).write_text(text, encoding="utf-8")
+    return folder
+
+
+def _line(path: Path, text: str) -> int:
+    return path.read_text(encoding="utf-8").splitlines().index(text) + 1
+
+
+def _messages(folder: Path, body: str, helpers: str = "") -> list[str]:
+    _write(folder, body, "import math", helpers)
+    return [found.message for found in lint_regions(folder)]
+
+
+def test_where_nothing_was_generated_there_is_nothing_to_warn_of(tmp_path: Path) -> None:
+    assert lint_regions(tmp_path) == ()
+
+
+def test_a_warning_names_file_line_region_cause_and_remedy(tmp_path: Path) -> None:
+    _write(tmp_path, "return math.hypot(1.0, 2.0) > 2.0", "import math")
+
+    (found,) = lint_regions(tmp_path)
+
+    assert found.path == tmp_path / FILE
+    assert found.line == _line(found.path, "    return math.hypot(1.0, 2.0) > 2.0")
+    assert found.place == "region 'g1.check'"
+    assert found.does_compile
+    assert found.message == (
+        "found `math.hypot`, which may differ in the last bit when compiled; "
+        "write math.sqrt(x * x + y * y)"
+    )
+
+
+def test_a_marked_function_of_the_helpers_is_looked_at(tmp_path: Path) -> None:
+    _write(tmp_path, imports="import math", helpers=f"@kernel\ndef far():\n{HELPER}")
+
+    (found,) = lint_regions(tmp_path)
+
+    assert found.place == "region 'helpers'"
+    assert found.line == _line(found.path, HELPER)
+
+
+def test_code_that_no_engine_compiles_may_do_what_it_likes(tmp_path: Path) -> None:
+    helpers = f"FAR = math.hypot(3.0, 4.0) ** 2\n\n\ndef far():\n{HELPER}"
+    _write(tmp_path, imports="import math", helpers=helpers)
+
+    assert lint_regions(tmp_path) == ()
+
+
+def test_other_names_of_a_module_are_seen_through(tmp_path: Path) -> None:
+    for imports, call in (
+        ("import math as m", "m.hypot(1.0, 2.0)"),
+        ("from math import hypot", "hypot(1.0, 2.0)"),
+        ("from math import hypot as far", "far(1.0, 2.0)"),
+    ):
+        _write(tmp_path, f"return {call} > 2.0", imports)
+
+        assert [found.message[:7] for found in lint_regions(tmp_path)] == ["found `"]
+
+
+def test_a_local_name_is_not_the_builtin(tmp_path: Path) -> None:
+    assert _messages(tmp_path, "any = 3\n    return any > 2") == []
+
+
+def test_files_of_the_team_are_looked_at_as_deep_as_they_import(tmp_path: Path) -> None:
+    _write(tmp_path, "return near() > 2.0", "from team.near import near")
+    team = tmp_path / "team"
+    team.mkdir()
+    head = "import math\nfrom mrsfi_runtime.api import kernel\n"
+    (team / "__init__.py").write_text("")
+    (team / "near.py").write_text(
+        f"{head}from team.far import far\n\n@kernel\ndef near():\n    return far()\n"
+    )
+    (team / "far.py").write_text(f"{head}\n@kernel\ndef far():\n{HELPER}\n")
+
+    (found,) = lint_regions(tmp_path, [str(tmp_path)])
+
+    assert (found.path, found.line) == (team / "far.py", _line(team / "far.py", HELPER))
+    assert found.place == "function 'far'"
+
+
+def test_files_that_import_each_other_are_looked_at_once(tmp_path: Path) -> None:
+    _write(tmp_path, "return a() > 2.0", "from team_a import a")
+    head = "import math\nfrom mrsfi_runtime.api import kernel\n"
+    for one, other in ("ab", "ba"):
+        (tmp_path / f"team_{one}.py").write_text(
+            f"{head}from team_{other} import {other}\n\n@kernel\ndef {one}():\n{HELPER}\n"
+        )
+
+    found = lint_regions(tmp_path, [str(tmp_path)])
+
+    assert [one.path.name for one in found] == ["team_a.py", "team_b.py"]
+
+
+def test_imports_are_found_without_running_them(tmp_path: Path) -> None:
+    _write(tmp_path, imports="from team import near\nfrom nowhere.at_all import far")
+    (tmp_path / "team.py").write_text("raise SystemExit(1)\n")
+
+    assert lint_regions(tmp_path, [str(tmp_path)]) == ()
+
+
+def test_a_region_that_is_no_python_is_named(tmp_path: Path) -> None:
+    _write(tmp_path, "return (")
+
+    (found,) = lint_regions(tmp_path)
+
+    assert not found.does_compile
+    assert found.line == _line(found.path, "    return (")
+    assert found.place == "region 'g1.check'"
+    assert "no Python" in found.message
+
+
+def test_powers_of_whole_numbers_are_fine(tmp_path: Path) -> None:
+    body = "n = ci.mission.tick\n    return n ** 2 + 2 ** 10 + ci.goals[0].count ** 3 > 1"
+
+    assert _messages(tmp_path, body) == []
+
+
+def test_a_counter_is_a_whole_number(tmp_path: Path) -> None:
+    body = "n = 0\n    for k in range(3):\n        n += k\n    return n ** 2 > 1"
+
+    assert _messages(tmp_path, body) == []
+
+
+def test_a_power_of_what_cannot_be_told_may_differ(tmp_path: Path) -> None:
+    helpers = "@kernel\ndef squared(x):\n    return x ** 2"
+
+    (message,) = _messages(tmp_path, "return squared(3) > 2", helpers)
+
+    assert message == (
+        "found `x ** 2`, which may differ in the last bit when compiled; write x * x"
+    )
+
+
+def test_an_annotated_argument_has_its_kind(tmp_path: Path) -> None:
+    helpers = "@kernel\ndef squared(n: int) -> int:\n    return n ** 2"
+
+    assert _messages(tmp_path, "return squared(3) > 2", helpers) == []
+
+
+def test_a_function_that_calls_itself_is_named(tmp_path: Path) -> None:
+    helpers = "@kernel\ndef down(n: int) -> int:\n    return down(n - 1) if n else 0"
+
+    (message,) = _messages(tmp_path, "return down(3) > 2", helpers)
+
+    assert "calls its own function" in message
+
+
+def test_a_default_that_is_a_list_is_named(tmp_path: Path) -> None:
+    helpers = "@kernel\ndef seen(n: int, before=[]) -> int:\n    return n"
+
+    (message,) = _messages(tmp_path, "return seen(3) > 2", helpers)
+
+    assert message.startswith("found `[]`, which cannot be compiled as a default")
