@@ -1,10 +1,12 @@
-"""How long missions take to load, validate and save, by size: processor seconds, growth, memory.
+"""How long missions take to load, validate, save, mend and generate: seconds, growth, memory.
 
 Run as ``python benchmarks/models.py [LARGEST]``, where ``LARGEST`` is the greatest number of
-robots; there are ten faults to a robot. Growth compares the seconds for one robot with those of
-the line above: 1.0 is linear.
+robots; there are ten faults to a robot. To be mended is a copy in which every fault finishes before
+it starts. Seconds are the processor's. Growth compares the seconds for one robot with those of the
+line above: 1.0 is linear.
 """
 
+import shutil
 import sys
 import tempfile
 import time
@@ -13,7 +15,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from m2t.load import load_mission_folder
+from m2t.fixes import mend
+from m2t.generate import plan
+from m2t.load import inspect_folder, load_mission_folder
 from m2t.saving import saved
 from m2t.validate import validate_folder
 
@@ -70,6 +74,15 @@ def _faults(n_robots: int) -> Iterator[str]:
     yield "</faults:FaultSpecification>\n"
 
 
+def _write_broken(folder: Path, n_robots: int) -> None:
+    """Write the mission with a defect in each of its faults."""
+    write_mission(folder, n_robots)
+    faults = folder / "faults.xmi"
+    text = faults.read_text(encoding="ascii")
+    broken = text.replace('" name="fault ', '" start="9" finish="8" name="fault ')
+    faults.write_text(broken, encoding="ascii")
+
+
 def _measured(work: Callable[[], Any]) -> tuple[float, Any]:
     """Return the processor's seconds, which other programs do not lengthen, and the result."""
     start = time.process_time()
@@ -89,7 +102,10 @@ def _peak(work: Callable[[], Any]) -> float:
 def main() -> None:
     """Print one line per size."""
     largest = int(sys.argv[1]) if len(sys.argv) > 1 else max(SIZES)
-    print(" robots  faults   load s  validate s   save s  growth  peak MB")
+    print(
+        " robots  faults   load s  validate s   save s  defects   mend s  generate s  growth "
+        " peak MB"
+    )
     before = None
     with tempfile.TemporaryDirectory() as name:
         write_mission(Path(name) / "warm", 1)
@@ -100,16 +116,24 @@ def main() -> None:
             load, models = _measured(lambda folder=folder: load_mission_folder(folder))
             validate, found = _measured(lambda folder=folder: validate_folder(folder))
             save, contents = _measured(lambda models=models: saved(models))
+            _write_broken(Path(name) / "broken", n_robots)
+            inspection = inspect_folder(Path(name) / "broken")
+            mending, mended = _measured(lambda inspection=inspection: mend(inspection))
+            generate, _ = _measured(lambda folder=folder: plan(folder, folder / "generated"))
             assert not found
             assert contents
-            each = (load + validate + save) / n_robots
+            assert mended is not None
+            each = (load + validate + save + mending + generate) / n_robots
             growth = "" if before is None else f"{each / before:.2f}"
             before = each
-            del models, contents
+            n_defects = len(mended.fixed)
+            del models, contents, inspection, mended
+            shutil.rmtree(Path(name) / "broken")
             peak = _peak(lambda folder=folder: saved(load_mission_folder(folder)))
             print(
                 f"{n_robots:7,} {n_robots * FAULTS_PER_ROBOT:7,} {load:8.2f} {validate:11.2f} "
-                f"{save:8.2f} {growth:>7} {peak:8.1f}"
+                f"{save:8.2f} {n_defects:8,} {mending:8.2f} {generate:11.2f} {growth:>7} "
+                f"{peak:8.1f}"
             )
 
 

@@ -78,7 +78,8 @@ def _float_literal(value: float) -> str:
 
 def _text_literal(text: str) -> str:
     quote = "'" if text.count('"') > text.count("'") else '"'
-    escaped = "".join(_escaped(character, quote) for character in text)
+    is_plain = text.isascii() and text.isprintable() and quote not in text and "\\" not in text
+    escaped = text if is_plain else "".join(_escaped(character, quote) for character in text)
     return f"{quote}{escaped}{quote}"
 
 

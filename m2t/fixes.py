@@ -6,7 +6,6 @@ offered to an element too many.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from difflib import unified_diff
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -14,6 +13,7 @@ from typing import Any, TypeAlias
 from m2t.constraints.faults import broken_ticks, disordered_parameters
 from m2t.constraints.mission import strangers
 from m2t.diagnostics import Diagnostic
+from m2t.line_difference import unified_difference
 from m2t.load import Inspection, LoadedModels
 from m2t.saving import saved
 
@@ -104,7 +104,7 @@ def _difference(
                 versions[file.path].decode(file.encoding, "replace").splitlines()
                 for versions in (old, new)
             )
-            yield from unified_diff(before, after, str(file.path), str(file.path), lineterm="")
+            yield from unified_difference(before, after, str(file.path), str(file.path), "")
 
 
 def _elements_by_place(draft: LoadedModels) -> Mapping[tuple[Path, int, str], list[Any]]:

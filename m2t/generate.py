@@ -10,7 +10,6 @@ Source paper, section III-D, the model-to-text transformations.
 
 import hashlib
 import os
-from difflib import unified_diff
 from functools import cache
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from jinja2 import Environment
 
 from m2t.emit import GenerationResult, Plan, plan_files, write
 from m2t.environment import template_environment
+from m2t.line_difference import unified_difference
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, metamodel_folder
 from m2t.regions import text_lines
@@ -106,7 +106,7 @@ def _environment() -> Environment:
 
 
 def _difference(name: str, old: str | None, new: str | None) -> str:
-    lines = unified_diff(
+    lines = unified_difference(
         text_lines(old or ""),
         text_lines(new or ""),
         "/dev/null" if old is None else f"a/{name}",

@@ -1,0 +1,88 @@
+"""Missions for as many robots as wanted, at the same density, with generated code."""
+
+from collections.abc import Iterator
+from math import ceil, sqrt
+from pathlib import Path
+
+from m2t.generate import generate
+from mrsfi_runtime.mission import MissionCode, load_code
+
+_SPACING = 60.0  # between neighbours at the start
+_ROBOTS_PER_OBSTACLE = 4
+_MOST_FAULTS = 30
+
+_HEAD = (
+    '<?xml version="1.0" encoding="ASCII"?>\n<{package}:{root} xmi:version="2.0" '
+    'xmlns:xmi="http://www.omg.org/XMI" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" '
+    'xmlns:{package}="http://mrsfi.org/{package}/1.0" {attributes}>\n'
+)
+
+
+def fleet(folder: Path, n_robots: int, duration: int) -> MissionCode:
+    """Return the code of a mission in which robots keep apart, inside, and within their energy.
+
+    The pool has a fault of the reported position for the first robots.
+    """
+    models = folder / "fleet"
+    models.mkdir(parents=True)
+    (models / "mission.xmi").write_text("".join(_mission(n_robots, duration)), encoding="ascii")
+    (models / "faults.xmi").write_text("".join(_faults(n_robots)), encoding="ascii")
+    generate(models, folder / "generated")
+    return load_code(folder / "generated")
+
+
+def _mission(n_robots: int, duration: int) -> Iterator[str]:
+    side = ceil(sqrt(n_robots))
+    obstacles = range(n_robots // _ROBOTS_PER_OBSTACLE)
+    attributes = f'name="fleet" duration="{duration}"'
+    yield _HEAD.format(package="mission", root="Mission", attributes=attributes)
+    yield f'  <missionArea ID="whole" radius="{_SPACING * (side + 1)}"/>\n'
+    for n in range(n_robots):
+        x, y = (_SPACING * (place - side / 2) for place in (n % side, n // side))
+        yield (
+            f'  <robots ID="r{n}" name="robot {n}" speed="2.0">\n'
+            f'    <position x="{x}" y="{y}"/>\n'
+            f'    <sensors ID="s{n}" name="GPS" type="GPS_POSITION" energyPerSample="0.1" '
+            'samplesPerSecond="1"/>\n'
+            f'    <batteries ID="b{n}" name="battery" totalEnergy="{9.0 * duration}"/>\n'
+            f'    <motionSources ID="d{n}" name="motor" energyPerDistanceUnit="1.0"/>\n'
+            "  </robots>\n"
+        )
+    yield '  <servers ID="base" name="base"/>\n'
+    for k in obstacles:
+        n = k * _ROBOTS_PER_OBSTACLE
+        x, y = (_SPACING * (place - side / 2 + 0.5) for place in (n % side, n // side))
+        yield (
+            f'  <obstacles ID="o{k}"><area ID="a{k}" radius="5.0"><center x="{x}" y="{y}"/>'
+            "</area></obstacles>\n"
+        )
+    robots = " ".join(f"r{n}" for n in range(n_robots))
+    around = " ".join(f"o{k}" for k in obstacles)
+    around = f' obstacles="{around}"' if around else ""
+    tasks = ("StayWithinMissionArea", "SufficientEnergy")
+    yield from _goal("g1", robots, f'AvoidCollision" robots="{robots}"{around}', n_robots)
+    for number, task in enumerate(tasks, 2):
+        yield from _goal(f"g{number}", robots, f'{task}"', 0)
+    yield "</mission:Mission>\n"
+
+
+def _goal(identifier: str, robots: str, task: str, n_messages: int) -> Iterator[str]:
+    yield f'  <goals ID="{identifier}" name="{identifier}" members="{robots}">\n'
+    yield f'    <task xsi:type="mission:{task}/>\n'
+    for n in range(n_messages):
+        yield (
+            f'    <messages ID="m{n}" sender="r{n}" receiver="base">'
+            '<body name="POSITION" type="Coordinates"/></messages>\n'
+        )
+    yield "  </goals>\n"
+
+
+def _faults(n_robots: int) -> Iterator[str]:
+    yield _HEAD.format(package="faults", root="FaultSpecification", attributes='ID="pool"')
+    for n in range(min(n_robots, _MOST_FAULTS)):
+        yield (
+            f'  <faults ID="f{n}" name="position of {n}"><fixedRobotCoordinates NEW_X="0.0" '
+            f'NEW_Y="0.0"><affectedMessage href="mission.xmi#m{n}"/>'
+            "</fixedRobotCoordinates></faults>\n"
+        )
+    yield "</faults:FaultSpecification>\n"

@@ -1,0 +1,64 @@
+"""Work grows as the models do: counted in calls, because seconds say more of the machine."""
+
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from m2t.fixes import mend
+from m2t.generate import plan
+from m2t.load import inspect_folder
+from support_fleets import fleet
+from support_model import FAULTS, copy_models
+
+
+def _n_calls(work: Callable[[], Any]) -> int:
+    """Return how many functions of Python are called."""
+    count = 0
+
+    def counted(frame: Any, event: str, argument: Any) -> None:
+        nonlocal count
+        count += event == "call"
+
+    before = sys.getprofile()
+    sys.setprofile(counted)
+    try:
+        work()
+    finally:
+        sys.setprofile(before)
+    return count
+
+
+def _with_faults(folder: Path, n_faults: int) -> Path:
+    """Return a mission folder whose faults all finish before they start."""
+    models = copy_models(folder)
+    path = models / FAULTS
+    text = path.read_text(encoding="utf-8")
+    fault = re.search(r'  <faults ID="f2".*?</faults>\n', text, re.DOTALL)
+    assert fault is not None
+    one = fault[0].replace('name="f2"', 'name="f2" start="9" finish="8"')
+    many = "".join(one.replace('ID="f2"', f'ID="more{n}"') for n in range(n_faults))
+    path.write_text(text.replace(fault[0], fault[0] + many), encoding="utf-8")
+    return models
+
+
+def test_a_plan_of_generation_grows_as_the_fleet(tmp_path: Path) -> None:
+    calls = []
+    for n_robots in (15, 15, 60):  # the first fills caches
+        folder = tmp_path / str(len(calls))
+        fleet(folder, 1, n_robots, 100)
+        (mission,) = folder.rglob("mission.xmi")
+        calls.append(_n_calls(lambda at=mission.parent, to=folder: plan(at, to / "fresh")))
+
+    assert calls[2] < 4.5 * calls[1]
+
+
+def test_mending_grows_as_the_defects(tmp_path: Path) -> None:
+    calls = []
+    for n_faults in (100, 100, 400):
+        inspection = inspect_folder(_with_faults(tmp_path / str(len(calls)), n_faults))
+        calls.append(_n_calls(lambda found=inspection: mend(found)))
+        assert len(inspection.diagnostics) == n_faults
+
+    assert calls[2] < 4.5 * calls[1]
