@@ -77,6 +77,7 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
     for obstacle in ci.obstacles:
         obstacle.x = obstacle.model_x
         obstacle.y = obstacle.model_y
+    ci.map.is_wrong = 0
     withhold(ci, plan)
 
 

@@ -179,6 +179,7 @@ def misplace(ci: State, injection: InjectionState) -> bool:
         z = ci.robots[target].z if is_robot else 0.0
     if is_robot:
         return believe(ci, POSITION, injection.target, x, y, z)
+    ci.map.is_wrong = 1
     obstacle = ci.obstacles[injection.target]
     obstacle.x = x
     obstacle.y = y

@@ -4,11 +4,17 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from mrsfi_runtime.kernel import tasks
+from mrsfi_runtime.kernel.commands import SPEED_LIMIT
 from mrsfi_runtime.kernel.directions import DIRECTIONS, N_DIRECTIONS
+from mrsfi_runtime.kernel.neighbours import n_buckets, stride
+from mrsfi_runtime.kernel.obstacles import SIDE, Survey, drawn
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
+from mrsfi_runtime.kernel.reactions import LOOK_AHEAD, MARGIN
 from mrsfi_runtime.kernel.state import (
     CommandState,
     GoalState,
+    GridState,
+    MapState,
     MemberState,
     MissionState,
     ObstacleState,
@@ -111,6 +117,14 @@ def initial_state(mission: Mission, seed: int) -> State:
         directions=list(DIRECTIONS),
         commands=[],
         switches=[],
+        map=MapState(0.0, 0.0, 1.0, 0.0, 0),
+        cells=[],
+        mapped=[],
+        grid=GridState(1.0, 0, 0),
+        heads=[],
+        buckets=[],
+        charted=[],
+        nearby=[0] * len(mission.robots),
     )
     for index, robot in enumerate(mission.robots):
         gps = [k for k, sensor in enumerate(robot.sensors) if sensor.type == "GPS_POSITION"]
@@ -157,7 +171,36 @@ def initial_state(mission: Mission, seed: int) -> State:
             state.switches.append(SwitchState(active=1, claimed=0))
     for goal in mission.goals:
         _add_goal(state, mission, goal)
+    _draw_map(state, mission)
+    _make_room(state)
     return state
+
+
+def _draw_map(state: State, mission: Mission) -> None:
+    """Draw the map of the mission area; it reaches as far as any reaction looks ahead."""
+    fastest = SPEED_LIMIT * max((robot.nominal_speed for robot in state.robots), default=0.0)
+    area = mission.area
+    survey = Survey(
+        left=(float(area.center.x) - area.radius, float(area.center.y) - area.radius),
+        cells_per_unit=SIDE / max(2.0 * area.radius, 1.0),
+        reach=MARGIN + LOOK_AHEAD * fastest + tasks.ROBOT_RADIUS,
+        obstacles=tuple((each.model_x, each.model_y, each.radius) for each in state.obstacles),
+    )
+    state.map = MapState(*survey.left, survey.cells_per_unit, survey.reach, 0)
+    cells, mapped = drawn(survey)
+    state.cells = list(cells)
+    state.mapped = list(mapped)
+
+
+def _make_room(state: State) -> None:
+    """Make room for the grid of the AvoidCollision goal with the most robots."""
+    wanted = [goal.n_members for goal in state.goals if goal.task == tasks.AVOID_COLLISION]
+    buckets = n_buckets(max(wanted, default=0))
+    if buckets:
+        state.grid = GridState(1.0, buckets, stride(buckets))
+        state.heads = [0] * (buckets + 1)
+        state.buckets = [0] * max(wanted)
+        state.charted = [0] * max(wanted)
 
 
 def _obstacle(area: Area) -> ObstacleState:

@@ -6,11 +6,13 @@ Source paper, sections III-B b) and III-G; DESIGN of the fault effects in docs/s
 """
 
 from dataclasses import dataclass
+from operator import attrgetter
+from typing import NamedTuple
 
 from mrsfi_runtime.model.fault_types import Field, Mode
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import Target, touched
+from mrsfi_runtime.model.targets import touched
 
 
 @dataclass(slots=True)
@@ -65,6 +67,40 @@ class Plan:
     tallies: list[FaultTally]
 
 
+class InjectionRow(NamedTuple):
+    """What an injection is before its run: the first attributes of ``InjectionState``."""
+
+    fault: int
+    affected: int
+    mode: int
+    target: int
+    start: int
+    finish: int
+    a: float
+    b: float
+    c: float
+    first_held: int
+    n_held: int
+
+
+class PlanRows(NamedTuple):
+    """A plan before its run.
+
+    Attributes
+    ----------
+    lists
+        Messages, reports and commands, each by start.
+    n_held
+        Numbers that delays hold back.
+    n_faults
+        Number of timed faults.
+    """
+
+    lists: tuple[list[InjectionRow], list[InjectionRow], list[InjectionRow]]
+    n_held: int
+    n_faults: int
+
+
 def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Plan:
     """Lay a fault specification out for the kernel.
 
@@ -73,62 +109,62 @@ def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Pla
     SpecificationError
         If a fault is not in the pool, or refers to what the mission does not have.
     """
-    laid_out = Plan([], [], [], [], [FaultTally(0, 0, -1, -1) for _ in specification])
+    lists, n_held, n_faults = plan_rows(mission, pool, specification)
+    messages, reports, commands = (
+        [InjectionState(*row, 0.0, 0.0, 0.0) for row in rows] for rows in lists
+    )
+    tallies = [FaultTally(0, 0, -1, -1) for _ in range(n_faults)]
+    return Plan(messages, reports, commands, [0.0] * n_held, tallies)
+
+
+def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -> PlanRows:
+    """Lay a fault specification out as rows; as ``plan``."""
+    rows = PlanRows(([], [], []), 0, len(specification))
+    messages, reports, commands = rows.lists
+    n_held = 0
     for number, timed in enumerate(specification):
         fault = pool[timed.fault]
-        for target in touched(mission, fault):
-            injection = _injection(number, timed, fault, target)
-            if injection.mode <= BLOCK:
-                _reserve(laid_out, injection)
-                laid_out.messages.append(injection)
-            elif injection.affected <= OBSTACLE:
-                laid_out.reports.append(injection)
+        mode = int(fault.kind.mode)
+        for field, target in touched(mission, fault):
+            affected = int(field)
+            if mode <= BLOCK:
+                row = _held_back(number, timed, affected, mode, target, n_held)
+                n_held += 3 * row.n_held
+                messages.append(row)
             else:
-                laid_out.commands.append(injection)
-    for injections in (laid_out.messages, laid_out.reports, laid_out.commands):
+                a, b, c = _values(timed)
+                row = InjectionRow(
+                    number, affected, mode, target, timed.start, timed.finish, a, b, c, 0, 0
+                )
+                (reports if affected <= OBSTACLE else commands).append(row)
+    for injections in rows.lists:
         injections.sort(key=_start)
-    return laid_out
+    return rows._replace(n_held=n_held)
 
 
-def _start(injection: InjectionState) -> int:
-    return injection.start
+_start = attrgetter("start")
 
 
-def _injection(number: int, timed: TimedFault, fault: Fault, target: Target) -> InjectionState:
-    mode = fault.kind.mode
-    a, b, c = (*(float(value) for value in timed.values), 0.0, 0.0, 0.0)[:3]
+def _values(timed: TimedFault) -> tuple[float, float, float]:
+    a, b, c = (*map(float, timed.values), 0.0, 0.0, 0.0)[:3]
+    return a, b, c
+
+
+def _held_back(
+    number: int, timed: TimedFault, affected: int, mode: int, target: int, first_held: int
+) -> InjectionRow:
+    """Return a row of a message fault; a delay below one tick never becomes active."""
+    a, b, c = _values(timed)
     finish = timed.finish
-    if mode is Mode.BLOCK:
+    n_held = 0
+    if mode == BLOCK:
         finish = min(finish, timed.start + round(a) - 1)
-    return InjectionState(
-        fault=number,
-        affected=int(target[0]),
-        mode=int(mode),
-        target=target[1],
-        start=timed.start,
-        finish=finish,
-        a=a,
-        b=b,
-        c=c,
-        first_held=0,
-        n_held=0,
-        kept_a=0.0,
-        kept_b=0.0,
-        kept_c=0.0,
-    )
-
-
-def _reserve(laid_out: Plan, injection: InjectionState) -> None:
-    """Make room for what a delay holds back; a delay below one tick never becomes active."""
-    if injection.mode == BLOCK:
-        return
-    delay = round(injection.a)
-    if delay < 1:
-        injection.finish = injection.start - 1
-    elif delay <= injection.finish - injection.start:
-        injection.first_held = len(laid_out.held)
-        injection.n_held = delay
-        laid_out.held.extend([0.0] * (3 * delay))
+    elif round(a) < 1:
+        finish = timed.start - 1
+    elif round(a) <= finish - timed.start:
+        n_held = round(a)
+    first = first_held if n_held else 0
+    return InjectionRow(number, affected, mode, target, timed.start, finish, a, b, c, first, n_held)
 
 
 POSITION, SPEED, ENERGY, COUNT, RATE, COST, OBSTACLE, MOTION, ACTIVATION = (

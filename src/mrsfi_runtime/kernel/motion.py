@@ -6,7 +6,7 @@ Source paper, sections III-F and III-H.
 """
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
+from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw_at, mixed
 from mrsfi_runtime.kernel.state import State
 
 
@@ -20,6 +20,7 @@ def advance(world: State) -> None:
     per tick × energy per sample. One without energy stops, its sensors with it; in the tick
     in which the energy runs out it still moves.
     """
+    moment = mixed(world.mission.seed ^ world.mission.tick)
     for index in range(len(world.robots)):
         robot = world.robots[index]
         if robot.energy <= 0.0:
@@ -38,18 +39,25 @@ def advance(world: State) -> None:
             sensor.active = world.switches[k].active
             if sensor.active:
                 spent += sensor.nominal_rate * sensor.nominal_cost
-                sensor.count += valid_samples(world, k)
+                sensor.count += valid_samples(world, k, moment)
         robot.energy = max(robot.energy - spent, 0.0)
 
 
 @kernel
-def valid_samples(world: State, k: int) -> int:
-    """Return how many of a sensor's samples of this tick are valid: one on average."""
+def valid_samples(world: State, k: int, moment: int) -> int:
+    """Return how many of a sensor's samples of this tick are valid: one on average.
+
+    Notes
+    -----
+    All chances are compared, though they ascend: compiled, that is faster than a branch that
+    nobody can predict.
+    """
     sensor = world.sensors[k]
-    value = draw(world.mission.seed, world.mission.tick, k, PURPOSE_SAMPLES)
+    value = draw_at(moment, k, PURPOSE_SAMPLES)
     n = 0
-    while n < sensor.n_chances and value >= world.chances[sensor.first_chance + n]:
-        n += 1
+    for chance in range(sensor.first_chance, sensor.first_chance + sensor.n_chances):
+        if value >= world.chances[chance]:
+            n += 1
     return n
 
 

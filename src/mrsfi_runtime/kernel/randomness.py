@@ -52,7 +52,13 @@ def draw(seed: int, tick: int, entity: int, purpose: int) -> int:
     purpose
         One of the ``PURPOSE_…`` numbers, below 256.
     """
-    return mixed(mixed(seed ^ tick) ^ ((entity << 8) | purpose))
+    return draw_at(mixed(seed ^ tick), entity, purpose)
+
+
+@kernel
+def draw_at(moment: int, entity: int, purpose: int) -> int:
+    """Return what ``draw`` does; ``moment`` is ``mixed(seed ^ tick)``."""
+    return mixed(moment ^ ((entity << 8) | purpose))
 
 
 @kernel
@@ -63,8 +69,14 @@ def uniform(seed: int, tick: int, entity: int, purpose: int) -> float:
 
 @kernel
 def choice(n: int, seed: int, tick: int, entity: int, purpose: int) -> int:
-    """Return a uniform integer in ``0 … n - 1``, for n below 2**31."""
-    return (draw(seed, tick, entity, purpose) * n) >> 32
+    """Return a uniform integer in ``0 … n - 1``, for n below 2**62.
+
+    Notes
+    -----
+    It is ``draw * n >> 32``, in two parts so that no product leaves 64 bits.
+    """
+    drawn = draw(seed, tick, entity, purpose)
+    return (drawn * (n >> 31) + ((drawn * (n & 0x7FFFFFFF)) >> 31)) >> 1
 
 
 def seed_key(seed: int) -> int:

@@ -13,6 +13,8 @@ import math
 from mrsfi_runtime.kernel.commands import set_speed, steer, switch_sensor
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.directions import N_DIRECTIONS
+from mrsfi_runtime.kernel.neighbours import chart, gather
+from mrsfi_runtime.kernel.obstacles import cell_at, is_displaced, is_listed
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
 from mrsfi_runtime.kernel.state import GoalState, State
 from mrsfi_runtime.kernel.tasks import ROBOT_RADIUS, distance, inside, sensor_power, ticks_left
@@ -39,19 +41,43 @@ def pace(ci: State, index: int) -> float:
 def avoid_collision(ci: State, g: int) -> None:
     """Turn every member that will soon collide to the heading with the most clearance."""
     goal = ci.goals[g]
+    farthest = 0.0
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        farthest = max(farthest, LOOK_AHEAD * pace(ci, ci.members[m].robot))
+    chart(ci, goal, 2.0 * (MARGIN + 2.0 * farthest + 2.0 * ROBOT_RADIUS))
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = ci.members[m].robot
         command = ci.commands[index]
-        if clearance(ci, goal, index, command.heading_x, command.heading_y, MARGIN) < MARGIN:
-            evade(ci, goal, index)
+        n_near = gather(ci, goal, index, sight(ci, index, MARGIN, farthest))
+        x = command.heading_x
+        y = command.heading_y
+        if clearance(ci, goal, index, n_near, x, y, MARGIN) < MARGIN:
+            evade(ci, goal, index, farthest)
 
 
 @kernel
-def evade(ci: State, goal: GoalState, index: int) -> None:
+def sight(ci: State, index: int, limit: float, farthest: float) -> float:
+    """Return the distance from which on another robot cannot come nearer than a gap.
+
+    Parameters
+    ----------
+    ci, index
+        Local state, and the index of a robot.
+    limit
+        The gap.
+    farthest
+        What any other robot moves within the look-ahead, at most.
+    """
+    return limit + LOOK_AHEAD * pace(ci, index) + farthest + 2.0 * ROBOT_RADIUS
+
+
+@kernel
+def evade(ci: State, goal: GoalState, index: int, farthest: float) -> None:
     """Steer a robot to the heading with the most clearance that keeps it in the mission area."""
     robot = ci.robots[index]
     reach = LOOK_AHEAD * pace(ci, index)
     limit = 2.0 * reach
+    n_near = gather(ci, goal, index, sight(ci, index, limit, farthest))
     best = -1
     most = 0.0
     for degrees in range(0, N_DIRECTIONS, CANDIDATE_STEP):
@@ -61,7 +87,7 @@ def evade(ci: State, goal: GoalState, index: int) -> None:
         y = robot.y + reach * heading.y
         out = distance(x, y, mission.x, mission.y)
         if out <= mission.radius:
-            clear = clearance(ci, goal, index, heading.x, heading.y, limit)
+            clear = clearance(ci, goal, index, n_near, heading.x, heading.y, limit)
             if best < 0 or clear > most:
                 best = degrees
                 most = clear
@@ -70,13 +96,17 @@ def evade(ci: State, goal: GoalState, index: int) -> None:
 
 
 @kernel
-def clearance(ci: State, goal: GoalState, index: int, x: float, y: float, limit: float) -> float:
-    """Return the least gap to a goal's other robots and obstacles within the look-ahead.
+def clearance(
+    ci: State, goal: GoalState, index: int, n_near: int, x: float, y: float, limit: float
+) -> float:
+    """Return the least gap to robots nearby and a goal's obstacles within the look-ahead.
 
     Parameters
     ----------
     ci, goal, index
         Local state, an AvoidCollision goal, and the index of the robot.
+    n_near
+        Number of robots in ``ci.nearby`` that may come nearer than ``limit``.
     x, y
         Unit vector of the heading to judge.
     limit
@@ -88,29 +118,72 @@ def clearance(ci: State, goal: GoalState, index: int, x: float, y: float, limit:
     """
     robot = ci.robots[index]
     step = pace(ci, index)
-    reach = LOOK_AHEAD * step
-    least = limit
-    for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-        obstacle = ci.obstacles[ci.hazards[h]]
-        dx = obstacle.x - robot.x
-        dy = obstacle.y - robot.y
-        near = least + reach + obstacle.radius + ROBOT_RADIUS
-        if -near < dx < near and -near < dy < near:
-            gap = closest(dx, dy, -step * x, -step * y) - obstacle.radius - ROBOT_RADIUS
-            least = min(least, gap)
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        other = ci.members[m].robot
-        if other != index:
-            dx = ci.robots[other].x - robot.x
-            dy = ci.robots[other].y - robot.y
-            other_step = pace(ci, other)
-            near = least + reach + LOOK_AHEAD * other_step + 2.0 * ROBOT_RADIUS
-            if -near < dx < near and -near < dy < near:
-                command = ci.commands[other]
-                vx = other_step * command.heading_x - step * x
-                vy = other_step * command.heading_y - step * y
-                least = min(least, closest(dx, dy, vx, vy) - 2.0 * ROBOT_RADIUS)
+    least = clearance_of_obstacles(ci, goal, index, step * x, step * y, limit)
+    for k in range(n_near):
+        other = ci.nearby[k]
+        dx = ci.robots[other].x - robot.x
+        dy = ci.robots[other].y - robot.y
+        other_step = pace(ci, other)
+        near = least + LOOK_AHEAD * (step + other_step) + 2.0 * ROBOT_RADIUS
+        if abs(dx) < near and abs(dy) < near:
+            command = ci.commands[other]
+            vx = other_step * command.heading_x - step * x
+            vy = other_step * command.heading_y - step * y
+            least = min(least, closest(dx, dy, vx, vy) - 2.0 * ROBOT_RADIUS)
     return least
+
+
+@kernel
+def clearance_of_obstacles(
+    ci: State, goal: GoalState, index: int, vx: float, vy: float, limit: float
+) -> float:
+    """Return the least gap to a goal's obstacles, for a robot of given velocity; as ``clearance``.
+
+    Where the map does not reach as far as the robot may move, all obstacles are looked at.
+    """
+    robot = ci.robots[index]
+    reach = limit + LOOK_AHEAD * pace(ci, index) + ROBOT_RADIUS
+    is_mapped = reach <= ci.map.reach
+    least = limit
+    if is_mapped:
+        cell = cell_at(ci, robot.x, robot.y)
+        for k in range(ci.cells[cell], ci.cells[cell + 1]):
+            mapped = ci.mapped[k]
+            if mapped.gap >= reach:
+                break
+            if is_listed(ci, goal, mapped.obstacle):
+                least = min(least, gap_to_obstacle(ci, index, mapped.obstacle, vx, vy, reach))
+        if ci.map.is_wrong == 0:
+            return least
+    for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
+        if not is_mapped or is_displaced(ci, ci.hazards[h]):
+            least = min(least, gap_to_obstacle(ci, index, ci.hazards[h], vx, vy, reach))
+    return least
+
+
+@kernel
+def gap_to_obstacle(
+    ci: State, index: int, hazard: int, vx: float, vy: float, reach: float
+) -> float:
+    """Return the gap to an obstacle within the look-ahead, or ``reach`` if it is too far away.
+
+    Parameters
+    ----------
+    ci, index, hazard
+        Local state, and the indices of the robot and the obstacle.
+    vx, vy
+        What the robot moves in a tick.
+    reach
+        Distance from the obstacle's edge beyond which nothing counts.
+    """
+    robot = ci.robots[index]
+    obstacle = ci.obstacles[hazard]
+    dx = obstacle.x - robot.x
+    dy = obstacle.y - robot.y
+    near = reach + obstacle.radius
+    if abs(dx) >= near or abs(dy) >= near:
+        return reach
+    return closest(dx, dy, -vx, -vy) - obstacle.radius - ROBOT_RADIUS
 
 
 @kernel

@@ -145,10 +145,45 @@ class SwitchState:
 
 
 @dataclass(slots=True)
+class MapState:
+    """The map of ``kernel.obstacles``: its lower left corner, and how fine it is.
+
+    A cell lists the obstacles whose edge is within ``reach`` of it along both axes.
+    ``is_wrong`` is 1 while an obstacle may be believed elsewhere than where the model puts it;
+    whoever moves an obstacle sets it.
+    """
+
+    x: float
+    y: float
+    cells_per_unit: float
+    reach: float
+    is_wrong: int
+
+
+@dataclass(slots=True)
+class MappedState:
+    """An obstacle on a cell of the map, and how near to its edge a point of the cell can be."""
+
+    obstacle: int
+    gap: float
+
+
+@dataclass(slots=True)
+class GridState:
+    """The grid in which ``kernel.neighbours`` looks robots up: how fine, and its buckets."""
+
+    cells_per_unit: float
+    n_buckets: int
+    stride: int
+
+
+@dataclass(slots=True)
 class State:
     """All that is known: by the simulation the truth, by the collective intelligence a belief.
 
-    ``directions`` are the unit vectors of whole degrees.
+    ``directions`` are the unit vectors of whole degrees. ``cells`` tells where the obstacles of
+    each cell of the map begin in ``mapped``. ``grid`` and what follows is room to look up
+    neighbours; nothing is remembered there.
     """
 
     mission: MissionState
@@ -163,3 +198,11 @@ class State:
     directions: list[PointState]
     commands: list[CommandState]
     switches: list[SwitchState]
+    map: MapState
+    cells: list[int]
+    mapped: list[MappedState]
+    grid: GridState
+    heads: list[int]
+    buckets: list[int]
+    charted: list[int]
+    nearby: list[int]

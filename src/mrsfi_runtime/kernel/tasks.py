@@ -11,9 +11,14 @@ Source paper, sections III-B a) and III-G (``checkRequirements``).
 import math
 
 from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.neighbours import FEW, chart, gather
+from mrsfi_runtime.kernel.obstacles import cell_at, is_displaced, is_listed
 from mrsfi_runtime.kernel.state import GoalState, State
 
 ROBOT_RADIUS = 1.0
+
+CELL = 32.0
+"""Side of the cells in which overlapping robots are looked for, in distance units."""
 
 AVOID_COLLISION, STAY_WITHIN, SUFFICIENT_ENERGY, GATHER_SAMPLES = 0, 1, 2, 3
 PATROL, VISIT, TRACK, STAY, FIXED_DISTANCE = 4, 5, 6, 7, 8
@@ -105,22 +110,72 @@ def avoid_collision_violated(view: State, g: int) -> bool:
         Index of the goal.
     """
     goal = view.goals[g]
-    last = goal.first_member + goal.n_members
+    return hits_obstacle(view, goal) or hits_robot(view, goal)
+
+
+@kernel
+def hits_obstacle(view: State, goal: GoalState) -> bool:
+    """Return whether a disc of a goal's robots overlaps with one of its obstacles."""
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        robot = view.robots[view.members[m].robot]
+        cell = cell_at(view, robot.x, robot.y)
+        for k in range(view.cells[cell], view.cells[cell + 1]):
+            mapped = view.mapped[k]
+            if mapped.gap >= ROBOT_RADIUS:
+                break
+            index = mapped.obstacle
+            if hits(view, robot.x, robot.y, index) and is_listed(view, goal, index):
+                return True
+    return view.map.is_wrong == 1 and hits_displaced(view, goal)
+
+
+@kernel
+def hits_displaced(view: State, goal: GoalState) -> bool:
+    """Return whether a disc overlaps with an obstacle that is not where the model puts it."""
+    for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
+        if is_displaced(view, view.hazards[h]):
+            for m in range(goal.first_member, goal.first_member + goal.n_members):
+                robot = view.robots[view.members[m].robot]
+                if hits(view, robot.x, robot.y, view.hazards[h]):
+                    return True
+    return False
+
+
+@kernel
+def hits(view: State, x: float, y: float, index: int) -> bool:
+    """Return whether the disc of a robot at a point overlaps with that of an obstacle."""
+    obstacle = view.obstacles[index]
+    return overlap(obstacle.x - x, obstacle.y - y, obstacle.radius + ROBOT_RADIUS)
+
+
+@kernel
+def hits_robot(view: State, goal: GoalState) -> bool:
+    """Return whether two discs of a goal's robots overlap."""
     both = 2.0 * ROBOT_RADIUS
+    last = goal.first_member + goal.n_members
+    if goal.n_members > FEW:
+        return hits_neighbour(view, goal, both)
     for m in range(goal.first_member, last):
         robot = view.robots[view.members[m].robot]
         x = robot.x
         y = robot.y
         for other in range(m + 1, last):
             second = view.robots[view.members[other].robot]
-            dx = second.x - x
-            if -both < dx < both and overlap(dx, second.y - y, both):
+            if overlap(second.x - x, second.y - y, both):
                 return True
-        for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):
-            obstacle = view.obstacles[view.hazards[h]]
-            dx = obstacle.x - x
-            reach = obstacle.radius + ROBOT_RADIUS
-            if -reach < dx < reach and overlap(dx, obstacle.y - y, reach):
+    return False
+
+
+@kernel
+def hits_neighbour(view: State, goal: GoalState, both: float) -> bool:
+    """Return whether two of many robots are nearer to each other than a distance."""
+    chart(view, goal, CELL)
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = view.members[m].robot
+        robot = view.robots[index]
+        for k in range(gather(view, goal, index, both)):
+            other = view.robots[view.nearby[k]]
+            if overlap(other.x - robot.x, other.y - robot.y, both):
                 return True
     return False
 

@@ -10,12 +10,11 @@ place and *same class* in another; this key serves the purpose it states.
 """
 
 from collections.abc import Mapping
-from itertools import combinations
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification
+from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import GatherSamples, Mission
 
 Target: TypeAlias = tuple[Field, int]
@@ -117,16 +116,23 @@ def require_no_overlap(mission: Mission, pool: FaultPool, specification: Specifi
                 f"{len(timed.values)} values; expected 0 <= start <= finish and {n_values} values"
             )
             raise SpecificationError(message)
-    keys = {timed.fault: frozenset(touched(mission, pool[timed.fault])) for timed in specification}
-    for first, second in combinations(specification, 2):
-        shared = keys[first.fault] & keys[second.fault]
-        if (shared or first.fault == second.fault) and (
-            first.start <= second.finish and second.start <= first.finish
-        ):
-            what = ", ".join(sorted(target[0].name.lower() for target in shared)) or "nothing"
-            message = (
-                f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
-                f"({second.start} … {second.finish}) overlap and both touch {what}; "
-                "conflicting faults must not be active at the same tick"
-            )
-            raise SpecificationError(message)
+    busy: dict[Target | str, list[TimedFault]] = {}
+    for second in specification:
+        keys: list[Target | str] = [second.fault, *touched(mission, pool[second.fault])]
+        for key in keys:
+            others = busy.setdefault(key, [])
+            for first in others:
+                if first.start <= second.finish and second.start <= first.finish:
+                    raise SpecificationError(_overlap(mission, pool, first, second))
+            others.append(second)
+
+
+def _overlap(mission: Mission, pool: FaultPool, first: TimedFault, second: TimedFault) -> str:
+    """Return the message about two conflicting faults that overlap."""
+    shared = {*touched(mission, pool[first.fault])} & {*touched(mission, pool[second.fault])}
+    what = ", ".join(sorted(target[0].name.lower() for target in shared)) or "nothing"
+    return (
+        f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
+        f"({second.start} … {second.finish}) overlap and both touch {what}; "
+        "conflicting faults must not be active at the same tick"
+    )

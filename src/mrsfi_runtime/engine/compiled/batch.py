@@ -8,11 +8,10 @@ import numpy as np
 from mrsfi_runtime.engine.compiled.layout import (
     Records,
     Room,
-    injection_row,
     record_type,
 )
 from mrsfi_runtime.engine.flights import digested
-from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, Plan
+from mrsfi_runtime.kernel.injections import FaultTally, InjectionRow, InjectionState, PlanRows
 from mrsfi_runtime.model.outcome import Outcome
 
 _INJECTION = record_type(InjectionState)
@@ -35,18 +34,20 @@ class Batch:
         What a compiled plan must have room for.
     """
 
-    def __init__(self, plans: Sequence[Plan], result_type: np.dtype[Any]) -> None:
-        rows: list[tuple[Any, ...]] = []
+    def __init__(self, plans: Sequence[PlanRows], result_type: np.dtype[Any]) -> None:
+        rows: list[InjectionRow] = []
         ends = []
         n_tallies = 0
         for one in plans:
             marks = [len(rows)]
-            for injections in (one.messages, one.reports, one.commands):
-                rows.extend(map(injection_row, injections))
+            for injections in one.lists:
+                rows.extend(injections)
                 marks.append(len(rows))
-            ends.append((*marks, n_tallies, n_tallies + len(one.tallies)))
-            n_tallies += len(one.tallies)
-        self.injections: Records = np.array(rows, _INJECTION)
+            ends.append((*marks, n_tallies, n_tallies + one.n_faults))
+            n_tallies += one.n_faults
+        self.injections: Records = np.zeros(len(rows), _INJECTION)
+        for name, column in zip(InjectionRow._fields, zip(*rows, strict=True), strict=False):
+            self.injections[name] = column
         self.ends = np.array(ends, np.int64)
         self.tallies: Records = np.zeros(n_tallies, _TALLY)
         self.tallies["last_applied"] = self.tallies["last_changed"] = -1

@@ -1,9 +1,7 @@
 """Makes the kernel and the regions of a mission known to numba, and compiles its flight."""
 
-import inspect
 import sys
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -11,12 +9,15 @@ import numba
 from numba.extending import register_jitable
 
 from mrsfi_runtime.engine.compiled.driver import driver_text, load_driver, source_hash
+from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
 from mrsfi_runtime.engine.compiled.regions import CompilationError, explain
 from mrsfi_runtime.kernel import (
     commands,
     delivery,
     effects,
     motion,
+    neighbours,
+    obstacles,
     randomness,
     reactions,
     tasks,
@@ -24,7 +25,18 @@ from mrsfi_runtime.kernel import (
 )
 from mrsfi_runtime.mission import MissionCode
 
-_KERNEL = (commands, delivery, effects, motion, randomness, reactions, tasks, tick)
+_KERNEL = (
+    commands,
+    delivery,
+    effects,
+    motion,
+    neighbours,
+    obstacles,
+    randomness,
+    reactions,
+    tasks,
+    tick,
+)
 _typeof: Any = numba.typeof
 _REGISTERED: set[FunctionType] = set()
 
@@ -48,8 +60,9 @@ class CompiledFlight:
         for module in (*_KERNEL, collective):
             _register(module)
         text = driver_text(code, collective.__name__)
-        sources = [path.read_text(encoding="utf-8") for path in _sources(collective)]
-        module = load_driver(source_hash([text, repr(state_type), *sources]), text)
+        read = [path.read_text(encoding="utf-8") for path in sources(collective)]
+        parts = [text, repr(state_type), *read, *constants(collective)]
+        module = load_driver(source_hash(parts), text)
         self._fly_many = module.fly_many
         self._compiled: set[Any] = set()
 
@@ -92,18 +105,8 @@ def _require_one_file(code: MissionCode) -> None:
 
 
 def _register(module: ModuleType) -> None:
-    """Let compiled code call the kernel functions of a module; they themselves stay as they are."""
-    for function in _kernel_functions(module):
+    """Let compiled code call what it reaches from a module; the functions stay as they are."""
+    for function in kernel_functions(module):
         if function not in _REGISTERED:
             _REGISTERED.add(function)
-            register_jitable(boundscheck=True)(function)
-
-
-def _kernel_functions(module: ModuleType) -> Iterator[FunctionType]:
-    return (found for found in vars(module).values() if getattr(found, "__kernel__", False))
-
-
-def _sources(collective: ModuleType) -> list[Path]:
-    """Return the file of the regions, and those from which they import kernel functions."""
-    files = {inspect.getfile(function) for function in _kernel_functions(collective)}
-    return sorted(Path(file) for file in {*files, str(collective.__file__)})
+            register_jitable(boundscheck=True, forceinline=True, no_cfunc_wrapper=True)(function)

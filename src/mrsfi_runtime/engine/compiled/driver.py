@@ -41,7 +41,9 @@ def fly_many(first, last, fresh, room, states, plans, batch, tallies, ends, resu
     plan = plans[0]
     for k in range(first, last):
         at[0] = k
-        room[:] = fresh
+        for side in range(len(fresh)):
+            for word in range(len(fresh[side])):
+                room[side, word] = fresh[side, word]
         result = results[k]
         board(plan.messages, batch, ends[k, 0], ends[k, 1])
         board(plan.reports, batch, ends[k, 1], ends[k, 2])
@@ -57,14 +59,14 @@ def fly_many(first, last, fresh, room, states, plans, batch, tallies, ends, resu
         pack(belief, result.belief)
 
 
-@njit(boundscheck=True)
+@njit(boundscheck=True, no_cfunc_wrapper=True)
 def board(room, injections, first, last):
     for n in range(first, last):
         room[n - first] = injections[n]
     room[last - first].start = {never}
 
 
-@njit(boundscheck=True)
+@njit(boundscheck=True, no_cfunc_wrapper=True)
 def fly(world, belief, inbox, plan, result, trace, at):
     effects.issue(belief, world, plan, 0)
     for tick in range(world.mission.duration):
@@ -88,17 +90,18 @@ def fly(world, belief, inbox, plan, result, trace, at):
                 trace[tick].is_believed[goal] = result.is_believed[goal]
 
 
-@njit(boundscheck=True)
+@njit(boundscheck=True, no_cfunc_wrapper=True)
 def judge(result, goal):
     true = result.is_true[goal]
     believed = result.is_believed[goal]
-    result.true[goal] += true
-    result.believed[goal] += believed
-    result.phantom[goal] += believed and not true
-    result.masked[goal] += true and not believed
+    if true or believed:
+        result.true[goal] += true
+        result.believed[goal] += believed
+        result.phantom[goal] += believed and not true
+        result.masked[goal] += true and not believed
 
 
-@njit(boundscheck=True)
+@njit(boundscheck=True, no_cfunc_wrapper=True)
 def pack(state, values):
     n = 0
 {packing}

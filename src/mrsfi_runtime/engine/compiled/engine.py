@@ -21,6 +21,7 @@ from mrsfi_runtime.engine.compiled.layout import (
     read_values,
     result_type,
     state_type,
+    words,
     write_state,
 )
 from mrsfi_runtime.engine.flights import Evaluated, attempt
@@ -28,7 +29,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.kernel.injections import plan
+from mrsfi_runtime.kernel.injections import plan_rows
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
@@ -158,7 +159,7 @@ class CompiledEngine:
         mission = self.code.mission
         for specification in specifications:
             require_no_overlap(mission, pool, specification)
-        plans = [plan(mission, pool, specification) for specification in specifications]
+        plans = [plan_rows(mission, pool, specification) for specification in specifications]
         return Batch(plans, self._result_type)
 
     def _fly(
@@ -175,8 +176,8 @@ class CompiledEngine:
                 self._fly_many(
                     first,
                     last,
-                    self._fresh.view(np.uint8),
-                    states.view(np.uint8),
+                    words(self._fresh),
+                    words(states),
                     states,
                     plans,
                     batch.injections,

@@ -4,15 +4,15 @@ A state becomes one record that holds arrays of records; the kernel reads and wr
 the same attributes, indices and loops as the plain objects.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
-from operator import attrgetter
+from functools import lru_cache
 from typing import Any, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, Plan
+from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, PlanRows
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.record.trace import CHANGING
 
@@ -21,6 +21,9 @@ Records: TypeAlias = npt.NDArray[Any]
 
 NEVER = 2**62
 """Start of the sentinel behind the last injection of a list."""
+
+CONSTANT = ("chances", "directions", "cells", "mapped")
+"""Tables of a state that no flight changes, so that they need not be laid out anew for each."""
 
 _KINDS = {int: "<i8", float: "<f8"}
 
@@ -37,12 +40,12 @@ class Room:
     injections: int = 256
     held: int = 65_536
 
-    def for_plans(self, plans: Sequence[Plan]) -> "Room":
+    def for_plans(self, plans: Sequence[PlanRows]) -> "Room":
         """Return room for all of some plans, in few sizes."""
         return Room(
-            _grown(self.faults, max(len(one.tallies) for one in plans)),
-            _grown(self.injections, 1 + max(_longest(one) for one in plans)),
-            _grown(self.held, max(len(one.held) for one in plans)),
+            _grown(self.faults, max(one.n_faults for one in plans)),
+            _grown(self.injections, 1 + max(max(map(len, one.lists)) for one in plans)),
+            _grown(self.held, max(one.n_held for one in plans)),
         )
 
 
@@ -52,18 +55,23 @@ def _grown(room: int, needed: int) -> int:
     return room
 
 
-def _longest(plan: Plan) -> int:
-    return max(len(plan.messages), len(plan.reports), len(plan.commands))
-
-
 def record_type(record: type) -> np.dtype[Any]:
     """Return the layout of a record of integers and floats."""
     return np.dtype([(name, _KINDS[hint]) for name, hint in get_type_hints(record).items()])
 
 
 def state_type(state: State) -> np.dtype[Any]:
-    """Return the layout of a state; lengths of lists are part of it."""
-    return np.dtype([_member(name, hint, state) for name, hint in get_type_hints(State).items()])
+    """Return the layout of a state; lengths of lists are part of it, and what changes is first."""
+    hints = get_type_hints(State)
+    names = sorted(hints, key=lambda name: name in CONSTANT)
+    return np.dtype([_member(name, hints[name], state) for name in names])
+
+
+def words(states: Records) -> npt.NDArray[np.int64]:
+    """Return what changes in some states, as words of 8 bytes, shape ``(n_states, n_words)``."""
+    layout: Mapping[str, Any] = states.dtype.fields or {}
+    n_words = min(layout[name][1] for name in CONSTANT) // 8
+    return states.view(np.int64).reshape(len(states), -1)[:, :n_words]
 
 
 def _member(name: str, hint: Any, state: State) -> tuple[Any, ...]:
@@ -85,6 +93,7 @@ def write_state(row: Any, state: State) -> None:
             row[name] = value if elements[0] is int else [astuple(record) for record in value]
 
 
+@lru_cache(maxsize=16)
 def plan_type(room: Room) -> np.dtype[Any]:
     """Return the layout of a plan."""
     injection = record_type(InjectionState)
@@ -132,7 +141,3 @@ def read_values(state: State, values: npt.NDArray[np.float64]) -> None:
             for field in fields(record):
                 number = next(numbers)
                 setattr(record, field.name, number if field.type is float else int(number))
-
-
-injection_row = attrgetter(*(field.name for field in fields(InjectionState)))
-"""Return an injection as a row of its layout."""

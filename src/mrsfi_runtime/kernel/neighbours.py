@@ -1,0 +1,150 @@
+"""Which robots are near a place: looked up in a grid where they are many, one by one where few.
+
+The grid has no edges: cells are numbered without end and share a fixed number of buckets, so
+that it serves robots wherever they are believed to be.
+"""
+
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.state import GoalState, State
+
+FEW = 24
+"""Members up to which a goal's robots are looked at one by one."""
+
+WIDEST = 4
+"""Cells a side of the widest square that is looked up; beyond it all members are looked at."""
+
+FAR = 2.0**30
+"""Number of the outermost cell; whatever is farther out counts as inside it."""
+
+
+def n_buckets(n_members: int) -> int:
+    """Return how many buckets a goal's grid has: a power of two, or 0 where there is no grid.
+
+    There are two to four for each robot, so that most robots are alone in theirs.
+    """
+    return 0 if n_members <= FEW else 2 << (n_members - 1).bit_length()
+
+
+def stride(buckets: int) -> int:
+    """Return by how many buckets two rows of cells are apart.
+
+    It is odd, so that a column of cells spreads over all buckets, about the square root of
+    their number, so that a square does, and such that no two cells of a square of ``WIDEST``
+    share one: no robot is found twice.
+    """
+    return (1 << (buckets.bit_length() // 2)) + 7
+
+
+@kernel
+def cell(value: float, per_unit: float) -> int:
+    """Return in which column or row of cells a coordinate lies; number 0 is twice as wide."""
+    return int(min(max(value * per_unit, -FAR), FAR))
+
+
+@kernel
+def chart(view: State, goal: GoalState, size: float) -> None:
+    """Sort a goal's members into the grid, where they are many.
+
+    Parameters
+    ----------
+    view, goal
+        State and one of its AvoidCollision goals.
+    size
+        Side of a cell, > 0.
+
+    Notes
+    -----
+    Counting sort: ``State.heads`` first counts the robots of each bucket, then tells where
+    each bucket ends in ``State.charted``, and last, where it begins.
+    """
+    if goal.n_members <= FEW:
+        return
+    grid = view.grid
+    per_unit = 1.0 / size
+    grid.cells_per_unit = per_unit
+    for bucket in range(grid.n_buckets + 1):
+        view.heads[bucket] = 0
+    for k in range(goal.n_members):
+        robot = view.robots[view.members[goal.first_member + k].robot]
+        bucket = bucket_of(view, cell(robot.x, per_unit), cell(robot.y, per_unit))
+        view.buckets[k] = bucket
+        view.heads[bucket] += 1
+    end = 0
+    for bucket in range(grid.n_buckets + 1):
+        end += view.heads[bucket]
+        view.heads[bucket] = end
+    for k in range(goal.n_members):
+        bucket = view.buckets[k]
+        view.heads[bucket] -= 1
+        view.charted[view.heads[bucket]] = view.members[goal.first_member + k].robot
+
+
+@kernel
+def bucket_of(view: State, column: int, row: int) -> int:
+    """Return the bucket of a cell."""
+    return (column + row * view.grid.stride) & (view.grid.n_buckets - 1)
+
+
+@kernel
+def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
+    """Collect the other members that are nearer than ``reach`` along both axes.
+
+    Parameters
+    ----------
+    view
+        State whose members ``chart`` has sorted, and which have not moved since.
+    goal
+        The goal.
+    index
+        Index of the robot whose neighbours are wanted.
+    reach
+        Distance.
+
+    Returns
+    -------
+    int
+        Their number; their indices stand first in ``State.nearby``.
+    """
+    x = view.robots[index].x
+    y = view.robots[index].y
+    if goal.n_members > FEW:
+        per_unit = view.grid.cells_per_unit
+        left = cell(x - reach, per_unit)
+        right = cell(x + reach, per_unit)
+        low = cell(y - reach, per_unit)
+        high = cell(y + reach, per_unit)
+        if max(right - left, high - low) < WIDEST:
+            return gather_cells(view, index, reach, left, right, low, high)
+    n = 0
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        other = view.members[m].robot
+        if other != index and is_near(view, other, x, y, reach):
+            view.nearby[n] = other
+            n += 1
+    return n
+
+
+@kernel
+def gather_cells(
+    view: State, index: int, reach: float, left: int, right: int, low: int, high: int
+) -> int:
+    """Collect the robots of a rectangle of cells that are near another; as ``gather``."""
+    x = view.robots[index].x
+    y = view.robots[index].y
+    n = 0
+    for row in range(low, high + 1):
+        for column in range(left, right + 1):
+            bucket = bucket_of(view, column, row)
+            for k in range(view.heads[bucket], view.heads[bucket + 1]):
+                other = view.charted[k]
+                if other != index and is_near(view, other, x, y, reach):
+                    view.nearby[n] = other
+                    n += 1
+    return n
+
+
+@kernel
+def is_near(view: State, index: int, x: float, y: float, reach: float) -> bool:
+    """Return whether a robot is nearer to a point than ``reach`` along both axes."""
+    robot = view.robots[index]
+    return abs(robot.x - x) < reach and abs(robot.y - y) < reach
