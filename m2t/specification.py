@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from m2t.constraints.faults import fault_types, is_set
-from m2t.load import load_mission_folder
+from m2t.load import LoadedModels, load_mission_folder
 from m2t.metamodels import features, is_contained, load_metamodels
 from m2t.saving import addresses
 from m2t.xmi import dumps, write_atomically
@@ -23,14 +23,18 @@ SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
 
 
 def write_specification(
-    models_folder: Path, rows: Sequence[SpecificationRow], path: Path, *, identifier: str
+    models: Path | LoadedModels,
+    rows: Sequence[SpecificationRow],
+    path: Path,
+    *,
+    identifier: str,
 ) -> None:
     """Write timed faults as XMI.
 
     Parameters
     ----------
-    models_folder
-        Mission folder; its ``faults.xmi`` is the pool.
+    models
+        Mission folder, or what was loaded from one; its ``faults.xmi`` is the pool.
     rows
         The timed faults, in the order in which they are written.
     path
@@ -50,7 +54,8 @@ def write_specification(
     -----
     The copies of pool fault ``f9`` have the IDs ``f9.1``, ``f9.2`` and so on, and its name.
     """
-    models = load_mission_folder(models_folder)
+    models = load_mission_folder(models) if isinstance(models, Path) else models
+    folder = models.mission_path.parent
     pool = {} if models.faults is None else {fault.ID: fault for fault in models.faults.faults}
     package = load_metamodels().faults
     specification = package.getEClassifier("FaultSpecification")()
@@ -60,7 +65,7 @@ def write_specification(
         if fault_id not in pool:
             known = ", ".join(pool) or "none"
             raise SpecificationError(
-                f"fault '{fault_id}' is not in the pool of {models_folder}; it has: {known}"
+                f"fault '{fault_id}' is not in the pool of {folder}; it has: {known}"
             )
         if not 0 <= start <= finish:
             raise SpecificationError(

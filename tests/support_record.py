@@ -215,5 +215,5 @@ def write_campaign(
         ):
             store.append(members)
             population = tuple(member.index for member in members)
-            store.close_generation(Generation(index, statistics(members), population, "[1,2]"))
+            store.append(generations=[Generation(index, statistics(members), population, "[1,2]")])
     return folder

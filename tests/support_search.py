@@ -213,7 +213,10 @@ class MemoryRecorder:
         return self.generations[index] if index < len(self.generations) else None
 
     def append(
-        self, evaluations: Sequence[Evaluation], failures: Sequence[FailedEvaluation]
+        self,
+        evaluations: Sequence[Evaluation],
+        failures: Sequence[FailedEvaluation],
+        generations: Sequence[Generation],
     ) -> None:
         for evaluation in evaluations:
             if evaluation.index != len(self.kept):
@@ -221,10 +224,9 @@ class MemoryRecorder:
                 raise ValueError(message)
             self.kept.append(evaluation)
         self.failed.extend(failures)
+        for generation in generations:
+            if generation.index != len(self.generations):
+                message = f"found {generation.index}; expected {len(self.generations)}"
+                raise ValueError(message)
+            self.generations.append(generation)
         self.n_appends += 1
-
-    def close_generation(self, generation: Generation) -> None:
-        if generation.index != len(self.generations):
-            message = f"found {generation.index}; expected {len(self.generations)}"
-            raise ValueError(message)
-        self.generations.append(generation)

@@ -8,8 +8,10 @@ Source paper, section V, figures 5 to 12.
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from mrsfi_runtime.analysis import plots, tables
-from mrsfi_runtime.analysis.fronts import Front, find_front, goal_columns, violations
+from mrsfi_runtime.analysis import tables
+from mrsfi_runtime.analysis.fronts import Front, Pick, find_front
+from mrsfi_runtime.analysis.measure import Measure
+from mrsfi_runtime.analysis.studio import Drawing
 from mrsfi_runtime.analysis.summary import Summary, chosen_goals
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation, Generation
@@ -22,7 +24,7 @@ class Illustration(NamedTuple):
 
     name: str
     caption: str
-    figure: plots.Drawing
+    drawing: Drawing
     rows: tables.Rows
 
 
@@ -32,7 +34,7 @@ def illustrate(
     evaluations: Sequence[Evaluation],
     generations: Sequence[Generation],
 ) -> Iterator[Illustration]:
-    """Draw the figures that a campaign has numbers for, in the order of the paper.
+    """Yield the figures that a campaign has numbers for, in the order of the paper.
 
     A campaign on chosen goals gets figures 8 and 9 in place of 6 and 7, which differ in the
     fitness only; figures 10 and 11 show the first two goals of its front.
@@ -40,32 +42,37 @@ def illustrate(
     yield Illustration(
         "figure_05_mission_map",
         "Mission map",
-        plots.mission_map(mission),
+        map_drawing(mission),
         tables.map_table(mission),
     )
     if generations:
         yield from _fitness(summary)
     if summary.front is not None and summary.front.points:
-        yield from _fronts(summary, summary.front.goals, mission, evaluations, generations)
+        yield from _fronts(summary, summary.front.goals, evaluations, generations)
     if summary.top:
         yield Illustration(
             "figure_12_fault_types",
             f"Fault types in the {len(summary.top)} most critical specifications",
-            plots.fault_types(summary.patterns, len(summary.top)),
+            Drawing("fault_types", (summary.patterns, len(summary.top))),
             tables.patterns_table(summary.patterns),
         )
 
 
-def fitness_label(settings: Mapping[str, Any]) -> str:
+def map_drawing(mission: Mission) -> Drawing:
+    """Return the figure of a mission, which needs no evaluation."""
+    return Drawing("mission_map", (mission,))
+
+
+def fitness_label(settings: Mapping[str, Any], measure: Measure) -> str:
     """Return what the fitness of a campaign measures, for an axis."""
     name = str(settings.get("fitness", ""))
     goals = " + ".join(chosen_goals(settings)) or "the chosen goals"
     known = {
-        "weighted": "fitness (0.3 · violations + 0.7 · goals)",
-        "weighted_normalised": "fitness (0.3 and 0.7 of 1)",
-        "focused": f"fitness (violations of {goals}, ticks)",
+        "weighted": f"0.3 · {measure.kind} violations + 0.7 · goals",
+        "weighted_normalised": f"0.3 · {measure.kind} violations + 0.7 · goals, as shares",
+        "focused": f"{measure.kind} violations of {goals}, ticks",
     }
-    return known.get(name, f"fitness ({name})" if name else "fitness")
+    return f"fitness ({known.get(name, name)}{measure.means})" if name else "fitness"
 
 
 def evenly_spaced(n: int, n_wanted: int) -> tuple[int, ...]:
@@ -78,17 +85,17 @@ def evenly_spaced(n: int, n_wanted: int) -> tuple[int, ...]:
 def _fitness(summary: Summary) -> Iterator[Illustration]:
     is_focused = summary.settings.get("fitness") == "focused"
     mean, best = ("08", "09") if is_focused else ("06", "07")
-    label = fitness_label(summary.settings)
+    label = fitness_label(summary.settings, summary.measure)
     yield Illustration(
         f"figure_{mean}_mean_fitness",
         "Mean fitness of each generation",
-        plots.mean_fitness(summary.trend, label),
+        Drawing("mean_fitness", (summary.trend, label)),
         tables.mean_table(summary.trend),
     )
     yield Illustration(
         f"figure_{best}_best_fitness",
         "Best fitness of each generation",
-        plots.best_fitness(summary.trend, label),
+        Drawing("best_fitness", (summary.trend, label)),
         tables.best_table(summary.trend),
     )
 
@@ -96,33 +103,31 @@ def _fitness(summary: Summary) -> Iterator[Illustration]:
 def _fronts(
     summary: Summary,
     front_goals: tuple[str, ...],
-    mission: Mission,
     evaluations: Sequence[Evaluation],
     generations: Sequence[Generation],
 ) -> Iterator[Illustration]:
-    goals = front_goals[:2]
-    over = f"over the violations of {' and '.join(goals)}"
-    by_generation = _generation_fronts(mission, evaluations, generations, goals)
+    goals, measure = front_goals[:2], summary.measure
+    over = f"over the {measure.kind} violations of {' and '.join(goals)}{measure.means}"
+    by_generation = _generation_fronts(measure, evaluations, generations, goals)
     if by_generation:
         yield Illustration(
             "figure_10_front_by_generation",
             f"Pareto points of some generations {over}",
-            plots.generation_fronts(by_generation),
+            Drawing("generation_fronts", (by_generation,)),
             tables.generation_fronts_table(by_generation, goals),
         )
-    columns = goal_columns(mission, goals)
-    front = find_front(mission, evaluations, goals)
-    cloud = [violations(evaluation, columns) for evaluation in evaluations]
+    front = find_front(measure, evaluations, goals)
+    cloud = [measure.violations(evaluation, goals) for evaluation in evaluations]
     yield Illustration(
         "figure_11_front",
         f"All non-dominated specifications {over}",
-        plots.whole_front(front, cloud, _shown_pick(summary, front)),
+        Drawing("whole_front", (front, cloud, _shown_pick(summary, front))),
         tables.front_table(front),
     )
 
 
 def _generation_fronts(
-    mission: Mission,
+    measure: Measure,
     evaluations: Sequence[Evaluation],
     generations: Sequence[Generation],
     goals: Sequence[str],
@@ -133,17 +138,17 @@ def _generation_fronts(
     shown = [populated[i] for i in evenly_spaced(len(populated), N_GENERATION_FRONTS)]
     return {
         generation.index: find_front(
-            mission, [by_index[index] for index in generation.population], goals
+            measure, [by_index[index] for index in generation.population], goals
         )
         for generation in shown
     }
 
 
-def _shown_pick(summary: Summary, front: Front) -> plots.Pick | None:
+def _shown_pick(summary: Summary, front: Front) -> Pick | None:
     """Return the pick if it is one of the front that is drawn."""
     pick = summary.pick
     if pick is None or pick.point is None or set(pick.ratio.goals) != set(front.goals):
         return None
     drawn = {point.evaluation: point for point in front.points}
     point = drawn.get(pick.point.evaluation)
-    return None if point is None else plots.Pick(pick.ratio, point)
+    return None if point is None else Pick(pick.ratio, point)

@@ -1,4 +1,4 @@
-"""Pareto fronts over the believed violations of chosen goals, and the pick by a ratio.
+"""Pareto fronts over the violations of chosen goals, and the pick by a ratio.
 
 References
 ----------
@@ -12,9 +12,9 @@ from math import atan2
 
 import numpy as np
 
+from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.analysis.ranking import distinct
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation
 
 _NUMBER = r"(\d+(?:\.\d+)?)"
@@ -26,18 +26,20 @@ class FrontPoint:
     """A non-dominated specification: its evaluation and its violations of the chosen goals."""
 
     evaluation: int
-    violations: tuple[int, ...]
+    violations: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Front:
     """The non-dominated points over chosen goals (IDs), each vector of violations once.
 
-    The points run from few violations of the first goal to many.
+    The points run from few violations of the first goal to many; ``counts`` says which
+    violations they are.
     """
 
     goals: tuple[str, ...]
     points: tuple[FrontPoint, ...]
+    counts: str = "violations"
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,30 +53,9 @@ class Ratio:
         return "{}:{}={:g}:{:g}".format(*self.goals, *self.parts)
 
 
-def goal_columns(mission: Mission, goals: Sequence[str]) -> tuple[int, ...]:
-    """Return the position of each goal in an outcome's counts.
-
-    Raises
-    ------
-    UsageError
-        If the mission has no such goal.
-    """
-    for goal in goals:
-        if goal not in mission.goal_ids:
-            known = ", ".join(mission.goal_ids)
-            message = f"found goal '{goal}'; expected a goal of mission '{mission.name}': {known}"
-            raise UsageError(message)
-    return tuple(mission.goal_ids.index(goal) for goal in goals)
-
-
-def violations(evaluation: Evaluation, columns: Sequence[int]) -> tuple[int, ...]:
-    """Return the believed violations of the goals in the given columns: equation (3)."""
-    return tuple(evaluation.outcome.believed[column] for column in columns)
-
-
-def non_dominated(vectors: Iterable[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
+def non_dominated(vectors: Iterable[tuple[float, ...]]) -> tuple[tuple[float, ...], ...]:
     """Return the distinct vectors that no other dominates, in ascending order; more is better."""
-    members: list[tuple[int, ...]] = []
+    members: list[tuple[float, ...]] = []
     # A vector can only be dominated by one that comes later in ascending order, and then also
     # by one of the front so far, because domination is transitive.
     for vector in sorted(set(vectors), reverse=True):
@@ -83,21 +64,29 @@ def non_dominated(vectors: Iterable[tuple[int, ...]]) -> tuple[tuple[int, ...], 
     return tuple(reversed(members))
 
 
-def find_front(mission: Mission, evaluations: Iterable[Evaluation], goals: Sequence[str]) -> Front:
+def find_front(measure: Measure, evaluations: Iterable[Evaluation], goals: Sequence[str]) -> Front:
     """Return the front of some evaluations; of equal vectors the earliest evaluation stands.
 
     Raises
     ------
     UsageError
-        If the mission lacks one of the goals.
+        If the record lacks the violations of one of the goals.
     """
-    columns = goal_columns(mission, goals)
-    earliest: dict[tuple[int, ...], int] = {}
+    measure.require(goals)
+    earliest: dict[tuple[float, ...], int] = {}
     for evaluation in distinct(evaluations):
-        vector = violations(evaluation, columns)
+        vector = measure.violations(evaluation, goals)
         earliest[vector] = min(evaluation.index, earliest.get(vector, evaluation.index))
     points = tuple(FrontPoint(earliest[vector], vector) for vector in non_dominated(earliest))
-    return Front(tuple(goals), points)
+    return Front(tuple(goals), points, str(measure))
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """A point of a front to mark, and the ratio that it was picked by."""
+
+    ratio: Ratio
+    point: FrontPoint
 
 
 def parse_ratio(text: str) -> Ratio:
@@ -149,7 +138,7 @@ def nearest_ratio(front: Front, wanted: str | Ratio) -> FrontPoint | None:
     first, second = (front.goals.index(goal) for goal in ratio.goals)
     direction = atan2(ratio.parts[1], ratio.parts[0])
 
-    def distance(point: FrontPoint) -> tuple[float, int, int]:
+    def distance(point: FrontPoint) -> tuple[float, float, int]:
         along, across = point.violations[first], point.violations[second]
         return abs(atan2(across, along) - direction), -(along + across), point.evaluation
 

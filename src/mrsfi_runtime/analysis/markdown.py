@@ -1,12 +1,14 @@
 """The report of a campaign as Markdown: what a person reads first."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from mrsfi_runtime.analysis.fronts import Front
+from mrsfi_runtime.analysis.measure import Measure, ticks
 from mrsfi_runtime.analysis.ranking import score
 from mrsfi_runtime.analysis.summary import RatioPick, Summary
 from mrsfi_runtime.analysis.trend import Trend
+from mrsfi_runtime.record.campaign import Evaluation
 
 _SIGNIFICANT = 0.05
 _FEW_GENERATIONS = 3
@@ -31,7 +33,7 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
     if summary.front is not None:
         sections += ["## Pareto front", _front(summary.front), *_linked(captions, "front")]
     if summary.pick is not None:
-        sections += ["## Pick by ratio", pick_in_words(summary.pick)]
+        sections += ["## Pick by ratio", pick_in_words(summary.pick, summary.measure)]
     sections += ["## Mission", *_linked(captions, "mission_map")]
     return "\n\n".join(sections) + "\n"
 
@@ -52,17 +54,18 @@ def trend_in_words(trend: Trend) -> str:
     )
 
 
-def pick_in_words(pick: RatioPick) -> str:
+def pick_in_words(pick: RatioPick, measure: Measure) -> str:
     """Return one sentence on the specification that comes nearest to a ratio."""
     if pick.point is None:
         goals = " nor ".join(pick.ratio.goals)
         return f"No specification comes near {pick.ratio}: none violates {goals}."
     found = ", ".join(
-        f"{goal} {count}" for goal, count in zip(pick.goals, pick.point.violations, strict=True)
+        f"{goal} {ticks(count)}"
+        for goal, count in zip(pick.goals, pick.point.violations, strict=True)
     )
     return (
         f"Nearest to {pick.ratio} on the front comes evaluation {pick.point.evaluation} with "
-        f"believed violations {found}; `mrsfi replay` flies it again."
+        f"{found} ({measure}); `mrsfi replay` flies it again."
     )
 
 
@@ -95,19 +98,25 @@ def _top(summary: Summary) -> str:
             evaluation.generation,
             f"{score(evaluation):,.6g}",
             evaluation.fault_ticks,
-            *(
-                f"{believed} / {true}"
-                for believed, true in zip(
-                    evaluation.outcome.believed, evaluation.outcome.true, strict=True
-                )
-            ),
+            *_violations(summary.measure, evaluation),
         )
         for rank, evaluation in enumerate(summary.top, start=1)
     ]
-    return (
-        "Violations per goal in ticks, believed by the collective intelligence / true in the "
-        f"simulation.\n\n{_table(header, rows)}"
-    )
+    words = "believed by the collective intelligence / true in the simulation"
+    if summary.measure.n_seeds > 1:
+        words += " on the first mission seed"
+    if not summary.measure.is_shown_by_outcomes:
+        words = f"{summary.measure}: {words}"
+    return f"Violations per goal in ticks, {words}.\n\n{_table(header, rows)}"
+
+
+def _violations(measure: Measure, evaluation: Evaluation) -> Iterator[str]:
+    """Yield the violations of each goal, those of the measure first unless they are believed."""
+    measured = {} if measure.is_shown_by_outcomes else measure.by_goal(evaluation)
+    outcome = evaluation.outcome
+    for goal, believed, true in zip(measure.goals, outcome.believed, outcome.true, strict=True):
+        first = f"{ticks(measured[goal])}: " if goal in measured else ""
+        yield f"{first}{believed} / {true}"
 
 
 def _patterns(summary: Summary) -> str:
@@ -131,11 +140,11 @@ def _patterns(summary: Summary) -> str:
 
 
 def _front(front: Front) -> str:
-    rows = [(point.evaluation, *point.violations) for point in front.points]
+    rows = [(point.evaluation, *map(ticks, point.violations)) for point in front.points]
     goals = ", ".join(front.goals)
     return (
-        f"{len(rows)} non-dominated specifications over the believed violations of {goals} (of "
-        f"equal ones the earliest).\n\n{_table(('evaluation', *front.goals), rows)}"
+        f"{len(rows)} non-dominated specifications over {goals} ({front.counts}; of equal ones "
+        f"the earliest).\n\n{_table(('evaluation', *front.goals), rows)}"
     )
 
 

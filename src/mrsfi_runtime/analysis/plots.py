@@ -10,25 +10,24 @@ Source paper, section V, figures 5 to 12.
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
+from mrsfi_runtime.analysis.fronts import Front, Pick
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.places import goal_places, working_window
 from mrsfi_runtime.analysis.trend import Trend
 from mrsfi_runtime.model.mission import Mission
-
-Drawing: TypeAlias = Figure
-"""What this module draws and ``save`` writes."""
 
 INK, SOFT, GRID, PAPER = "#1f2933", "#66737f", "#e3e8ec", "#ffffff"
 BLUE, ORANGE, GREEN, ROCK, SAND = "#1b6ca8", "#d9622b", "#2a8c6a", "#6b7681", "#a9b4bd"
@@ -58,7 +57,6 @@ _STYLE: dict[Any, Any] = {
     "legend.fontsize": 10,
     "legend.frameon": False,
     "path.simplify": False,
-    "savefig.dpi": 150,
     "svg.fonttype": "none",
     "svg.hashsalt": "mrsfi",
     "text.color": INK,
@@ -67,25 +65,29 @@ _STYLE: dict[Any, Any] = {
     "ytick.color": SOFT,
 }
 
+_DPI = 150  # of a PNG
 _MANY_POINTS = 4000  # beyond, the cloud of an SVG is a picture inside it
 _MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
 
 
-@dataclass(frozen=True, slots=True)
-class Pick:
-    """A point of the front to mark, and the ratio that it was picked by."""
+def rendered(figure: Figure) -> dict[str, bytes]:
+    """Return a figure as PNG and as SVG, by the suffixes of their files."""
+    png, svg = BytesIO(), BytesIO()
+    with rc_context(_STYLE):  # not ``savefig``, which draws twice: once for the layout
+        figure.dpi = _DPI
+        raster: Any = FigureCanvasAgg(figure)
+        raster.print_png(png, metadata={"Software": None})
+        vector: Any = FigureCanvasSVG(figure)
+        vector.print_svg(svg, metadata={"Date": None, "Creator": None})
+    return {".png": png.getvalue(), ".svg": svg.getvalue()}
 
-    ratio: Ratio
-    point: FrontPoint
 
-
-def save(figure: Figure, stem: Path) -> tuple[Path, Path]:
+def save(figure: Figure, stem: Path) -> tuple[Path, ...]:
     """Write a figure as PNG and SVG and return both paths."""
-    png, svg = stem.with_suffix(".png"), stem.with_suffix(".svg")
-    with rc_context(_STYLE):
-        figure.savefig(png, metadata={"Software": None})
-        figure.savefig(svg, metadata={"Date": None, "Creator": None})
-    return png, svg
+    files = {stem.with_suffix(suffix): content for suffix, content in rendered(figure).items()}
+    for path, content in files.items():
+        path.write_bytes(content)
+    return tuple(files)
 
 
 def mission_map(mission: Mission) -> Figure:
@@ -157,8 +159,8 @@ def best_fitness(trend: Trend, label: str) -> Figure:
 def generation_fronts(fronts: Mapping[int, Front]) -> Figure:
     """Draw the fronts of some generations' populations over two goals (figure 10)."""
     with drawing((7.6, 6.0)) as figure:
-        goals = next(iter(fronts.values())).goals
-        axes = _goal_axes(figure, "Pareto points of some generations", goals)
+        front = next(iter(fronts.values()))
+        axes = _goal_axes(figure, "Pareto points of some generations", front)
         for index, (generation, front) in enumerate(fronts.items()):
             colour = AGES[round(index * (len(AGES) - 1) / max(len(fronts) - 1, 1))]
             marker = "osD^v"[index % 5]
@@ -173,13 +175,13 @@ def generation_fronts(fronts: Mapping[int, Front]) -> Figure:
     return figure
 
 
-def whole_front(front: Front, cloud: Sequence[tuple[int, ...]], pick: Pick | None) -> Figure:
+def whole_front(front: Front, cloud: Sequence[tuple[float, ...]], pick: Pick | None) -> Figure:
     """Draw the front of a campaign over the cloud of all its evaluations (figure 11).
 
     ``cloud`` holds the violations of the front's two goals, shape ``(n_evaluations, 2)``.
     """
     with drawing((7.6, 6.0)) as figure:
-        axes = _goal_axes(figure, "Non-dominated specifications of the campaign", front.goals)
+        axes = _goal_axes(figure, "Non-dominated specifications of the campaign", front)
         points = sorted(set(cloud))
         axes.scatter(
             [x for x, _ in points],
@@ -257,7 +259,9 @@ def drawing(size: tuple[float, float]) -> Iterator[Figure]:
     with rc_context(_STYLE):
         figure = Figure(figsize=size)
         yield figure
-        figure.draw_without_rendering()
+        layout = figure.get_layout_engine()
+        assert layout is not None
+        layout.execute(figure)
         figure.set_layout_engine("none")
 
 
@@ -270,11 +274,11 @@ def _fitness_axes(figure: Figure, title: str, label: str) -> Axes:
     return axes
 
 
-def _goal_axes(figure: Figure, title: str, goals: Sequence[str]) -> Axes:
+def _goal_axes(figure: Figure, title: str, front: Front) -> Axes:
     axes = figure.add_subplot()
     axes.set_title(title)
-    first, second = goals
-    axes.set(xlabel=f"violations of {first} (ticks)", ylabel=f"violations of {second} (ticks)")
+    x, y = (f"{goal}: {front.counts} (ticks)" for goal in front.goals)
+    axes.set(xlabel=x, ylabel=y)
     axes.xaxis.set_major_locator(whole_numbers())
     axes.yaxis.set_major_locator(whole_numbers())
     return axes

@@ -5,14 +5,15 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Protocol, TypeAlias
 
-from mrsfi_runtime.analysis import plots, tables
-from mrsfi_runtime.analysis.figures import illustrate
+from mrsfi_runtime.analysis import tables
+from mrsfi_runtime.analysis.figures import Illustration, illustrate
 from mrsfi_runtime.analysis.markdown import report_text
+from mrsfi_runtime.analysis.studio import Draw, draw_here
 from mrsfi_runtime.analysis.summary import Summary, as_json, parameter_values, summarise
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.folder import CampaignFolder
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
@@ -42,6 +43,7 @@ def write_report(
     write_specification: SpecificationWriter,
     *,
     ratio: str | None = None,
+    draw: Draw = draw_here,
 ) -> Summary:
     """Write everything a person or a script wants from a campaign, finished or interrupted.
 
@@ -55,6 +57,8 @@ def write_report(
         Writes one critical specification as XMI.
     ratio
         Ratio of violations to pick by, such as ``g3:g1=2:1``.
+    draw
+        Draws the figures.
 
     Returns
     -------
@@ -69,15 +73,20 @@ def write_report(
         If the ratio makes no sense.
     """
     with CampaignStore.open(folder) as store:
-        summary = summarise(folder, store, code.mission, code.pool, ratio)
         evaluations, generations = store.evaluations(), store.generations()
+        summary = summarise(folder, store, code.mission, code.pool, ratio, evaluations)
     places = CampaignFolder(folder)
     try:
+        shown = tuple(illustrate(summary, code.mission, evaluations, generations))
+        _emptied(places.figures, "figure_*.*")
+        finish = draw([(each.drawing, places.figures / each.name) for each in shown])
         _write_critical(places, summary, code.pool, write_specification)
-        captions = _write_figures(places, summary, code.mission, evaluations, generations)
+        _write_tables(places, summary, shown, evaluations)
         content = json.dumps(as_json(summary, code.pool), indent=2, ensure_ascii=False)
         places.summary.write_text(content + "\n", encoding="utf-8")
+        captions = {each.name: each.caption for each in shown}
         places.report.write_text(report_text(summary, captions), encoding="utf-8")
+        finish()
     except OSError as error:
         message = f"{folder}: cannot write the report: {error}; expected a folder to write to"
         raise RecordError(message) from error
@@ -108,26 +117,19 @@ def _write_critical(
         write(rows, places.critical / critical_name(rank), f"evaluation_{evaluation.index}")
 
 
-def _write_figures(
+def _write_tables(
     places: CampaignFolder,
     summary: Summary,
-    mission: Mission,
+    shown: Sequence[Illustration],
     evaluations: Sequence[Evaluation],
-    generations: Sequence[Generation],
-) -> dict[str, str]:
-    """Write figures and tables, and return the figures' captions by name."""
-    _emptied(places.figures, "figure_*.*")
+) -> None:
     _emptied(places.tables, "*.csv")
-    captions = {}
-    for name, caption, figure, rows in illustrate(summary, mission, evaluations, generations):
-        plots.save(figure, places.figures / name)
-        tables.write_table(places.tables / f"{name}.csv", rows)
-        captions[name] = caption
+    for each in shown:
+        tables.write_table(places.tables / f"{each.name}.csv", each.rows)
     tables.write_table(
         places.tables / "evaluations.csv",
-        tables.evaluations_table(evaluations, mission.goal_ids),
+        tables.evaluations_table(evaluations, summary.measure),
     )
-    return captions
 
 
 def _emptied(folder: Path, pattern: str) -> None:

@@ -7,7 +7,8 @@ from typing import Any, Self
 
 from moocore import hypervolume
 
-from mrsfi_runtime.analysis.fronts import goal_columns, non_dominated
+from mrsfi_runtime.analysis.fronts import non_dominated
+from mrsfi_runtime.analysis.measure import goal_columns
 from mrsfi_runtime.analysis.ranking import score
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation
@@ -137,7 +138,7 @@ def measure_run(  # noqa: PLR0913 - what is known of a run, each by name
     )
 
 
-def front_volume(front: Sequence[tuple[int, ...]], n_goals: int, duration: int) -> float | None:
+def front_volume(front: Sequence[tuple[float, ...]], n_goals: int, duration: int) -> float | None:
     """Return the hypervolume of a front of violations, as a share of the possible.
 
     The reference point is one tick below no violation, ``(-1, …, -1)``, and the best possible

@@ -1,6 +1,6 @@
 """What a campaign found, as one value and as JSON."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from mrsfi_runtime.analysis.fronts import (
     nearest_ratio,
     parse_ratio,
 )
+from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.analysis.patterns import TypePattern, find_patterns
 from mrsfi_runtime.analysis.ranking import distinct, score, top
 from mrsfi_runtime.analysis.trend import Trend, find_trend
@@ -51,6 +52,8 @@ class Summary:
     ----------
     goals
         IDs of the mission's goals, in the order of an outcome's counts.
+    measure
+        The violations that fitness, front and pick are about.
     top
         The most critical distinct specifications, at most ten, the worst for the mission first.
     front
@@ -63,6 +66,7 @@ class Summary:
     folder: Path
     mission: str
     settings: Mapping[str, Any]
+    measure: Measure
     goals: tuple[str, ...]
     n_generations: int
     n_evaluations: int
@@ -77,26 +81,38 @@ class Summary:
 
 
 def summarise(
-    folder: Path, store: CampaignStore, mission: Mission, pool: FaultPool, ratio: str | None
+    folder: Path,
+    store: CampaignStore,
+    mission: Mission,
+    pool: FaultPool,
+    ratio: str | None,
+    evaluations: Sequence[Evaluation] | None = None,
 ) -> Summary:
     """Return what the campaign in a folder found so far.
+
+    Parameters
+    ----------
+    evaluations
+        All of the store, if they were read already.
 
     Raises
     ------
     UsageError
         If the ratio, or a goal of the ratio or the settings, makes no sense.
     """
-    evaluations = store.evaluations()
+    evaluations = store.evaluations() if evaluations is None else evaluations
+    measure = Measure.of(store.settings, mission)
     different = distinct(evaluations)
     best = top(different, N_TOP)
     wanted = None if ratio is None else parse_ratio(ratio)
     goals = _front_goals(store.settings, wanted)
-    front = find_front(mission, different, goals) if goals else None
+    front = find_front(measure, different, goals) if goals else None
     generations = store.generations()
     return Summary(
         folder=folder,
         mission=mission.name,
         settings=store.settings,
+        measure=measure,
         goals=mission.goal_ids,
         n_generations=len(generations),
         n_evaluations=len(evaluations),
@@ -105,7 +121,7 @@ def summarise(
         digest=store.digest(),
         top=best,
         front=front,
-        pick=None if wanted is None else _pick(mission, different, front, wanted),
+        pick=None if wanted is None else _pick(measure, different, front, wanted),
         trend=find_trend(generations),
         patterns=find_patterns(
             [evaluation.specification for evaluation in best],
@@ -134,6 +150,7 @@ def as_json(summary: Summary, pool: FaultPool) -> dict[str, Any]:
         "campaign": summary.folder.name,
         "mission": summary.mission,
         "settings": dict(summary.settings),
+        "measure": {"violations": summary.measure.kind, "mission_seeds": summary.measure.n_seeds},
         "n_generations": summary.n_generations,
         "n_evaluations": summary.n_evaluations,
         "n_distinct": summary.n_distinct,
@@ -156,11 +173,11 @@ def _front_goals(settings: Mapping[str, Any], wanted: Ratio | None) -> tuple[str
 
 
 def _pick(
-    mission: Mission, evaluations: tuple[Evaluation, ...], front: Front | None, wanted: Ratio
+    measure: Measure, evaluations: tuple[Evaluation, ...], front: Front | None, wanted: Ratio
 ) -> RatioPick:
     """Pick from the campaign's front, or from one over the ratio's own goals if that lacks them."""
     if front is None or not set(wanted.goals) <= set(front.goals):
-        front = find_front(mission, evaluations, wanted.goals)
+        front = find_front(measure, evaluations, wanted.goals)
     return RatioPick(wanted, nearest_ratio(front, wanted), front.goals)
 
 
@@ -175,6 +192,7 @@ def _ranked(summary: Summary, pool: FaultPool, evaluation: Evaluation) -> dict[s
             kind: dict(zip(summary.goals, getattr(outcome, kind), strict=True))
             for kind in ("believed", "true", "phantom", "masked")
         },
+        "measured": summary.measure.by_goal(evaluation),
         "digest": outcome.digest,
         "specification": [
             {

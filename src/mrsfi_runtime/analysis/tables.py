@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from mrsfi_runtime.analysis.fronts import Front
+from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.places import goal_places
 from mrsfi_runtime.analysis.trend import Trend
@@ -113,8 +114,11 @@ def patterns_table(patterns: Iterable[TypePattern]) -> Rows:
     return rows
 
 
-def evaluations_table(evaluations: Iterable[Evaluation], goals: Sequence[str]) -> Rows:
-    """Return every evaluation with its violations per goal; several objectives in one cell."""
+def evaluations_table(evaluations: Iterable[Evaluation], measure: Measure) -> Rows:
+    """Return every evaluation with its violations per goal; several objectives in one cell.
+
+    The counts are those of the first mission seed.
+    """
     kinds = ("believed", "true", "phantom", "masked")
     rows: Rows = [
         (
@@ -123,7 +127,7 @@ def evaluations_table(evaluations: Iterable[Evaluation], goals: Sequence[str]) -
             "fitness",
             "n_faults",
             "fault_ticks",
-            *(f"{kind}_{goal}" for kind in kinds for goal in goals),
+            *(f"{kind}_{goal}" for kind in kinds for goal in measure.goals),
             "digest",
         )
     ]

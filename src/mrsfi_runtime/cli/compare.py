@@ -1,8 +1,6 @@
 """The command ``mrsfi compare``."""
 
-import os
 from collections.abc import Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic
@@ -28,7 +26,7 @@ from mrsfi_runtime.cli.missions import (
     generated_option,
     mission_argument,
 )
-from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.cli.workers import WorkerOptions, worker_options
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.mission import load_code
@@ -109,11 +107,7 @@ class _Teller:
     show_default=True,
     help="Evaluations of each run.",
 )
-@click.option(
-    "--workers",
-    type=click.IntRange(1),
-    help="Processes that evaluate [default: as many as this machine has processors].",
-)
+@worker_options
 @engine_options(BOTH, default=AUTO)
 @click.option(
     "--out",
@@ -130,14 +124,14 @@ def command(  # noqa: PLR0913 - one for each option
     algorithms: str,
     seeds: int,
     evaluations: int,
-    workers: int | None,
+    workers: WorkerOptions,
     engine: EngineOptions,
     out: Path | None,
     is_json: bool,
 ) -> None:
     """Compare search algorithms on a mission."""
     flown_by = engine.settings(default=AUTO)
-    flown_by.require_workers(workers or 1)
+    workers.require_sense(flown_by)
     folders = find_mission(mission, generated)
     settings = _settings(folders, case, algorithms, evaluations)
     path = RUNS / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
@@ -179,22 +173,19 @@ def _compared(
     settings: Mapping[str, CampaignSettings],
     n_seeds: int,
     engine: EngineSettings,
-    workers: int | None,
+    workers: WorkerOptions,
 ) -> Comparison:
-    n_workers = workers or (1 if engine.url else os.cpu_count() or 1)
     code = load_code(CampaignFolder(folder.path).generated)
     mission_seeds = next(iter(settings.values())).mission_seeds
-    engine = engine.resolved(code, mission_seeds[0], tell)
     n_runs = len(settings) * n_seeds
-    tell(f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, {n_workers} workers")
     try:
-        with ExitStack() as stack:
-            evaluators = [
-                stack.enter_context(
-                    WorkerPool(code.directory, mission_seed, n_workers, engine)
-                ).evaluate_many
-                for mission_seed in mission_seeds
-            ]
+        with workers.reached() as reached:
+            engine = engine.resolved(code, mission_seeds[0], tell)
+            tell(
+                f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, "
+                f"{reached.told(engine)}"
+            )
+            evaluators = reached.evaluators(code.directory, mission_seeds, engine)
             runs = runs_of(folder, settings, n_seeds, code, evaluators, _Teller())
     except (KeyboardInterrupt, TransportError):
         tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")

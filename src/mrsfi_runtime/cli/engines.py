@@ -29,8 +29,8 @@ class EngineOptions:
     url: str | None = None
     client: str | None = None
     side: str | None = None
-    bundle: bool | None = None
     timeout: float | None = None
+    bundle: bool | None = None
 
     def settings(
         self, recorded: Mapping[str, Any] | None = None, default: str = REFERENCE

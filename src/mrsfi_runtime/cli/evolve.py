@@ -1,13 +1,16 @@
 """The command ``mrsfi evolve``."""
 
-import os
-from contextlib import AbstractContextManager, ExitStack
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 import click
 
-from mrsfi_runtime.analysis.fronts import goal_columns, parse_ratio
+from mrsfi_runtime.analysis.figures import map_drawing
+from mrsfi_runtime.analysis.fronts import parse_ratio
+from mrsfi_runtime.analysis.measure import Measure
+from mrsfi_runtime.analysis.studio import Studio
 from mrsfi_runtime.cli.campaigns import (
     OpenCampaign,
     free_folder,
@@ -23,7 +26,7 @@ from mrsfi_runtime.cli.missions import (
 from mrsfi_runtime.cli.progress import search_progress, share
 from mrsfi_runtime.cli.results import report
 from mrsfi_runtime.cli.resume import begun, resumed
-from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.cli.workers import WorkerOptions, worker_options
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.model.mission import Mission
@@ -73,11 +76,7 @@ by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on 
 @click.option("--generations", type=int, help="Generations after the first.")
 @click.option("--population", type=int, help="Individuals of a generation.")
 @click.option("--evaluations", type=int, help="Stop after exactly so many evaluations.")
-@click.option(
-    "--workers",
-    type=click.IntRange(1),
-    help="Processes that evaluate [default: as many as this machine has processors].",
-)
+@worker_options
 @engine_options(BOTH, CI, default=AUTO)
 @click.option(
     "--out",
@@ -98,7 +97,7 @@ def command(
     /,
     *,
     engine: EngineOptions,
-    workers: int | None,
+    workers: WorkerOptions,
     resume: Path | None,
     ratio: str | None,
     is_json: bool,
@@ -107,14 +106,15 @@ def command(
     """Evolve fault specifications against a mission and print the most critical."""
     if resume is None:
         flown_by = engine.settings(default=AUTO)
-        flown_by.require_workers(workers or 1)
+        workers.require_sense(flown_by)
         path, writer = _new_campaign(ratio, flown_by, **given)
     else:
         path, writer = resume, resumed(resume, ctx)
     with writer, open_campaign(path) as campaign:
-        _require_ratio(campaign.code.mission, ratio)
-        _search(campaign, engine.settings(campaign.store.manifest, AUTO), workers)
-        report(campaign, ratio, is_json=is_json)
+        _require_ratio(campaign.store.settings, campaign.code.mission, ratio)
+        with Studio(map_drawing(campaign.code.mission)) as studio:
+            _search(campaign, engine.settings(campaign.store.manifest, AUTO), workers)
+            report(campaign, ratio, is_json=is_json, draw=studio.draw)
 
 
 def _new_campaign(
@@ -135,45 +135,43 @@ def _new_campaign(
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
     flown = folders.load().mission
     require_settings(settings, flown)
-    _require_ratio(flown, ratio)
+    _require_ratio(settings.as_json(), flown, ratio)
     path = free_folder(folders.name, Path(case).stem) if out is None else out
     return path, begun(path, folders, settings, case, engine)
 
 
-def _require_ratio(mission: Mission, ratio: str | None) -> None:
+def _require_ratio(settings: Mapping[str, Any], mission: Mission, ratio: str | None) -> None:
     """Refuse a ratio that makes no sense before the search, not after it."""
     if ratio is not None:
-        goal_columns(mission, parse_ratio(ratio).goals)
+        Measure.of(settings, mission).require(parse_ratio(ratio).goals)
 
 
-def _search(campaign: OpenCampaign, engine: EngineSettings, workers: int | None) -> None:
-    n_workers = workers or (1 if engine.url else os.cpu_count() or 1)
+def _search(campaign: OpenCampaign, engine: EngineSettings, workers: WorkerOptions) -> None:
+    workers.require_sense(engine)
     path, code, store = campaign.folder.path, campaign.code, campaign.store
     settings = CampaignSettings.from_json(store.settings, str(path))
-    engine = engine.resolved(code, settings.mission_seed, tell)
-    tell(
-        f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.name} engine, "
-        f"{n_workers} workers"
-    )
     n_generations = store.n_generations
     recorded = share(settings, n_generations, store.n_evaluations + len(store.failures()))
     try:
-        with ExitStack() as stack:
-            evaluate_many, *replicas = [
-                stack.enter_context(
-                    WorkerPool(code.directory, seed, n_workers, engine)
-                ).evaluate_many
-                for seed in settings.mission_seeds
-            ]
-            run_campaign(
-                settings,
-                code.mission,
-                code.pool,
-                evaluate_many,
-                store,
-                stack.enter_context(search_progress(settings, recorded)),
-                replicas=replicas,
+        with workers.reached() as reached:
+            engine = engine.resolved(code, settings.mission_seed, tell)
+            tell(
+                f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.name} "
+                f"engine, {reached.told(engine)}"
             )
+            evaluate_many, *replicas = reached.evaluators(
+                code.directory, settings.mission_seeds, engine
+            )
+            with search_progress(settings, recorded) as progress:
+                run_campaign(
+                    settings,
+                    code.mission,
+                    code.pool,
+                    evaluate_many,
+                    store,
+                    progress,
+                    replicas=replicas,
+                )
     except (KeyboardInterrupt, TransportError):
         tell(f"what was found until now is kept; see it with: mrsfi report {path}")
         tell(f"go on with: mrsfi evolve --resume {path}")

@@ -1,21 +1,26 @@
 """The report of a campaign, written into its folder and printed."""
 
 from collections.abc import Sequence
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import click
 
+from m2t.load import load_mission_folder
 from m2t.specification import write_specification
 from mrsfi_runtime.analysis.fronts import Front
+from mrsfi_runtime.analysis.measure import Measure, ticks
 from mrsfi_runtime.analysis.report import SpecificationRow, write_report
+from mrsfi_runtime.analysis.studio import Draw, draw_here
 from mrsfi_runtime.analysis.summary import RatioPick, Summary, as_json
 from mrsfi_runtime.cli.campaigns import OpenCampaign
 from mrsfi_runtime.cli.console import print_json, print_table
 from mrsfi_runtime.cli.tables import critical_table, plain_table
 
 
-def report(campaign: OpenCampaign, ratio: str | None, *, is_json: bool) -> None:
+def report(
+    campaign: OpenCampaign, ratio: str | None, *, is_json: bool, draw: Draw = draw_here
+) -> None:
     """Write the report into a campaign's folder and print what it says.
 
     Parameters
@@ -24,9 +29,15 @@ def report(campaign: OpenCampaign, ratio: str | None, *, is_json: bool) -> None:
         Ratio of violations to pick by, such as ``g3:g1=2:1``.
     is_json
         Print for a script, not for a person.
+    draw
+        Draws the figures.
     """
-    write = partial(_write_specification, campaign.folder.model)
-    summary = write_report(campaign.folder.path, campaign.code, write, ratio=ratio)
+    models = cache(partial(load_mission_folder, campaign.folder.model))
+
+    def write(rows: Sequence[SpecificationRow], path: Path, identifier: str) -> None:
+        write_specification(models(), rows, path, identifier=identifier)
+
+    summary = write_report(campaign.folder.path, campaign.code, write, ratio=ratio, draw=draw)
     if is_json:
         content = as_json(summary, campaign.code.pool)
         print_json({"folder": str(campaign.folder.path), **content})
@@ -34,22 +45,16 @@ def report(campaign: OpenCampaign, ratio: str | None, *, is_json: bool) -> None:
         _print_summary(campaign, summary)
 
 
-def _write_specification(
-    models: Path, rows: Sequence[SpecificationRow], path: Path, identifier: str
-) -> None:
-    write_specification(models, rows, path, identifier=identifier)
-
-
 def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     """Print the most critical specifications, the front, and where everything is."""
     folder = campaign.folder
     title = f"The {len(summary.top)} most critical of {summary.n_distinct} fault specifications"
     code = campaign.code
-    print_table(title, critical_table(code.mission, code.pool, summary.top))
+    print_table(title, critical_table(summary.measure, code.pool, summary.top))
     if summary.front is not None:
         _print_front(summary.front)
     if summary.pick is not None:
-        click.echo(_picked(campaign, summary.pick) + "\n")
+        click.echo(_picked(campaign, summary.pick, summary.measure) + "\n")
     click.echo(f"specifications  {folder.critical}")
     click.echo(f"report          {folder.report}")
     click.echo(f"campaign        {folder.path}")
@@ -60,17 +65,15 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
 def _print_front(front: Front) -> None:
     table = plain_table((), ("evaluation", *front.goals))
     for point in front.points:
-        table.add_row(str(point.evaluation), *map(str, point.violations))
-    title = (
-        f"Pareto front: {len(front.points)} trade-offs between {', '.join(front.goals)} (believed)"
-    )
+        table.add_row(str(point.evaluation), *map(ticks, point.violations))
+    goals = ", ".join(front.goals)
+    title = f"Pareto front: {len(front.points)} trade-offs between {goals} ({front.counts})"
     print_table(title, table)
 
 
-def _picked(campaign: OpenCampaign, pick: RatioPick) -> str:
+def _picked(campaign: OpenCampaign, pick: RatioPick, measure: Measure) -> str:
     if pick.point is None:
         return f"nearest to {pick.ratio}: none, because no specification violates these goals"
-    believed = campaign.store.evaluation(pick.point.evaluation).outcome.believed
-    violations = dict(zip(campaign.code.mission.goal_ids, believed, strict=True))
-    found = ", ".join(f"{goal} {violations[goal]}" for goal in pick.ratio.goals)
-    return f"nearest to {pick.ratio}: evaluation {pick.point.evaluation} with {found}"
+    violations = measure.by_goal(campaign.store.evaluation(pick.point.evaluation))
+    found = ", ".join(f"{goal} {ticks(violations[goal])}" for goal in pick.ratio.goals)
+    return f"nearest to {pick.ratio}: evaluation {pick.point.evaluation} with {found} ({measure})"

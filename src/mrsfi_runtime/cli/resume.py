@@ -12,9 +12,11 @@ from click.core import ParameterSource
 
 from mrsfi_runtime.cli.campaigns import manifest
 from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.engines import NAMES, recorded_engine
+from mrsfi_runtime.cli.engines import NAMES as ENGINE_NAMES
+from mrsfi_runtime.cli.engines import recorded_engine
 from mrsfi_runtime.cli.missions import MissionFolders
 from mrsfi_runtime.cli.versions import installed_version
+from mrsfi_runtime.cli.workers import NAMES as WORKER_NAMES
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -22,7 +24,7 @@ from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.lock import only_writer
 from mrsfi_runtime.search.settings import CampaignSettings
 
-_FREE = frozenset({"resume", "workers", "ratio", "is_json", *NAMES})
+_FREE = frozenset({"resume", "ratio", "is_json", *ENGINE_NAMES, *WORKER_NAMES})
 """Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
 
 

@@ -1,12 +1,13 @@
 """Tables that the commands print."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from mrsfi_runtime.analysis.measure import Measure, ticks
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import GatherSamples, Goal, Mission
 from mrsfi_runtime.model.outcome import Outcome
@@ -60,28 +61,43 @@ def fault_table(pool: FaultPool, specification: Specification, outcome: Outcome)
     return table
 
 
-def critical_table(mission: Mission, pool: FaultPool, evaluations: Iterable[Evaluation]) -> Table:
+def critical_table(measure: Measure, pool: FaultPool, evaluations: Iterable[Evaluation]) -> Table:
     """Return specifications with their fitness, violations per goal, and faults.
 
-    Each takes two lines: violations as the collective intelligence believed them, and as
-    they truly were.
+    Each takes a line for violations as the collective intelligence believed them, one for
+    those that were true, and before both one for the campaign's measure if it is another.
     """
     table = plain_table((), ("#", "evaluation", "fitness"))
     table.add_column("violations", no_wrap=True)
-    for goal in mission.goals:
-        table.add_column(Text(goal.id), justify="right", no_wrap=True)
+    for goal in measure.goals:
+        table.add_column(Text(goal), justify="right", no_wrap=True)
     table.add_column("faults", overflow="fold")
     for rank, evaluation in enumerate(evaluations, 1):
-        outcome = evaluation.outcome
+        lines = dict(_violation_lines(measure, evaluation))
         table.add_row(
             str(rank),
             str(evaluation.index),
             f"{evaluation.fitness[0]:.2f}",
-            "believed\ntrue",
-            *(f"{b}\n{t}" for b, t in zip(outcome.believed, outcome.true, strict=True)),
+            "\n".join(lines),
+            *map("\n".join, zip(*lines.values(), strict=True)),
             Text(_fault_counts(pool, evaluation.specification)),
         )
     return table
+
+
+def _violation_lines(
+    measure: Measure, evaluation: Evaluation
+) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield the violations of each goal, by what they are."""
+    if not measure.is_shown_by_outcomes:
+        measured = measure.by_goal(evaluation)
+        name = measure.kind if measure.n_seeds == 1 else f"mean {measure.kind}"
+        yield (
+            name,
+            tuple(ticks(measured[goal]) if goal in measured else "-" for goal in measure.goals),
+        )
+    yield "believed", tuple(map(str, evaluation.outcome.believed))
+    yield "true", tuple(map(str, evaluation.outcome.true))
 
 
 def _fault_counts(pool: FaultPool, specification: Specification) -> str:

@@ -95,7 +95,7 @@ class WorkerPool:
             return
         chunks = _chunks(specifications, 4 * self._n_workers)
         try:
-            with _interrupts_held():
+            with interrupts_held():
                 results = self._executor.map(self._evaluate_chunk, chunks)
             for chunk in results:
                 yield from chunk
@@ -105,7 +105,7 @@ class WorkerPool:
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
+def interrupts_held() -> Iterator[None]:
     """Hold Ctrl-C back while workers start: they inherit that, and it never hits them half-made."""
     held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

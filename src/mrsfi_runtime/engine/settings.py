@@ -6,7 +6,6 @@ from typing import Self
 
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.mission import MissionCode
@@ -86,6 +85,8 @@ class EngineSettings:
             return ReferenceEngine(code, seed)
         if self.name == COMPILED:
             return _compiled(code, seed, n_threads)
+        from mrsfi_runtime.engine.rosbridge import RosbridgeEngine  # noqa: PLC0415 - brings a server
+
         return RosbridgeEngine(
             code,
             seed,

@@ -156,9 +156,14 @@ class CampaignStore:
         self.close()
 
     def append(
-        self, evaluations: Iterable[Evaluation], failures: Iterable[FailedEvaluation] = ()
+        self,
+        evaluations: Iterable[Evaluation] = (),
+        failures: Iterable[FailedEvaluation] = (),
+        generations: Iterable[Generation] = (),
     ) -> None:
-        """Store evaluations, whose indexes follow those stored, and failures in one transaction.
+        """Store evaluations, failures and finished generations in one transaction.
+
+        The indexes of evaluations and of generations follow those stored.
 
         Raises
         ------
@@ -169,36 +174,13 @@ class CampaignStore:
         """
         rows = [_row(evaluation) for evaluation in evaluations]
         failed = [_failure_row(failure) for failure in failures]
+        closed = [_generation_row(generation) for generation in generations]
         with database.transaction(self.path, self._connection) as connection:
-            for expected, row in enumerate(rows, self._count()):
-                if row[0] != expected:
-                    message = f"found evaluation {row[0]}; expected {expected} next"
-                    raise ValueError(message)
+            _require_next("evaluation", rows, self._count())
+            _require_next("generation", closed, self.n_generations)
             connection.executemany(database.INSERT_EVALUATION, rows)
             connection.executemany(database.INSERT_FAILURE, failed)
-
-    def close_generation(self, generation: Generation) -> None:
-        """Store a finished generation, whose index follows those stored.
-
-        Raises
-        ------
-        ValueError
-            If the index leaves a gap or is taken, or a statistic is not finite.
-        RecordError
-            If the file cannot be written.
-        """
-        row = (
-            int(generation.index),
-            encoding.statistics_text(generation.statistics),
-            encoding.counts_text(generation.population),
-            generation.random_state,
-        )
-        with database.transaction(self.path, self._connection) as connection:
-            expected = self.n_generations
-            if row[0] != expected:
-                message = f"found generation {row[0]}; expected {expected} next"
-                raise ValueError(message)
-            connection.execute(database.INSERT_GENERATION, row)
+            connection.executemany(database.INSERT_GENERATION, closed)
 
     @property
     def n_evaluations(self) -> int:
@@ -301,7 +283,7 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
 
 def _evaluation(row: tuple[Any, ...]) -> Evaluation:
     index, generation, specification, fitness, fault_ticks, *texts, digest = row
-    counts = dict(zip(encoding.COUNTS, map(encoding.counts_from_text, texts), strict=True))
+    counts = dict(zip(encoding.COUNTS, encoding.several_counts_from_text(texts), strict=True))
     return Evaluation(
         index=index,
         generation=generation,
@@ -309,6 +291,23 @@ def _evaluation(row: tuple[Any, ...]) -> Evaluation:
         outcome=Outcome(**counts, digest=digest),
         fitness=encoding.numbers_from_text(fitness),
         fault_ticks=fault_ticks,
+    )
+
+
+def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> None:
+    """Refuse rows whose indexes do not follow those stored."""
+    for expected, row in enumerate(rows, first):
+        if row[0] != expected:
+            message = f"found {what} {row[0]}; expected {expected} next"
+            raise ValueError(message)
+
+
+def _generation_row(generation: Generation) -> tuple[Any, ...]:
+    return (
+        int(generation.index),
+        encoding.statistics_text(generation.statistics),
+        encoding.counts_text(generation.population),
+        generation.random_state,
     )
 
 

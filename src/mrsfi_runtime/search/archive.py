@@ -55,10 +55,12 @@ class Archive:
         A goal vector is offered to the front once: a second one is on it already or was
         dominated, and each offer costs a comparison with the whole front.
         """
-        individual = Individual(specification)
-        individual.assess(score)
-        individual.number = evaluation
-        self.hall_of_fame.update([individual])
+        best = self.hall_of_fame
+        if len(best) < best.maxsize or score.fitness > best[-1].score.fitness:
+            individual = Individual(specification)
+            individual.assess(score)
+            individual.number = evaluation
+            best.update([individual])
         if score.goals not in self._offered:
             self._offered.add(score.goals)
             self.front.update([FrontPoint(evaluation, GoalVector(score.goals))])

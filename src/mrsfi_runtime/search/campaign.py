@@ -117,7 +117,7 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     """Run a search to its end and record every evaluation, but for those recorded already.
 
     Whatever ends the run early, what was evaluated until then is recorded. Only the death of
-    the process loses evaluations: the few that ``Ledger.writing`` had not written yet.
+    the process loses evaluations: the few that ``Ledger.keep`` had not written yet.
 
     Parameters
     ----------
@@ -156,19 +156,20 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     evaluators = (evaluate_many, *replicas)
     assessment = _Assessment(settings, mission.duration, judge, evaluators, ledger)
     index = 0
-    while not algorithm.is_finished:
-        summary = algorithm.tell(assessment.scores_of(algorithm.ask(), index))
-        progress = assessment.progress(summary)
-        generation = Generation(
-            index=summary.index,
-            statistics=summary.statistics,
-            population=assessment.evaluation_indexes(summary),
-            random_state=algorithm.random_state(),
-        )
-        if not ledger.has(generation):
-            store.close_generation(generation)
-            on_generation(progress)
-        index += 1
+    with ledger.writing():
+        while not algorithm.is_finished:
+            summary = algorithm.tell(assessment.scores_of(algorithm.ask(), index))
+            progress = assessment.progress(summary)
+            generation = Generation(
+                index=summary.index,
+                statistics=summary.statistics,
+                population=assessment.evaluation_indexes(summary),
+                random_state=algorithm.random_state(),
+            )
+            if not ledger.has(generation):
+                ledger.keep(generation)
+                on_generation(progress)
+            index += 1
     return assessment.archive
 
 
@@ -217,12 +218,11 @@ class _Assessment:
         rest = specifications[len(recorded) :]
         if not rest:
             return
-        with self._ledger.writing() as keep:
-            results = zip(*(evaluate(rest) for evaluate in self._evaluators), strict=True)
-            for specification, found in zip(rest, results, strict=True):
-                entry = self._entry(specification, found, generation)
-                yield entry
-                keep(entry)
+        results = zip(*(evaluate(rest) for evaluate in self._evaluators), strict=True)
+        for specification, found in zip(rest, results, strict=True):
+            entry = self._entry(specification, found, generation)
+            yield entry
+            self._ledger.keep(entry)
 
     def _entry(
         self,

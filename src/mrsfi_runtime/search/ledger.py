@@ -48,12 +48,12 @@ class Recorder(Protocol):
         """Return a finished generation, or nothing if it is not kept."""
 
     def append(
-        self, evaluations: Sequence[Evaluation], failures: Sequence[FailedEvaluation]
+        self,
+        evaluations: Sequence[Evaluation],
+        failures: Sequence[FailedEvaluation],
+        generations: Sequence[Generation],
     ) -> None:
-        """Keep evaluations and failures, all or none."""
-
-    def close_generation(self, generation: Generation) -> None:
-        """Keep a finished generation."""
+        """Keep evaluations, failures and finished generations, all or none."""
 
 
 class Ledger:
@@ -74,6 +74,7 @@ class Ledger:
         self._source = source
         self._clock = clock
         self._due = -inf  # when the next write may come
+        self._pending: list[Entry | Generation] = []
         self._failures = {failure.number: failure for failure in store.failures()}
         self._n_recorded = store.n_evaluations + len(self._failures)
 
@@ -127,32 +128,31 @@ class Ledger:
         )
 
     @contextmanager
-    def writing(self) -> Iterator[Callable[[Entry], None]]:
-        """Yield the function that keeps new entries; at the end, however it comes, all are.
-
-        Each is written at once, unless writing would then take more than a small share of
-        the time; those that wait are lost if the process is killed.
-        """
-        pending: list[Entry] = []
-
-        def keep(entry: Entry) -> None:
-            pending.append(entry)
-            begin = self._clock()
-            if begin >= self._due:
-                self._write(pending)
-                end = self._clock()
-                self._due = end + _PATIENCE * (end - begin)
-
+    def writing(self) -> Iterator[None]:
+        """Have everything written that was kept in the body, however the body ends."""
         try:
-            yield keep
+            yield
         finally:
-            self._write(pending)
+            self._write()
 
-    def _write(self, pending: list[Entry]) -> None:
-        entries = pending[:]
-        pending.clear()  # first, so that an interrupt after the write does not write them twice
+    def keep(self, entry: Entry | Generation) -> None:
+        """Write a new entry or a finished generation, at once or with later ones.
+
+        At once, unless writing would then take more than a small share of the time; those that
+        wait are lost if the process is killed.
+        """
+        self._pending.append(entry)
+        begin = self._clock()
+        if begin >= self._due:
+            self._write()
+            end = self._clock()
+            self._due = end + _PATIENCE * (end - begin)
+
+    def _write(self) -> None:
+        entries, self._pending = self._pending, []  # first: an interrupt must not write them twice
         if entries:
             self._store.append(
                 [entry for entry in entries if isinstance(entry, Evaluation)],
                 [entry for entry in entries if isinstance(entry, FailedEvaluation)],
+                [entry for entry in entries if isinstance(entry, Generation)],
             )

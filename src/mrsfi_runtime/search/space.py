@@ -174,5 +174,5 @@ def random_window(free: Sequence[Window], rng: Random) -> Window:
     """
     n_pairs = [(last - first + 1) ** 2 for first, last in free]
     ((first, last),) = rng.choices(free, weights=n_pairs)
-    start, finish = sorted((rng.randint(first, last), rng.randint(first, last)))
-    return start, finish
+    one, other = rng.randrange(first, last + 1), rng.randrange(first, last + 1)
+    return (one, other) if one <= other else (other, one)

@@ -121,11 +121,15 @@ def exchangeable_blocks(
     """
     n_first = len(first)
     neighbours: list[list[int]] = [[] for _ in range(n_first + len(second))]
+    places: dict[str, list[int]] = {}  # in the second, of each fault
+    for place, theirs in enumerate(second):
+        places.setdefault(theirs.fault, []).append(place)
     for i, mine in enumerate(first):
-        for j, theirs in enumerate(second, n_first):
-            if space.clash(mine, theirs):
-                neighbours[i].append(j)
-                neighbours[j].append(i)
+        for fault in space.candidates[mine.fault].conflicts:
+            for place in places.get(fault, ()):
+                if space.clash(mine, second[place]):
+                    neighbours[i].append(n_first + place)
+                    neighbours[n_first + place].append(i)
     blocks = []
     shared = set(first) & set(second)
     for group in _connected(neighbours):
@@ -165,9 +169,10 @@ def _combined(
     for number, (leave, arrive) in enumerate(blocks):
         if (wanted, wanted) in found:
             break
+        n_more_leave, n_more_arrive = len(leave), len(arrive)
         for (n_leave, n_arrive), chosen in list(found.items()):
-            sizes = (n_leave + len(leave), n_arrive + len(arrive))
-            if max(sizes) <= limit and sizes not in found:
+            sizes = (n_leave + n_more_leave, n_arrive + n_more_arrive)
+            if sizes not in found and sizes[0] <= limit and sizes[1] <= limit:
                 found[sizes] = (*chosen, number)
     del found[0, 0]
     return found

@@ -13,9 +13,11 @@ from mrsfi_runtime.analysis.fronts import (
     non_dominated,
     parse_ratio,
 )
+from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.errors import UsageError
 from support_record import evaluation, mission
 
+MEASURE = Measure.of({}, mission())
 VECTORS = st.integers(1, 4).flatmap(
     lambda n: st.lists(st.tuples(*[st.integers(0, 6)] * n), max_size=30)
 )
@@ -40,19 +42,20 @@ def test_no_member_is_dominated_and_every_other_vector_is(
 
 def front_of(*believed: tuple[int, ...], goals: tuple[str, ...] = ("g1", "g3")) -> Front:
     found = [evaluation(i, counts + (0,) * (6 - len(counts))) for i, counts in enumerate(believed)]
-    return find_front(mission(), found, goals)
+    return find_front(MEASURE, found, goals)
 
 
 def test_a_front_reads_the_chosen_goals_of_the_belief_in_the_chosen_order() -> None:
     front = front_of((1, 9, 5), (3, 9, 2), (1, 9, 2), goals=("g3", "g1"))
 
-    assert front == Front(("g3", "g1"), (FrontPoint(1, (2, 3)), FrontPoint(0, (5, 1))))
+    points = (FrontPoint(1, (2, 3)), FrontPoint(0, (5, 1)))
+    assert front == Front(("g3", "g1"), points, "believed violations")
 
 
 def test_of_equal_violations_the_earliest_evaluation_stands() -> None:
     found = [evaluation(i, (4, 0, 4, 0, 0, 0)) for i in (7, 3, 5)]
 
-    assert find_front(mission(), found, ("g1", "g3")).points == (FrontPoint(3, (4, 4)),)
+    assert find_front(MEASURE, found, ("g1", "g3")).points == (FrontPoint(3, (4, 4)),)
 
 
 def test_no_evaluations_have_an_empty_front() -> None:

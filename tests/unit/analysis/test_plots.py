@@ -67,8 +67,8 @@ FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
         lambda: plots.generation_fronts({0: FRONT, 7: Front(FRONT.goals, FRONT.points[:1])}),
         {
             "Pareto points of some generations",
-            "violations of g1 (ticks)",
-            "violations of g3 (ticks)",
+            "g1: violations (ticks)",
+            "g3: violations (ticks)",
             "generation 0 (5 points)",
             "generation 7 (1 point)",
         },

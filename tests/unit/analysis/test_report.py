@@ -129,6 +129,7 @@ def test_the_summary_says_what_was_found(focused: Path) -> None:
         "campaign",
         "mission",
         "settings",
+        "measure",
         "n_generations",
         "n_evaluations",
         "n_distinct",
@@ -261,8 +262,8 @@ def test_a_generation_without_survivors_is_left_out_of_the_fronts(tmp_path: Path
     with CampaignStore.create(folder, FOCUS, {}) as store:
         found = evaluation(0, (1, 0, 1, 0, 0, 0))
         store.append([found])
-        store.close_generation(Generation(0, statistics([found]), (0,), "[]"))
-        store.close_generation(Generation(1, statistics([found]), (), "[]"))
+        store.append(generations=[Generation(0, statistics([found]), (0,), "[]")])
+        store.append(generations=[Generation(1, statistics([found]), (), "[]")])
 
     write_report(folder, CODE, write)
 

@@ -33,7 +33,7 @@ def test_what_was_appended_is_read_back_after_reopening(tmp_path: Path) -> None:
     with CampaignStore.create(folder, SETTINGS, {"version": "1"}) as store:
         store.append(written[:3])
         store.append(iter(written[3:]), [failed])
-        store.close_generation(generation)
+        store.append(generations=[generation])
 
     with CampaignStore.open(folder) as store:
         assert store.evaluations() == tuple(written)
@@ -83,7 +83,7 @@ def test_numpy_numbers_become_plain_ones(store: CampaignStore) -> None:
         ]
     )
     numpy_statistics = {"n_evaluations": np.int64(2), "mean": np.float64(0.5)}
-    store.close_generation(Generation(0, numpy_statistics, tuple(np.array([0, 0])), "[]"))
+    store.append(generations=[Generation(0, numpy_statistics, tuple(np.array([0, 0])), "[]")])
 
     assert store.evaluation(0) == plain
     assert store.generations()[0].statistics == {"n_evaluations": 2, "mean": 0.5}
@@ -114,10 +114,10 @@ def test_an_index_that_does_not_follow_is_refused_and_nothing_is_stored(
 
 def test_a_generation_is_closed_once(store: CampaignStore) -> None:
     generation = Generation(0, STATISTICS, (), "[]")
-    store.close_generation(generation)
+    store.append(generations=[generation])
 
     with pytest.raises(ValueError, match="found generation 0; expected 1 next"):
-        store.close_generation(generation)
+        store.append(generations=[generation])
 
 
 def test_an_unknown_evaluation_is_named_with_those_there_are(store: CampaignStore) -> None:
@@ -239,7 +239,7 @@ def test_a_part_of_the_evaluations_can_be_read(store: CampaignStore) -> None:
 
 def test_one_generation_can_be_read(store: CampaignStore) -> None:
     generation = Generation(0, STATISTICS, (0, 1), "[]")
-    store.close_generation(generation)
+    store.append(generations=[generation])
 
     assert store.generation(0) == generation
     assert store.generation(1) is None

@@ -419,7 +419,7 @@ def test_a_record_that_does_not_follow_from_its_settings_is_refused(
         run.start()
 
 
-@pytest.mark.parametrize(("write", "n_appends"), [(0.0, 60), (0.02, 60), (1.0, 4)])
+@pytest.mark.parametrize(("write", "n_appends"), [(0.0, 61), (0.02, 61), (1.0, 4)])
 def test_each_evaluation_is_written_at_once_unless_writing_takes_its_time(
     write: float, n_appends: int
 ) -> None:

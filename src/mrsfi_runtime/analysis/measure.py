@@ -1,0 +1,108 @@
+"""Which violations a campaign counts: its own measure, as its record keeps it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.campaign import Evaluation
+
+BELIEVED = "believed"
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """The violations that a campaign looks at.
+
+    Attributes
+    ----------
+    kind
+        ``believed``, ``true``, ``phantom`` or ``masked``.
+    n_seeds
+        Mission seeds over which the record keeps means; with 1 it keeps counts.
+    goals
+        IDs of the mission's goals, in the order of an outcome's counts.
+    chosen
+        IDs of the goals whose means are recorded, in the order of the record.
+    """
+
+    kind: str
+    n_seeds: int
+    goals: tuple[str, ...]
+    chosen: tuple[str, ...]
+
+    @classmethod
+    def of(cls, settings: Mapping[str, Any], mission: Mission) -> Self:
+        """Return the measure that the settings of a campaign name."""
+        goals = mission.goal_ids
+        return cls(
+            kind=str(settings.get("violations", BELIEVED)),
+            n_seeds=int(settings.get("replications", 1)),
+            goals=goals,
+            chosen=tuple(settings.get("goals") or ()) or goals,
+        )
+
+    def __str__(self) -> str:
+        return f"{self.kind} violations{self.means}"
+
+    @property
+    def means(self) -> str:
+        """What follows the name of something that is a mean over mission seeds."""
+        return "" if self.n_seeds == 1 else f", mean of {self.n_seeds} mission seeds"
+
+    @property
+    def is_shown_by_outcomes(self) -> bool:
+        """Whether an outcome's believed and true counts already show it."""
+        return self.n_seeds == 1 and self.kind in {BELIEVED, "true"}
+
+    def require(self, goals: Sequence[str]) -> None:
+        """Refuse goals of which the record does not keep this measure.
+
+        Raises
+        ------
+        UsageError
+            If the mission has no such goal, or its mean was not recorded.
+        """
+        _require(goals, self.goals, "a goal of the mission")
+        if self.n_seeds > 1:
+            expected = (
+                "a goal of the campaign file, because the record keeps means over mission seeds "
+                "of these only"
+            )
+            _require(goals, self.chosen, expected)
+
+    def by_goal(self, evaluation: Evaluation) -> dict[str, float]:
+        """Return the violations of each goal that is recorded, by its ID."""
+        if self.n_seeds > 1:
+            return dict(zip(self.chosen, evaluation.fitness[1:], strict=True))
+        return dict(zip(self.goals, getattr(evaluation.outcome, self.kind), strict=True))
+
+    def violations(self, evaluation: Evaluation, goals: Sequence[str]) -> tuple[float, ...]:
+        """Return the violations of some goals: equation (3)."""
+        found = self.by_goal(evaluation)
+        return tuple(found[goal] for goal in goals)
+
+
+def ticks(count: float) -> str:
+    """Return a count, or a mean of counts, as text."""
+    return str(count) if isinstance(count, int) else f"{count:.2f}"
+
+
+def goal_columns(mission: Mission, goals: Sequence[str]) -> tuple[int, ...]:
+    """Return the position of each goal in an outcome's counts.
+
+    Raises
+    ------
+    UsageError
+        If the mission has no such goal.
+    """
+    _require(goals, mission.goal_ids, f"a goal of mission '{mission.name}'")
+    return tuple(mission.goal_ids.index(goal) for goal in goals)
+
+
+def _require(goals: Sequence[str], known: Sequence[str], expected: str) -> None:
+    for goal in goals:
+        if goal not in known:
+            message = f"found goal '{goal}'; expected {expected}: {', '.join(known)}"
+            raise UsageError(message)

@@ -1,0 +1,164 @@
+"""The options that say where a search is evaluated: processes of this machine, or a cluster."""
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
+
+import click
+
+from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
+from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.settings import ROSBRIDGE, EngineSettings
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.search.ledger import EvaluateMany
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.cluster.connection import Cluster
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+NAMES = ("workers", "dask")
+"""Parameters that say where; all find the same."""
+
+_N_PROCESSORS = os.cpu_count() or 1
+
+
+@dataclass(frozen=True, slots=True)
+class WorkerOptions:
+    """What the command line says of the workers; ``None`` where it says nothing."""
+
+    workers: int | None = None
+    dask: str | None = None
+
+    def require_sense(self, engine: EngineSettings) -> None:
+        """Refuse options that contradict each other or the engine.
+
+        Raises
+        ------
+        UsageError
+            If they do, or dask is not installed.
+        """
+        engine.require_workers(self.workers or 1)
+        if self.dask is None:
+            return
+        require_address(self.dask)
+        if engine.name == ROSBRIDGE:
+            message = (
+                f"--dask makes no sense with --engine {ROSBRIDGE}, whose flights need a server "
+                "beside them; expected another engine, or --workers"
+            )
+            raise UsageError(message)
+        if self.dask != LOCAL and self.workers is not None:
+            message = (
+                f"--workers {self.workers}: makes no sense with --dask {self.dask}, which has the "
+                "workers that were started for it; leave --workers out"
+            )
+            raise UsageError(message)
+
+    @contextmanager
+    def reached(self) -> Iterator["Workers"]:
+        """Reach the cluster, if there is to be one, and yield workers while the body runs.
+
+        Raises
+        ------
+        TransportError
+            If the cluster cannot be reached, or has no workers.
+        """
+        with ExitStack() as stack:
+            if self.dask is None:
+                yield _Processes(stack, self.workers)
+                return
+            from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
+
+            yield _Elsewhere(stack.enter_context(Cluster(self.dask, self.workers or _N_PROCESSORS)))
+
+
+class Workers(Protocol):
+    """Those who evaluate."""
+
+    def told(self, engine: EngineSettings) -> str:
+        """Return who they are, for a message."""
+
+    def evaluators(
+        self, directory: Path, mission_seeds: Sequence[int], engine: EngineSettings
+    ) -> list[EvaluateMany]:
+        """Return a function for each mission seed that evaluates.
+
+        Raises
+        ------
+        MrsfiError
+            If the code cannot be loaded, or the engine not be opened.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class _Processes:
+    """Processes or threads of this machine."""
+
+    stack: ExitStack
+    number: int | None
+
+    def told(self, engine: EngineSettings) -> str:
+        return f"{self._number(engine)} workers"
+
+    def evaluators(
+        self, directory: Path, mission_seeds: Sequence[int], engine: EngineSettings
+    ) -> list[EvaluateMany]:
+        number = self._number(engine)
+        return [
+            self.stack.enter_context(WorkerPool(directory, seed, number, engine)).evaluate_many
+            for seed in mission_seeds
+        ]
+
+    def _number(self, engine: EngineSettings) -> int:
+        return self.number or (1 if engine.url else _N_PROCESSORS)
+
+
+@dataclass(frozen=True, slots=True)
+class _Elsewhere:
+    """The workers of a cluster."""
+
+    cluster: "Cluster"
+
+    def told(self, engine: EngineSettings) -> str:  # noqa: ARG002 - any engine has all of them
+        return f"{self.cluster.n_workers()} workers of {self.cluster.address}"
+
+    def evaluators(
+        self, directory: Path, mission_seeds: Sequence[int], engine: EngineSettings
+    ) -> list[EvaluateMany]:
+        from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
+
+        return [
+            ClusterPool(self.cluster, directory, seed, engine).evaluate_many
+            for seed in mission_seeds
+        ]
+
+
+def worker_options(command: F) -> F:
+    """Give a command the options of the workers; it receives them as ``workers``."""
+
+    @wraps(command)
+    def collected(*arguments: Any, **given: Any) -> Any:
+        workers = WorkerOptions(**{name: given.pop(name) for name in NAMES})
+        return command(*arguments, workers=workers, **given)
+
+    options = (
+        click.option(
+            "--workers",
+            type=click.IntRange(1),
+            help="Processes that evaluate [default: as many as this machine has processors].",
+        ),
+        click.option(
+            "--dask",
+            metavar="tcp://…|local",
+            help="Evaluate on a dask cluster: its scheduler, or a local one of --workers.",
+        ),
+    )
+    decorated: Any = collected
+    for option in reversed(options):
+        decorated = option(decorated)
+    return cast("F", decorated)

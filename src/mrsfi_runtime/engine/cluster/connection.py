@@ -1,0 +1,305 @@
+"""The connection to a dask cluster: tasks go out, results or clear errors come back."""
+
+import logging
+import pickle
+import warnings
+from collections.abc import Iterable, Iterator
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing.resource_tracker import ensure_running
+from time import monotonic
+from types import TracebackType
+from typing import Any, Self
+from uuid import uuid4
+
+from distributed import Client, KilledWorker, LocalCluster, Security, wait
+
+from mrsfi_runtime.engine.cluster.address import LOCAL
+from mrsfi_runtime.engine.cluster.shipment import Shipment
+from mrsfi_runtime.engine.cluster.worker import EvaluatedChunk, MissionPlugin, Order
+from mrsfi_runtime.engine.pools import interrupts_held
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, TransportError, UsageError
+
+CONNECT_SECONDS = 5.0
+"""How long a scheduler may take to answer."""
+
+WORKER_SECONDS = 30.0
+"""How long there may be no worker."""
+
+_LOOK_SECONDS = 1.0  # between two looks at whether anybody still works
+_INSTALL = "expected the same mrsfi[dask,fast] on every worker as here"
+_LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application")
+_LOOPBACK = "127.0.0.1"
+_SILENT = logging.CRITICAL + 1
+
+
+class Task:
+    """A chunk under way.
+
+    Parameters
+    ----------
+    cluster
+        Where it is evaluated.
+    future
+        What dask gives for it.
+    """
+
+    def __init__(self, cluster: "Cluster", future: Any) -> None:
+        self._cluster = cluster
+        self.future = future
+
+    @property
+    def is_done(self) -> bool:
+        """Whether there is a result or an error."""
+        return bool(self.future.done())
+
+    def result(self) -> EvaluatedChunk:
+        """Return the result.
+
+        Raises
+        ------
+        MrsfiError
+            If there is none.
+        """
+        with self._cluster.told():
+            found: EvaluatedChunk = self.future.result()
+        return found
+
+
+class Cluster:
+    """A scheduler with workers that come and go.
+
+    Parameters
+    ----------
+    address
+        That of the scheduler, or ``LOCAL``.
+    n_workers
+        Processes of a local cluster.
+    patience
+        Seconds that may pass without any worker.
+
+    Attributes
+    ----------
+    address
+        As given.
+
+    Raises
+    ------
+    TransportError
+        If no scheduler answers, or it has no workers.
+    UsageError
+        If dask's configuration lacks the certificates for an address with TLS.
+    """
+
+    def __init__(self, address: str, n_workers: int = 1, patience: float = WORKER_SECONDS) -> None:
+        self.address = address
+        self._patience = patience
+        self._has_workers_until = monotonic()
+        self._plugins: dict[str, str] = {}
+        with ExitStack() as stack:
+            stack.enter_context(_silence())
+            target = stack.enter_context(_local(n_workers)) if address == LOCAL else address
+            self._client = stack.enter_context(self._connected(target))
+            stack.callback(self._take_back)
+            self._wait_for_workers()
+            self._stack = stack.pop_all()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        where: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the cluster as it was; a local one ends."""
+        self._stack.close()
+
+    def n_workers(self) -> int:
+        """Return how many workers there are now, but not 0: who waits will see about that."""
+        return max(self._count_workers(), 1)
+
+    def ship(self, shipment: Shipment) -> str:
+        """Give every worker, also those to come, the code of a mission; once.
+
+        Returns
+        -------
+        str
+            What an ``Order`` calls it.
+
+        Raises
+        ------
+        TransportError
+            If a worker lacks what it takes.
+        """
+        if shipment.name not in self._plugins:
+            name = f"{shipment.name}-{self._client.id}"  # another command's end must not take it
+            try:
+                self._client.register_plugin(MissionPlugin(name, shipment), name)
+            except MrsfiError:
+                raise
+            except Exception as error:  # dask tells in a bare one what a worker cannot load
+                message = (
+                    f"a worker of {self.address} cannot take the mission's code: {error}; "
+                    f"{_INSTALL}"
+                )
+                raise TransportError(message) from error
+            self._plugins[shipment.name] = name
+        return self._plugins[shipment.name]
+
+    def begin(self, order: Order) -> Task:
+        """Have a chunk evaluated on any worker."""
+        key = f"evaluate-{uuid4()}"
+        with self.told():
+            return Task(self, self._client.submit(pickle.loads, pickle.dumps(order), key=key))
+
+    def wait(self, tasks: Iterable[Task]) -> None:
+        """Wait until another of the tasks is done, or for a moment.
+
+        Raises
+        ------
+        TransportError
+            If there has been no worker for too long.
+        """
+        futures = [task.future for task in tasks if not task.is_done]
+        with suppress(TimeoutError, CancelledError), self._client.as_current():
+            if futures:
+                wait(futures, timeout=_LOOK_SECONDS, return_when="FIRST_COMPLETED")
+            return
+        if self._count_workers():
+            self._has_workers_until = monotonic()
+        elif monotonic() > self._has_workers_until + self._patience:
+            message = (
+                f"no worker has been left on {self.address} for {self._patience:g} s; "
+                f"{self._advice()}"
+            )
+            raise TransportError(message)
+
+    def give_up(self, tasks: Iterable[Task]) -> None:
+        """Drop tasks that nobody waits for any more."""
+        futures = [task.future for task in tasks]
+        if futures and self._client.status == "running":
+            with suppress(OSError, CancelledError):
+                self._client.cancel(futures)
+
+    @contextmanager
+    def told(self) -> Iterator[None]:
+        """Let errors of dask become ours."""
+        try:
+            yield
+        except KilledWorker as error:
+            message = (
+                f"{error.allowed_failures + 1} workers of {self.address} died, one after the "
+                f"other, while they had the same chunk, the last at {error.last_worker.address}; "
+                "resume the campaign without --dask and with --workers 1 to see why"
+            )
+            raise EvaluationError(message) from error
+        except ImportError as error:
+            message = f"a worker of {self.address} cannot evaluate: {error}; {_INSTALL}"
+            raise TransportError(message) from error
+        except (OSError, CancelledError) as error:
+            message = (
+                f"{self.address}: the connection to the scheduler is lost "
+                f"({type(error).__name__}); see whether it still runs, and resume"
+            )
+            raise TransportError(message) from error
+
+    @contextmanager
+    def _connected(self, target: Any) -> Iterator[Any]:
+        _require_certificates(self.address)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of versions that differ: we refuse them
+                client = Client(target, timeout=CONNECT_SECONDS, set_as_default=False)
+        except OSError as error:
+            message = (
+                f"--dask {self.address}: no scheduler answers: {error}; start one with "
+                "`dask scheduler`, or correct the address"
+            )
+            raise TransportError(message) from error
+        try:
+            yield client
+        finally:
+            client.close(timeout=CONNECT_SECONDS)
+
+    def _wait_for_workers(self) -> None:
+        try:
+            self._client.wait_for_workers(1, timeout=self._patience)
+        except TimeoutError as error:
+            message = (
+                f"--dask {self.address}: found no worker within {self._patience:g} s; "
+                f"{self._advice()}"
+            )
+            raise TransportError(message) from error
+        self._has_workers_until = monotonic()
+
+    def _advice(self) -> str:
+        if self.address == LOCAL:
+            return "expected processes of this machine; use --workers without --dask"
+        return f"start some with `dask worker {self.address} --nworkers auto --nthreads 1`"
+
+    def _count_workers(self) -> int:
+        with self.told():
+            return len(self._client.nthreads())
+
+    def _take_back(self) -> None:
+        for name in self._plugins.values():
+            if self._client.status == "running":
+                with suppress(OSError, CancelledError):
+                    self._client.unregister_worker_plugin(name)
+
+
+def _require_certificates(address: str) -> None:
+    """Refuse an address with TLS while dask's configuration has nothing to connect with."""
+    if not address.startswith("tls:"):
+        return
+    try:
+        found = Security().get_connection_args("client").get("ssl_context")
+        reason = "has none"
+    except OSError as error:
+        found, reason = None, f"has some that cannot be used: {error}"
+    if found is None:
+        message = (
+            f"--dask {address}: expected certificates in dask's configuration "
+            f"(distributed.comm.tls), which {reason}"
+        )
+        raise UsageError(message)
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep the log of dask to itself while the body runs: what matters becomes an error."""
+    levels = {name: logging.getLogger(name).level for name in _LOGGERS}
+    for name in levels:
+        logging.getLogger(name).setLevel(_SILENT)
+    try:
+        yield
+    finally:
+        for name, level in levels.items():
+            logging.getLogger(name).setLevel(level)
+
+
+@contextmanager
+def _local(n_workers: int) -> Iterator[Any]:
+    """Run a cluster of processes of one thread each, that only this machine can reach."""
+    ensure_running()  # or the first worker's start would begin with it, which lets Ctrl-C through
+    with ExitStack() as stack:
+        try:
+            with interrupts_held():
+                cluster = LocalCluster(
+                    n_workers=n_workers,
+                    threads_per_worker=1,
+                    host=_LOOPBACK,
+                    dashboard_address=f"{_LOOPBACK}:0",
+                    silence_logs=_SILENT,
+                    memory_limit=0,
+                )
+                stack.enter_context(cluster)
+        except RuntimeError as error:
+            message = f"--dask {LOCAL}: {error}; use --workers without --dask"
+            raise TransportError(message) from error
+        yield cluster

@@ -1,0 +1,103 @@
+"""Evaluates many fault specifications on a cluster, in chunks.
+
+Evaluation has no state of its own, so any number of workers, any size of chunks and any order
+give the same results; a chunk whose worker was lost is evaluated again on another.
+"""
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from mrsfi_runtime.engine.cluster.connection import Cluster, Task
+from mrsfi_runtime.engine.cluster.pace import Pace
+from mrsfi_runtime.engine.cluster.shipment import Shipment
+from mrsfi_runtime.engine.cluster.worker import Chunk, Order
+from mrsfi_runtime.engine.flights import Evaluated
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import Specification
+
+_N_AHEAD = 2  # chunks for each worker, so that the next is there when one is done
+
+
+class ClusterPool:
+    """The workers of a cluster, with the engines of one mission seed.
+
+    Parameters
+    ----------
+    cluster
+        Where they are.
+    directory
+        Folder of the generated code, which every worker gets once.
+    seed
+        Mission seed.
+    settings
+        Which engine evaluates; every worker has its own.
+
+    Raises
+    ------
+    MrsfiError
+        If the code cannot be loaded, or the engine cannot be opened; told before any worker
+        begins.
+    TransportError
+        If a worker cannot be used.
+    """
+
+    def __init__(
+        self, cluster: Cluster, directory: Path, seed: int, settings: EngineSettings
+    ) -> None:
+        settings.open(load_code(directory), seed).close()
+        self._cluster = cluster
+        self._seed = seed
+        self._settings = settings
+        self._pace = Pace()
+        self._plugin = cluster.ship(Shipment.of(directory))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        where: TracebackType | None,
+    ) -> None:
+        """Do nothing: what is on the workers belongs to the cluster."""
+
+    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+        """Evaluate specifications, and yield the results in the same order, as they come.
+
+        Raises
+        ------
+        EvaluationError
+            If a chunk kills every worker that evaluates it.
+        TransportError
+            If the scheduler is lost, or no worker is left.
+        """
+        n_workers = self._cluster.n_workers()
+        first = 0
+        waiting: deque[Task] = deque()
+        try:
+            while waiting or first < len(specifications):
+                while first < len(specifications) and _n_open(waiting) < _N_AHEAD * n_workers:
+                    size = self._pace.chunk_size(len(specifications), n_workers)
+                    waiting.append(self._begin(specifications[first : first + size]))
+                    first += size
+                while waiting and waiting[0].is_done:
+                    evaluated = waiting.popleft().result()
+                    self._pace.learn(len(evaluated.results), evaluated.seconds)
+                    yield from evaluated.results
+                if waiting:
+                    self._cluster.wait(waiting)
+        finally:
+            self._cluster.give_up(waiting)
+
+    def _begin(self, specifications: Sequence[Specification]) -> Task:
+        chunk = Chunk(self._seed, self._settings, tuple(specifications))
+        return self._cluster.begin(Order(self._plugin, chunk))
+
+
+def _n_open(tasks: deque[Task]) -> int:
+    return sum(not task.is_done for task in tasks)

@@ -1,0 +1,159 @@
+"""The side of a worker: it unpacks a mission once, builds an engine once, and keeps both."""
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+from time import perf_counter
+from typing import Any, cast
+
+from distributed import WorkerPlugin, get_worker
+
+from mrsfi_runtime.engine.cluster.shipment import Shipment
+from mrsfi_runtime.engine.flights import Engine, Evaluated, Failure
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import MrsfiError, TransportError
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import Specification
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Specifications that are evaluated in one go, and the engine that is to do it."""
+
+    seed: int
+    settings: EngineSettings
+    specifications: tuple[Specification, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluatedChunk:
+    """What came of a chunk, in its order, and how long the evaluations took."""
+
+    results: tuple[Evaluated, ...]
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """A chunk for any worker, on which unpickling this evaluates it.
+
+    So a task is ``pickle.loads`` and bytes, and a scheduler without mrsfi can pass it on.
+    """
+
+    plugin: str
+    chunk: Chunk
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return evaluate, (self.plugin, self.chunk)
+
+
+def evaluate(plugin: str, chunk: Chunk) -> EvaluatedChunk:
+    """Evaluate a chunk on the worker that calls this.
+
+    Parameters
+    ----------
+    plugin
+        Name of the ``MissionPlugin`` that has the mission.
+    chunk
+        What to evaluate.
+    """
+    mission = cast("MissionPlugin", get_worker().plugins[plugin])
+    return mission.evaluate(chunk)
+
+
+class MissionPlugin(WorkerPlugin):
+    """Keeps the code of a mission on a worker, and its engines, one for each mission seed.
+
+    Parameters
+    ----------
+    name
+        Names the plugin on its cluster.
+    shipment
+        The code.
+
+    Notes
+    -----
+    A worker evaluates one chunk at a time. Compiled code shares it among the worker's threads;
+    plain Python would gain nothing from them, and a region need not know of threads.
+    """
+
+    def __init__(self, name: str, shipment: Shipment) -> None:
+        self.name = name
+        self._shipment = shipment
+
+    def setup(self, worker: Any) -> None:
+        """Unpack the code into the worker's own folder.
+
+        Raises
+        ------
+        TransportError
+            If the worker could find other results, or none.
+        """
+        self._address = str(worker.address)
+        self._folder = Path(worker.local_directory) / self.name
+        self._n_threads = int(worker.state.nthreads)
+        self._engines: dict[tuple[int, EngineSettings], Engine] = {}
+        self._lock = Lock()
+        self._require_same_environment()
+        try:
+            self._shipment.unpack(self._folder)
+        except OSError as error:
+            message = f"the worker at {self._address} cannot keep the mission's code: {error}"
+            raise TransportError(message) from error
+
+    def teardown(self, worker: Any) -> None:  # noqa: ARG002 - dask's signature
+        """Give up engines and folder."""
+        for engine in self._engines.values():
+            engine.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def evaluate(self, chunk: Chunk) -> EvaluatedChunk:
+        """Evaluate a chunk; errors and failures tell of the places of the code at home.
+
+        Raises
+        ------
+        TransportError
+            If the worker could find other results; it may have joined late.
+        MrsfiError
+            If the mission cannot be evaluated.
+        """
+        self._require_same_environment()
+        with self._lock:
+            try:
+                engine = self._engine(chunk)
+                start = perf_counter()
+                results = tuple(engine.evaluate_many(chunk.specifications))
+                seconds = perf_counter() - start
+            except MrsfiError as error:
+                raise type(error)(self._told(str(error))) from error
+        return EvaluatedChunk(tuple(map(self._as_at_home, results)), seconds)
+
+    def _require_same_environment(self) -> None:
+        differences = self._shipment.differences()
+        if differences:
+            message = (
+                f"the worker at {self._address} would not give the same results: it has "
+                f"{differences}; install the same there, or stop that worker"
+            )
+            raise TransportError(message)
+
+    def _engine(self, chunk: Chunk) -> Engine:
+        key = chunk.seed, chunk.settings
+        if key not in self._engines:
+            try:
+                code = load_code(self._folder)
+                self._engines[key] = chunk.settings.open(code, chunk.seed, self._n_threads)
+            except MrsfiError as error:
+                message = (
+                    f"on the worker at {self._address}: {error}; what regions import has to be "
+                    "installed on every worker"
+                )
+                raise type(error)(message) from error
+        return self._engines[key]
+
+    def _as_at_home(self, result: Evaluated) -> Evaluated:
+        return Failure(self._told(result.traceback)) if isinstance(result, Failure) else result
+
+    def _told(self, text: str) -> str:
+        return self._shipment.told_as_at_home(text, self._folder)

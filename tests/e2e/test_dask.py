@@ -1,0 +1,165 @@
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from signal import SIGSTOP
+from time import monotonic, sleep
+from typing import Any
+
+import pytest
+
+from support_cli import command_line, interrupted, mrsfi, mrsfi_json
+from support_cluster import require_dask, scheduler
+from support_resume import MISSION, evaluations, workspace
+
+EVOLVE = ("evolve", MISSION, "--engine", "reference", "--population", "8", "--seed", "3")
+EVOLVE_SOME = (*EVOLVE, "--generations", "6")
+COMPARE = ("compare", MISSION, "--engine", "reference", "--seeds", "1", "--evaluations", "12")
+PATIENCE = 120.0  # seconds after which a command counts as hanging
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with models and generated code of the small mission."""
+    require_dask()
+    return workspace(tmp_path_factory.mktemp("place"))
+
+
+@pytest.fixture(scope="module")
+def whole(place: Path) -> Any:
+    """What the campaign finds on one worker of this machine."""
+    return mrsfi_json(*EVOLVE_SOME, "--workers", "1", "--out", "runs/whole", cwd=place)
+
+
+def disturbed(
+    *arguments: str | Path, cwd: Path, sign: str, disturb: Callable[[], None]
+) -> subprocess.CompletedProcess[str]:
+    """Run ``mrsfi``, and do something once it wrote the sign to standard error."""
+    with subprocess.Popen(
+        command_line(*arguments),
+        cwd=cwd,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+    ) as process:
+        assert process.stderr is not None
+        seen = []
+        for line in process.stderr:
+            seen.append(line)
+            if sign in line:
+                break
+        disturb()
+        output, rest = process.communicate(timeout=PATIENCE)
+    return subprocess.CompletedProcess(
+        process.args, process.returncode, output, "".join(seen) + rest
+    )
+
+
+def test_a_worker_killed_in_mid_campaign_changes_nothing(
+    place: Path, tmp_path: Path, whole: Any
+) -> None:
+    out = place / "runs" / "killed"
+
+    with scheduler(tmp_path, 2, has_nannies=True) as cluster:
+        cluster.wait_for_workers()
+        stalled: list[int] = []
+
+        def kill_one_that_is_at_work() -> None:
+            cluster.workers[0].send(SIGSTOP)
+            sleep(1.0)  # now nothing goes on: it has a chunk that the generation waits for
+            stalled.append(len(evaluations(out)))
+            sleep(1.0)
+            stalled.append(len(evaluations(out)))
+            cluster.workers[0].kill()
+
+        done = disturbed(
+            *EVOLVE_SOME,
+            *("--dask", cluster.address, "--out", out, "--json"),
+            cwd=place,
+            sign="generation 2/",
+            disturb=kill_one_that_is_at_work,
+        )
+
+    assert done.returncode == 0, done.stderr
+    assert stalled[0] == stalled[1] < whole["n_evaluations"]
+    assert json.loads(done.stdout)["digest"] == whole["digest"]
+    assert f"2 workers of {cluster.address}" in done.stderr
+    told = [line for line in done.stderr.splitlines() if not line.startswith("generation ")]
+    assert [line.split()[0] for line in told] == ["campaign"]
+
+
+def test_a_lost_scheduler_ends_with_8_and_the_campaign_goes_on_without_it(
+    place: Path, tmp_path: Path, whole: Any
+) -> None:
+    out = place / "runs" / "lost"
+
+    with scheduler(tmp_path, 1) as cluster:
+        done = disturbed(
+            *EVOLVE_SOME,
+            *("--dask", cluster.address, "--out", out),
+            cwd=place,
+            sign="generation 2/",
+            disturb=cluster.process.kill,
+        )
+    n_before = len(evaluations(out))
+    resumed = mrsfi_json("evolve", "--resume", out, "--workers", "1", cwd=place)
+
+    assert done.returncode == 8, done.stderr
+    assert "the connection to the scheduler is lost" in done.stderr.splitlines()[-1]
+    assert f"go on with: mrsfi evolve --resume {out}" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert 0 < n_before < whole["n_evaluations"]
+    assert resumed["digest"] == whole["digest"]
+
+
+def test_ctrl_c_ends_a_local_cluster_quietly_and_another_goes_on(place: Path, whole: Any) -> None:
+    out = place / "runs" / "stopped"
+    local = ("--dask", "local", "--workers", "2")
+
+    done = interrupted(*EVOLVE_SOME, *local, "--out", str(out), cwd=place, sign="generation 2/")
+    resumed = mrsfi("evolve", "--resume", out, *local, cwd=place)
+
+    assert done.returncode == 130, done.stderr
+    told = [line for line in done.stderr.splitlines() if not line.startswith("generation ")]
+    assert [line.split()[0] for line in told] == ["campaign", "what", "go", "mrsfi:"]
+    assert "2 workers of local" in resumed.stderr
+    assert resumed.stdout.splitlines()[-1].split() == ["digest", whole["digest"]]
+
+
+def test_a_comparison_finds_the_same_on_a_local_cluster(place: Path) -> None:
+    here, there = (
+        mrsfi_json(*COMPARE, *options, "--out", f"runs/compared-{number}", cwd=place)
+        for number, options in enumerate([("--workers", "1"), ("--dask", "local")])
+    )
+
+    assert [run["digest"] for run in there["runs"]] == [run["digest"] for run in here["runs"]]
+    assert there["tests"] == here["tests"]
+
+
+def test_an_address_where_nobody_answers_ends_with_8_soon(place: Path) -> None:
+    begin = monotonic()
+
+    done = mrsfi(*EVOLVE, "--dask", "tcp://127.0.0.1:1", cwd=place, expected=8)
+
+    assert "--dask tcp://127.0.0.1:1: no scheduler answers" in done.stderr.splitlines()[-1]
+    assert monotonic() - begin < PATIENCE / 2
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (("--dask", "somewhere"), "--dask: found 'somewhere'; expected tcp://HOST:PORT"),
+        (("--dask", "tcp://h:1", "--workers", "2"), "--workers 2: makes no sense with --dask tcp:"),
+        (("--dask", "local", "--engine", "rosbridge"), "no sense with --engine rosbridge"),
+    ],
+)
+@pytest.mark.parametrize("command", ["evolve", "compare"])
+def test_options_that_make_no_sense_end_with_2_and_leave_nothing(
+    place: Path, command: str, options: tuple[str, ...], expected: str
+) -> None:
+    before = sorted(place.rglob("*"))
+
+    error = mrsfi(command, MISSION, *options, cwd=place, expected=2).stderr
+
+    assert expected in error
+    assert sorted(place.rglob("*")) == before

@@ -1,0 +1,296 @@
+"""Evaluation on schedulers and workers that are processes of their own."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+from shutil import copytree
+
+import pytest
+
+from mrsfi_runtime.engine.flights import Failure
+from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.settings import COMPILED, REFERENCE, EngineSettings
+from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError, UsageError
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
+from support_cluster import Scheduler, require_dask, scheduler, without_mrsfi
+from support_world import ROOT
+
+require_dask()
+
+import dask  # noqa: E402 - needs dask
+import distributed  # noqa: E402 - needs dask
+
+from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: E402 - needs dask
+from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: E402 - needs dask
+from mrsfi_runtime.engine.cluster.shipment import Shipment  # noqa: E402 - needs dask
+
+GENERATED = ROOT / "generated" / "tight_margins"
+SLOW_ENGINE = EngineSettings(REFERENCE)
+
+
+@pytest.fixture(scope="module")
+def two_workers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scheduler]:
+    """A scheduler with two workers, one of them with two threads; nothing is killed there."""
+    with scheduler(tmp_path_factory.mktemp("two"), 1) as found:
+        found.start_worker(n_threads=2)
+        found.wait_for_workers()
+        yield found
+
+
+@pytest.fixture(scope="module")
+def specifications() -> list[Specification]:
+    code = load_code(GENERATED)
+    space = SearchSpace.of(code.mission, code.pool)
+    return [random_specification(space, 6, Random(seed)) for seed in range(30)]
+
+
+@pytest.fixture(scope="module")
+def expected(specifications: Sequence[Specification]) -> list[object]:
+    """What the same specifications come to in this process."""
+    with WorkerPool(GENERATED, 1) as pool:
+        return list(pool.evaluate_many(specifications))
+
+
+def edited(folder: Path, region: str, body: str) -> Path:
+    """Return a copy of the generated code with one region replaced."""
+    path = Path(copytree(GENERATED, folder)) / "collective_intelligence.py"
+    text = path.read_text(encoding="utf-8")
+    begin, end = f"# protected region {region} on begin\n", f"# protected region {region} end\n"
+    head, rest = text.split(begin)
+    indent = head[head.rfind("\n") + 1 :]
+    path.write_text(
+        head + begin + body + indent + end + rest.split(end)[1],
+        encoding="utf-8",
+    )
+    return folder
+
+
+@pytest.mark.parametrize("name", [REFERENCE, COMPILED])
+def test_results_are_those_of_this_process_in_order(
+    two_workers: Scheduler, specifications, expected, name: str
+) -> None:
+    with Cluster(two_workers.address) as cluster:
+        pool = ClusterPool(cluster, GENERATED, 1, EngineSettings(name))
+
+        for order in (1, -1):
+            assert list(pool.evaluate_many(specifications[::order])) == expected[::order]
+        assert list(pool.evaluate_many([])) == []
+
+
+def test_a_worker_gets_the_code_once_and_is_left_as_it_was(
+    two_workers: Scheduler, specifications
+) -> None:
+    folders = [worker.log.parent for worker in two_workers.workers]
+
+    with Cluster(two_workers.address) as cluster:
+        for seed in (1, 2):
+            pool = ClusterPool(cluster, GENERATED, seed, SLOW_ENGINE)
+            list(pool.evaluate_many(specifications[:4]))
+        during = [list(folder.rglob("mission_loader.py")) for folder in folders]
+
+    assert [len(found) for found in during] == [1, 1]
+    assert not [file for folder in folders for file in folder.rglob("mission_loader.py")]
+
+
+def test_mission_seeds_are_kept_apart(two_workers: Scheduler, specifications) -> None:
+    with Cluster(two_workers.address) as cluster, WorkerPool(GENERATED, 2) as other:
+        pools = [ClusterPool(cluster, GENERATED, seed, SLOW_ENGINE) for seed in (1, 2)]
+
+        first, second = (list(pool.evaluate_many(specifications[:4])) for pool in pools)
+
+        assert first != second == list(other.evaluate_many(specifications[:4]))
+
+
+def test_a_region_that_fails_gives_the_failure_that_it_gives_here(
+    two_workers: Scheduler, tmp_path: Path, specifications
+) -> None:
+    folder = edited(
+        tmp_path / "own", "energy.check", "    return 1 // (99 - ci.mission.tick) > 9\n"
+    )
+
+    with WorkerPool(folder, 1) as here:
+        expected = list(here.evaluate_many(specifications[:2]))
+    with Cluster(two_workers.address) as cluster:
+        pool = ClusterPool(cluster, folder, 1, SLOW_ENGINE)
+        found = list(pool.evaluate_many(specifications[:2]))
+
+    assert all(isinstance(result, Failure) for result in found)
+    assert found == expected
+
+
+def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
+    two_workers: Scheduler, tmp_path: Path, specifications, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "only_here.py").write_text("HIGHEST = 9\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    folder = edited(tmp_path / "own", "imports", "from only_here import HIGHEST\n")
+
+    with Cluster(two_workers.address) as cluster:
+        pool = ClusterPool(cluster, folder, 1, SLOW_ENGINE)
+        with pytest.raises(EvaluationError, match="No module named 'only_here'") as refused:
+            list(pool.evaluate_many(specifications[:1]))
+
+    assert "on the worker at tcp://127.0.0.1:" in str(refused.value)
+    assert f"{folder}/collective_intelligence.py: cannot be imported" in str(refused.value)
+    assert "has to be installed on every worker" in str(refused.value)
+
+
+def test_conflicting_faults_are_refused_as_they_are_here(two_workers: Scheduler) -> None:
+    conflicting = (TimedFault("f4", 0, 9, (1.0,)), TimedFault("f4", 5, 9, (1.0,)))
+
+    with Cluster(two_workers.address) as cluster:
+        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        with pytest.raises(SpecificationError, match="overlap"):
+            list(pool.evaluate_many([conflicting]))
+
+
+def test_a_search_that_stops_asking_leaves_the_workers_free(
+    two_workers: Scheduler, specifications, expected
+) -> None:
+    with Cluster(two_workers.address) as cluster:
+        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        asked = pool.evaluate_many(specifications)
+
+        first = next(asked)
+        asked.close()
+
+        assert first == expected[0]
+        assert list(pool.evaluate_many(specifications[:3])) == expected[:3]
+
+
+def test_a_worker_that_joins_late_takes_over_from_one_that_died(
+    tmp_path: Path, specifications, expected
+) -> None:
+    with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
+        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        before = list(pool.evaluate_many(specifications))
+        place.workers[0].kill()
+        place.start_worker()
+
+        assert list(pool.evaluate_many(specifications)) == before == expected
+
+
+def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(
+    tmp_path: Path, specifications
+) -> None:
+    body = "    import os\n\n    os._exit(1)\n"
+    folder = edited(tmp_path / "own", "energy.check", body)
+
+    with scheduler(tmp_path / "dask", 1, is_quick=True) as place, Cluster(place.address) as cluster:
+        pool = ClusterPool(cluster, folder, 1, SLOW_ENGINE)
+        with pytest.raises(EvaluationError, match="while they had the same chunk"):
+            list(pool.evaluate_many(specifications[:1]))
+
+
+def test_when_the_last_worker_is_gone_the_user_is_told_how_to_start_one(
+    tmp_path: Path, specifications
+) -> None:
+    with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
+        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        place.workers[0].kill()
+        impatient(cluster)
+
+        with pytest.raises(TransportError, match=f"start some with `dask worker {place.address}"):
+            list(pool.evaluate_many(specifications))
+
+
+def impatient(cluster: Cluster) -> None:
+    cluster._patience = 0.5
+
+
+def test_a_scheduler_without_workers_is_refused(tmp_path: Path) -> None:
+    with (
+        scheduler(tmp_path, 0) as place,
+        pytest.raises(TransportError, match=r"found no worker within 0\.5 s; start some with"),
+    ):
+        Cluster(place.address, patience=0.5)
+
+
+def test_a_lost_scheduler_is_a_transport_error(tmp_path: Path, specifications) -> None:
+    with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
+        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        asked = pool.evaluate_many(specifications)
+        next(asked)
+        place.process.kill()
+
+        with pytest.raises(TransportError, match="the connection to the scheduler is lost"):
+            list(asked)
+
+
+def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(
+    tmp_path: Path, specifications
+) -> None:
+    package = Path(copytree(ROOT / "src" / "mrsfi_runtime", tmp_path / "other" / "mrsfi_runtime"))
+    with (package / "kernel" / "tick.py").open("a", encoding="utf-8") as file:
+        file.write("# another one\n")
+    other = {"PYTHONPATH": str(tmp_path / "other")}
+    expected = r"the worker at \S+ would not give the same results: it has mrsfi \S.* \(source "
+
+    with scheduler(tmp_path / "dask", 1) as place, Cluster(place.address) as cluster:
+        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        place.start_worker(other)
+        place.wait_for_workers()
+        with pytest.raises(TransportError, match=expected):
+            list(pool.evaluate_many(specifications))
+        with Cluster(place.address) as second, pytest.raises(TransportError, match=expected):
+            ClusterPool(second, GENERATED, 1, SLOW_ENGINE)
+
+
+def test_a_worker_without_mrsfi_is_refused(tmp_path: Path) -> None:
+    with scheduler(tmp_path / "dask", 0) as place:
+        place.start_worker(without_mrsfi(tmp_path / "none"))
+        with (
+            Cluster(place.address) as cluster,
+            pytest.raises(
+                TransportError, match=r"No module named 'mrsfi_runtime'.*expected the same"
+            ),
+        ):
+            ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+
+
+def test_a_local_cluster_is_reachable_from_this_machine_only(specifications, expected) -> None:
+    with Cluster("local", 2) as cluster:
+        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+
+        assert cluster.n_workers() == 2
+        assert all("://127.0.0.1:" in address for address in cluster._client.nthreads())
+        assert list(pool.evaluate_many(specifications)) == expected
+
+
+def test_another_python_is_refused(two_workers: Scheduler) -> None:
+    shipment = Shipment.of(GENERATED)
+    other = replace(shipment, environment={**shipment.environment, "Python": "2.7"})
+
+    with (
+        Cluster(two_workers.address) as cluster,
+        pytest.raises(TransportError, match=r"it has Python \S+ where this command has 2\.7;"),
+    ):
+        cluster.ship(other)
+
+
+def test_a_cluster_with_certificates_is_reached_with_those_of_the_configuration(
+    tmp_path: Path, specifications, expected, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    security = distributed.Security.temporary()
+    tls = {"distributed.comm.tls.ca-file": security.tls_ca_file}
+    for role in ("scheduler", "worker", "client"):
+        tls[f"distributed.comm.tls.{role}.cert"] = security.tls_client_cert
+        tls[f"distributed.comm.tls.{role}.key"] = security.tls_client_key
+    for key, value in tls.items():
+        name = key.replace(".", "__").replace("-", "_").upper()
+        monkeypatch.setenv(f"DASK_{name}", value)
+
+    with scheduler(tmp_path, 1, protocol="tls") as place:
+        with pytest.raises(UsageError, match="expected certificates in dask's configuration"):
+            Cluster(place.address)
+        with dask.config.set(tls), Cluster(place.address) as cluster:
+            found = list(
+                ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE).evaluate_many(specifications)
+            )
+
+    assert place.address.startswith("tls://")
+    assert found == expected

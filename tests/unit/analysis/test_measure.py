@@ -1,0 +1,130 @@
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.analysis.figures import fitness_label
+from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
+from mrsfi_runtime.analysis.measure import Measure
+from mrsfi_runtime.analysis.report import write_report
+from mrsfi_runtime.cli.tables import critical_table
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
+from support_record import Code, evaluation, mission, pool, statistics
+
+CODE = Code(mission(), pool())
+GOALS = ("g1", "g3")
+MASKED = {"violations": "masked", "goals": list(GOALS), "fitness": "focused"}
+MEANS = {**MASKED, "violations": "believed", "replications": 2}
+
+
+def masking(index: int, masked: tuple[int, ...]) -> Evaluation:
+    """Return an evaluation whose belief says the opposite of what it hides."""
+    believed = tuple(100 - count for count in masked)
+    found = evaluation(index, believed, fitness=float(sum(masked)))
+    return replace(found, outcome=replace(found.outcome, masked=masked))
+
+
+def averaged(index: int, first_seed: tuple[int, ...], means: tuple[float, float]) -> Evaluation:
+    return replace(evaluation(index, first_seed), fitness=(sum(means), *means))
+
+
+HIDING = [masking(0, (3, 0, 1, 0, 0, 0)), masking(1, (2, 0, 5, 0, 0, 0)), masking(2, (1,) * 6)]
+FLOWN_TWICE = [
+    averaged(0, (900, 0, 900, 0, 0, 0), (450.0, 451.5)),
+    averaged(1, (10, 0, 10, 0, 0, 0), (500.5, 12.0)),
+    averaged(2, (999, 0, 0, 0, 0, 0), (499.5, 0.0)),
+]
+
+
+def report_of(folder: Path, settings: dict[str, object], found: list[Evaluation]) -> str:
+    with CampaignStore.create(folder, settings, {}) as store:
+        population = tuple(each.index for each in found)
+        store.append(found, (), [Generation(0, statistics(found), population, "[]")])
+    write_report(folder, CODE, lambda *_: None, ratio="g1:g3=1:1")
+    return (folder / "report.md").read_text()
+
+
+def table(folder: Path, name: str) -> list[list[str]]:
+    with (folder / "tables" / f"{name}.csv").open(newline="") as file:
+        return list(csv.reader(file))
+
+
+@pytest.mark.parametrize("kind", ["believed", "true", "phantom", "masked"])
+def test_a_front_is_over_the_counts_that_the_campaign_chose(kind: str) -> None:
+    measure = Measure.of({"violations": kind, "goals": GOALS}, mission())
+    counts = {getattr(each.outcome, kind)[:3:2]: each.index for each in reversed(HIDING)}
+
+    front = find_front(measure, HIDING, GOALS)
+
+    assert front.counts == f"{kind} violations"
+    assert {counts[point.violations] for point in front.points} == {
+        point.evaluation for point in front.points
+    }
+
+
+def test_a_front_is_over_the_means_of_all_mission_seeds() -> None:
+    front = find_front(Measure.of(MEANS, mission()), FLOWN_TWICE, GOALS)
+
+    assert front.counts == "believed violations, mean of 2 mission seeds"
+    assert front.points == (FrontPoint(0, (450.0, 451.5)), FrontPoint(1, (500.5, 12.0)))
+
+
+@pytest.mark.parametrize(
+    ("settings", "found", "rows"),
+    [
+        (MASKED, HIDING, [["1", "2", "5"], ["0", "3", "1"]]),
+        (MEANS, FLOWN_TWICE, [["0", "450.0", "451.5"], ["1", "500.5", "12.0"]]),
+    ],
+)
+def test_a_report_uses_the_measure_and_says_which_it_is(
+    settings: dict[str, object], found: list[Evaluation], rows: list[list[str]], tmp_path: Path
+) -> None:
+    measure = Measure.of(settings, mission())
+    best = max(found, key=lambda each: each.fitness[0])
+
+    report = report_of(tmp_path / "run", settings, found)
+
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    figure = (tmp_path / "run" / "figures" / "figure_11_front.svg").read_text()
+    assert table(tmp_path / "run", "figure_11_front")[1:] == rows
+    assert table(tmp_path / "run", "figure_10_front_by_generation")[1:] == [
+        ["0", *row] for row in rows
+    ]
+    assert f"non-dominated specifications over g1, g3 ({measure};" in report
+    assert f"Violations per goal in ticks, {measure}: believed by" in report
+    assert summary["measure"] == {"violations": measure.kind, "mission_seeds": measure.n_seeds}
+    assert summary["top"][0]["measured"] == measure.by_goal(best)
+    assert f"g1: {measure} (ticks)" in figure
+
+
+def test_the_printed_table_shows_the_measure_before_belief_and_truth() -> None:
+    printed = critical_table(Measure.of(MEANS, mission()), pool(), FLOWN_TWICE[:1])
+
+    goals = {str(column.header): list(column.cells) for column in printed.columns}
+    assert goals["violations"] == ["mean believed\nbelieved\ntrue"]
+    assert goals["g1"] == ["450.00\n900\n450"]
+    assert goals["g2"] == ["-\n0\n0"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "label"),
+    [
+        ({"fitness": "focused", **MASKED}, "fitness (masked violations of g1 + g3, ticks)"),
+        (
+            {"fitness": "weighted", "replications": 3},
+            "fitness (0.3 · believed violations + 0.7 · goals, mean of 3 mission seeds)",
+        ),
+        ({"fitness": "mine:own", "violations": "true"}, "fitness (mine:own)"),
+        ({}, "fitness"),
+    ],
+)
+def test_the_axis_of_fitness_says_what_is_counted(settings: dict[str, object], label: str) -> None:
+    assert fitness_label(settings, Measure.of(settings, mission())) == label
+
+
+def test_a_ratio_over_goals_without_recorded_means_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"found goal 'g2'; .* mission seeds .* only: g1, g3"):
+        Measure.of(MEANS, mission()).require(("g1", "g2"))

@@ -1,0 +1,58 @@
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.analysis.studio import Drawing, Studio, draw_here
+from support_record import mission
+
+
+def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
+    drawing = Drawing("mission_map", (mission(),))
+    draw_here([(drawing, tmp_path / "here")])()
+
+    with Studio() as studio:
+        studio.draw([(drawing, tmp_path / "there")])()
+
+    for suffix in (".png", ".svg"):
+        here, there = (tmp_path / f"{name}{suffix}" for name in ("here", "there"))
+        assert here.read_bytes() == there.read_bytes()
+
+
+def test_what_saving_met_is_raised_here(tmp_path: Path) -> None:
+    drawings = [(Drawing("mission_map", (mission(),)), tmp_path / "missing" / "map")]
+
+    with Studio() as studio, pytest.raises(FileNotFoundError, match="missing"):
+        studio.draw(drawings)()
+
+
+def test_a_studio_that_fails_is_not_taken_for_one_that_drew(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with Studio() as studio, pytest.raises(RuntimeError, match="draws figures ended with 1"):
+        studio.draw([(Drawing("no_such_figure", ()), tmp_path / "figure")])()
+
+    assert "no_such_figure" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("error", [None, KeyboardInterrupt])
+def test_a_studio_that_never_draws_ends_with_its_block(error: type[BaseException] | None) -> None:
+    studio = Studio()
+
+    try:
+        with studio:
+            if error is not None:
+                raise error
+    except KeyboardInterrupt:
+        pass
+
+    assert studio._process.returncode is not None
+
+
+def test_what_was_drawn_ahead_is_the_same(tmp_path: Path) -> None:
+    drawing = Drawing("mission_map", (mission(),))
+    draw_here([(drawing, tmp_path / "here")])()
+
+    with Studio(drawing) as studio:
+        studio.draw([(drawing, tmp_path / "there")])()
+
+    assert (tmp_path / "there.svg").read_bytes() == (tmp_path / "here.svg").read_bytes()

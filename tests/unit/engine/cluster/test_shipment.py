@@ -1,0 +1,55 @@
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+from mrsfi_runtime.engine.cluster.shipment import Shipment
+from mrsfi_runtime.mission import load_code
+from support_world import ROOT
+
+GENERATED = ROOT / "generated" / "tight_margins"
+
+
+def test_what_is_unpacked_elsewhere_loads_as_the_same_mission(tmp_path: Path) -> None:
+    shipment = pickle.loads(pickle.dumps(Shipment.of(GENERATED)))
+
+    shipment.unpack(tmp_path / "worker" / "mission")
+
+    found, expected = load_code(tmp_path / "worker" / "mission"), load_code(GENERATED)
+    assert (found.mission, found.pool) == (expected.mission, expected.pool)
+
+
+def test_the_name_follows_from_the_content_alone(tmp_path: Path) -> None:
+    shipment = Shipment.of(GENERATED)
+    shipment.unpack(tmp_path)
+    copied = Shipment.of(tmp_path)
+
+    (tmp_path / "mission_loader.py").write_text("other", encoding="utf-8")
+    changed = Shipment.of(tmp_path)
+
+    assert copied.name == shipment.name != changed.name
+
+
+def test_texts_of_a_worker_name_the_places_at_home() -> None:
+    shipment = replace(Shipment.of(GENERATED), given="generated/x", absolute="/home/me/generated/x")
+    text = 'File "/far/away/a.py", line 3\nError: /far/away/a.py:3: wrong'
+
+    told = shipment.told_as_at_home(text, Path("/far/away"))
+
+    assert told == 'File "/home/me/generated/x/a.py", line 3\nError: generated/x/a.py:3: wrong'
+
+
+def test_the_process_that_packed_differs_in_nothing() -> None:
+    assert Shipment.of(GENERATED).differences() == ""
+
+
+def test_every_difference_is_named_with_what_was_found_and_expected() -> None:
+    shipment = Shipment.of(GENERATED)
+    packed = replace(
+        shipment, environment={**shipment.environment, "Python": "2.7", "numba": "0.1"}
+    )
+
+    here = shipment.environment
+    assert packed.differences() == (
+        f"Python {here['Python']} where this command has 2.7, "
+        f"numba {here['numba']} where this command has 0.1"
+    )
