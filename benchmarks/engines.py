@@ -9,9 +9,13 @@ import argparse
 import statistics
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from random import Random
 
+from mrsfi_runtime.engine.cluster.address import LOCAL
+from mrsfi_runtime.engine.cluster.connection import Cluster
+from mrsfi_runtime.engine.cluster.pool import ClusterPool
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import COMPILED, REFERENCE, EngineSettings
 from mrsfi_runtime.mission import load_code
@@ -21,12 +25,14 @@ from mrsfi_runtime.search.specifications import random_specification
 
 MISSION = Path("generated/uuv_sampling")
 ENGINES = (
-    ("reference", REFERENCE, 1, 4),
-    ("reference, 2 processes", REFERENCE, 2, 8),
-    ("compiled", COMPILED, 1, 200),
-    ("compiled, 2 threads", COMPILED, 2, 400),
+    ("reference", REFERENCE, 1, False, 4),
+    ("reference, 2 processes", REFERENCE, 2, False, 8),
+    ("reference, 2 of dask", REFERENCE, 2, True, 8),
+    ("compiled", COMPILED, 1, False, 200),
+    ("compiled, 2 threads", COMPILED, 2, False, 400),
+    ("compiled, 2 of dask", COMPILED, 2, True, 2000),
 )
-"""Label, engine, workers, and specifications of a round."""
+"""Label, engine, workers, whether a local cluster has them, and specifications of a round."""
 
 
 def seconds(function: Callable[[], object]) -> float:
@@ -43,6 +49,15 @@ def drawn(n: int, n_faults: int) -> list[Specification]:
     return [random_specification(space, n_faults, Random(seed)) for seed in range(n)]
 
 
+def opened(stack: ExitStack, name: str, workers: int, *, on_dask: bool) -> WorkerPool | ClusterPool:
+    """Return what evaluates, until the stack is closed."""
+    settings = EngineSettings(name)
+    if not on_dask:
+        return stack.enter_context(WorkerPool(MISSION, 1, workers, settings))
+    cluster = stack.enter_context(Cluster(LOCAL, workers))
+    return stack.enter_context(ClusterPool(cluster, MISSION, 1, settings))
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -50,20 +65,20 @@ def main() -> None:
     parser.add_argument("--faults", type=int, default=20, help="timed faults of a specification")
     arguments = parser.parse_args()
     specifications = drawn(max(n for *_, n in ENGINES), arguments.faults)
-    pools = []
-    for label, name, workers, n in ENGINES:
-        opening = time.perf_counter()
-        pool = WorkerPool(MISSION, 1, workers, EngineSettings(name))
-        list(pool.evaluate_many(specifications[:n]))
-        print(f"{label}: ready, with a first round, after {time.perf_counter() - opening:.2f} s")
-        pools.append(pool)
     rates: dict[str, list[float]] = {label: [] for label, *_ in ENGINES}
-    for _ in range(arguments.rounds):
-        for pool, (label, _, _, n) in zip(pools, ENGINES, strict=True):
-            chosen = specifications[:n]
-            rates[label].append(n / seconds(lambda p=pool, s=chosen: list(p.evaluate_many(s))))
-    for pool in pools:
-        pool.close()
+    with ExitStack() as stack:
+        pools = []
+        for label, name, workers, on_dask, n in ENGINES:
+            opening = time.perf_counter()
+            pool = opened(stack, name, workers, on_dask=on_dask)
+            list(pool.evaluate_many(specifications[:n]))
+            taken = time.perf_counter() - opening
+            print(f"{label}: ready, with a first round, after {taken:.2f} s")
+            pools.append(pool)
+        for _ in range(arguments.rounds):
+            for pool, (label, *_, n) in zip(pools, ENGINES, strict=True):
+                chosen = specifications[:n]
+                rates[label].append(n / seconds(lambda p=pool, s=chosen: list(p.evaluate_many(s))))
     base = statistics.median(rates[ENGINES[0][0]])
     print(f"\n{'engine':24} {'evaluations/s':>14} {'quartiles':>19} {'ms each':>9} {'ratio':>7}")
     for label, found in rates.items():

@@ -21,7 +21,8 @@ _HEAD = (
 def fleet(folder: Path, n_robots: int, duration: int) -> MissionCode:
     """Return the code of a mission in which robots keep apart, inside, and within their energy.
 
-    The pool has a fault of the reported position for the first robots.
+    The pool delays the position of the first robots by a tick, which changes little of what a
+    robot does: the share of robots with a fault falls as the fleet grows.
     """
     models = folder / "fleet"
     models.mkdir(parents=True)
@@ -81,8 +82,7 @@ def _faults(n_robots: int) -> Iterator[str]:
     yield _HEAD.format(package="faults", root="FaultSpecification", attributes='ID="pool"')
     for n in range(min(n_robots, _MOST_FAULTS)):
         yield (
-            f'  <faults ID="f{n}" name="position of {n}"><fixedRobotCoordinates NEW_X="0.0" '
-            f'NEW_Y="0.0"><affectedMessage href="mission.xmi#m{n}"/>'
-            "</fixedRobotCoordinates></faults>\n"
+            f'  <faults ID="f{n}" name="delay of {n}"><delayMessage DELAY="1.0">'
+            f'<affectedMessage href="mission.xmi#m{n}"/></delayMessage></faults>\n'
         )
     yield "</faults:FaultSpecification>\n"

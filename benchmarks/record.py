@@ -1,0 +1,90 @@
+"""What 10,000 evaluations leave behind: size of the record, and seconds of the report's queries.
+
+Run ``python -m benchmarks.record`` from the project's root after ``make install``, or with
+``--quick`` for 1,000. The paper's mission is searched at random on the compiled engine.
+
+Ends with 1 if a query takes a second or more.
+"""
+
+import argparse
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from benchmarks.measuring import Aims
+from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.search.settings import CampaignSettings
+
+MISSION = Path("generated") / "uuv_sampling"
+AIM = 1.0
+"""Seconds that each query is to stay below."""
+N_ROUNDS = 3
+
+
+def write(folder: Path, n_evaluations: int) -> float:
+    """Record a random search, and return its seconds."""
+    settings = CampaignSettings(algorithm="random", evaluations=n_evaluations, population=100)
+    code = load_code(MISSION)
+    with (
+        CampaignStore.create(folder, settings.as_json(), {}) as store,
+        WorkerPool(MISSION, settings.mission_seed, 1, EngineSettings(COMPILED)) as pool,
+    ):
+        start = time.perf_counter()
+        run_campaign(settings, code.mission, code.pool, pool.evaluate_many, store)
+        return time.perf_counter() - start
+
+
+def queries(store: CampaignStore) -> Mapping[str, Callable[[], Any]]:
+    """Return what a report asks, each of which reads all that it is about."""
+    last = store.n_evaluations - 1
+    return {
+        "all evaluations": store.evaluations,
+        "all generations": store.generations,
+        "all failures": store.failures,
+        "the digest over all evaluations": store.digest,
+        "one evaluation": lambda: store.evaluation(last),
+        "number of evaluations": lambda: store.n_evaluations,
+        "number of generations": lambda: store.n_generations,
+    }
+
+
+def seconds(query: Callable[[], Any]) -> float:
+    """Return the seconds of the quickest of some rounds."""
+    found = []
+    for _ in range(N_ROUNDS):
+        start = time.perf_counter()
+        query()
+        found.append(time.perf_counter() - start)
+    return min(found)
+
+
+def main() -> int:
+    """Print size and queries; return 1 if one takes too long."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--quick", action="store_true", help="1,000 evaluations")
+    n_evaluations = 1_000 if parser.parse_args().quick else 10_000
+    aims = Aims()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name) / "run"
+        taken = write(folder, n_evaluations)
+        size = CampaignFolder(folder).database.stat().st_size
+        print(
+            f"{n_evaluations:,} evaluations with their record: {taken:.1f} s; "
+            f"{size / 1e6:.1f} MB, {size / n_evaluations:,.0f} bytes an evaluation"
+        )
+        with CampaignStore.open(folder) as store:
+            for what, query in queries(store).items():
+                aims.below(what, seconds(query), AIM, "s")
+    return aims.exit_code()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
