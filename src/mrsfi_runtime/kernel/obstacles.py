@@ -18,6 +18,8 @@ SIDE = 32
 SLACK = 0.001
 """By what a cell counts as larger than it is, in cells, so that no rounding hides an obstacle."""
 
+_LEAST_ROOM = 256  # entries of a map, times a power of 4: an obstacle that moves does not recompile
+
 
 @kernel
 def column(map_: MapState, offset: float) -> int:
@@ -76,6 +78,10 @@ def drawn(survey: Survey) -> tuple[tuple[int, ...], tuple[MappedState, ...]]:
     for shown in found:
         mapped.extend(sorted(shown, key=attrgetter("gap")))
         cells.append(len(mapped))
+    room = _LEAST_ROOM
+    while room < len(mapped):
+        room *= 4
+    mapped.extend([MappedState(0, 0.0)] * (room - len(mapped)))
     return tuple(cells), tuple(mapped)
 
 
