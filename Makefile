@@ -65,7 +65,7 @@ report: $(BASE) ## write the report of campaign folder OUT anew (default: the la
 	$(BIN)/mrsfi report $(if $(OUT),"$(OUT)")
 
 test: $(DEV) generate ## run the tests, but for those against Eclipse
-	$(BIN)/python -m pytest --numprocesses auto --ignore=tests/interop
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --ignore=tests/interop
 
 interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib and MuJoCo
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[examples]"

@@ -107,7 +107,9 @@ def test_a_mission_whose_regions_fail_ends_with_6(place: Path) -> None:
         "return 1 // (ci.mission.tick - 7) == 0",
     )
 
-    error = mrsfi("evolve", MISSION, *SMALL, cwd=place, expected=6).stderr
+    arguments = ("evolve", MISSION, *SMALL, "--engine", "reference")
+
+    error = mrsfi(*arguments, cwd=place, expected=6).stderr
 
     assert "ZeroDivisionError" in error
     assert "collective_intelligence.py" in error

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE
-from support_cli import MISSION, ROOT, edit, mrsfi, workspace
+from support_cli import MISSION, ROOT, edit, mrsfi_process, workspace
 
 ECORE_TYPE = "ecore:EDataType http://www.eclipse.org/emf/2002/Ecore#//"
 
@@ -49,9 +49,9 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def _require_flight(project: Path) -> None:
-    mrsfi("validate", MISSION, cwd=project)
-    mrsfi("generate", MISSION, cwd=project)
-    mrsfi("simulate", MISSION, "--no-faults", cwd=project)
+    mrsfi_process("validate", MISSION, cwd=project)
+    mrsfi_process("generate", MISSION, cwd=project)
+    mrsfi_process("simulate", MISSION, "--no-faults", cwd=project)
 
 
 def test_team_adds_features(project: Path) -> None:
@@ -73,7 +73,7 @@ def test_team_adds_features(project: Path) -> None:
 
     _require_flight(project)
 
-    done = mrsfi("diff", ROOT / "models" / MISSION, models, cwd=project)
+    done = mrsfi_process("diff", ROOT / "models" / MISSION, models, cwd=project)
     assert done.stdout.splitlines() == [
         "robot r1: colour none → 'red'",
         "robot r1: tags none → 'a' 'b'",
@@ -105,7 +105,7 @@ def test_team_adds_subclasses(project: Path) -> None:
 
     _require_flight(project)
 
-    done = mrsfi("diff", ROOT / "models" / MISSION, models, cwd=project)
+    done = mrsfi_process("diff", ROOT / "models" / MISSION, models, cwd=project)
     assert done.stdout.splitlines()[:3] == [
         "robot r1: class none → Glider",
         "goal g4: task GatherSamples → DeepSamples",
@@ -145,9 +145,8 @@ def test_team_adds_a_fault_type_that_nothing_implements(project: Path) -> None:
     assert jammed != text
     (models / "faults.xmi").write_text(jammed, encoding="ascii")
 
-    mrsfi("generate", MISSION, cwd=project)
-    done = mrsfi(
-        "evolve", MISSION, "--population", "2", "--generations", "1", cwd=project, expected=5
-    )
+    mrsfi_process("generate", MISSION, cwd=project)
+    small = ("--population", "2", "--generations", "1", "--engine", "reference")
+    done = mrsfi_process("evolve", MISSION, *small, cwd=project, expected=5)
 
     assert "is of type 'Jam', of which the runtime knows no effect" in done.stderr

@@ -12,12 +12,26 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.record.campaign import CampaignStore
-from support_cli import MISSION, SMALL, edit, mrsfi, mrsfi_json
+from support_cli import MISSION, SMALL, edit, mrsfi, mrsfi_json, mrsfi_process
+from support_resume import MISSION as QUICK
+from support_resume import workspace
 from support_rosbridge import is_running, process
 
 ROSBRIDGE = ("--engine", "rosbridge")
 TINY = ("--population", "4", "--generations", "1", "--workers", "1")
-RESUMED = ("--engine", "reference", "--workers", "1")
+REFERENCE = ("--engine", "reference")
+RESUMED = (*REFERENCE, "--workers", "1")
+
+
+@pytest.fixture
+def quick(tmp_path):
+    """Folder with models/ and generated/ of the mission of 200 ticks."""
+    return workspace(tmp_path)
+
+
+def bus_json(*arguments, cwd):
+    """Run ``mrsfi … --json`` in a process: roslibpy has one kind of transport in each."""
+    return json.loads(mrsfi_process(*arguments, "--json", cwd=cwd).stdout)
 
 
 @pytest.fixture
@@ -61,7 +75,7 @@ def ended(running):
 def test_a_flight_over_rosbridge_prints_what_the_reference_does(place):
     arguments = ("simulate", MISSION, "--seed", "3")
 
-    flown = mrsfi_json(*arguments, *ROSBRIDGE, cwd=place)
+    flown = bus_json(*arguments, *ROSBRIDGE, cwd=place)
 
     assert flown == mrsfi_json(*arguments, cwd=place)
 
@@ -69,20 +83,20 @@ def test_a_flight_over_rosbridge_prints_what_the_reference_does(place):
 def test_logs_and_traces_are_the_same(place):
     for name, options in (("local", ()), ("bus", ROSBRIDGE)):
         files = ("--log", f"{name}.log", "--trace", f"{name}.csv")
-        mrsfi("simulate", MISSION, *files, *options, cwd=place)
+        mrsfi_process("simulate", MISSION, *files, *options, cwd=place)
 
     for kind in ("log", "csv"):
         assert (place / f"bus.{kind}").read_bytes() == (place / f"local.{kind}").read_bytes()
 
 
-def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_how(place):
+def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_how(quick):
     digests = []
-    for name, options in (("local", ()), ("bus", (*ROSBRIDGE, "--client", "twisted"))):
+    for name, options in (("local", REFERENCE), ("bus", (*ROSBRIDGE, "--client", "twisted"))):
         out = f"runs/{name}"
-        found = mrsfi_json("evolve", MISSION, *TINY, *options, "--out", out, cwd=place)
+        found = bus_json("evolve", QUICK, *TINY, *options, "--out", out, cwd=quick)
         digests.append(found["digest"])
-    replayed = mrsfi_json("replay", "runs/local", "--best", *ROSBRIDGE, cwd=place)
-    with CampaignStore.open(place / "runs" / "bus") as store:
+    replayed = bus_json("replay", "runs/local", "--best", *ROSBRIDGE, cwd=quick)
+    with CampaignStore.open(quick / "runs" / "bus") as store:
         recorded = store.manifest
 
     assert digests[0] == digests[1]
@@ -91,25 +105,25 @@ def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_ho
     assert recorded["bus"] == {"url": None, "client": "twisted", "side": "both"}
 
 
-def test_a_campaign_with_bundles_finds_the_same_and_records_how(place):
-    local = mrsfi_json("evolve", MISSION, *TINY, "--out", "runs/local", cwd=place)
+def test_a_campaign_with_bundles_finds_the_same_and_records_how(quick):
+    local = mrsfi_json("evolve", QUICK, *TINY, *REFERENCE, "--out", "runs/local", cwd=quick)
     words = (*TINY, *ROSBRIDGE, "--bundle", "--out", "runs/bundles")
-    found = mrsfi_json("evolve", MISSION, *words, cwd=place)
-    with CampaignStore.open(place / "runs" / "bundles") as store:
+    found = bus_json("evolve", QUICK, *words, cwd=quick)
+    with CampaignStore.open(quick / "runs" / "bundles") as store:
         recorded = store.manifest
 
     assert found["digest"] == local["digest"]
     assert recorded["bus"] == {"url": None, "client": "asyncio", "side": "both", "bundle": True}
 
 
-def test_replications_share_one_server(place, url):
-    file = place / "models" / MISSION / "case_a.toml"
+def test_replications_share_one_server(quick, url):
+    file = quick / "models" / QUICK / "case_a.toml"
     edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")
     pair = ("--population", "2", "--generations", "1", "--workers", "1")
     meet = ("--url", url, "--bundle")
     digests = [
-        mrsfi_json("evolve", MISSION, *pair, *options, "--out", out, cwd=place)["digest"]
-        for out, options in (("runs/local", ()), ("runs/bus", (*ROSBRIDGE, *meet)))
+        bus_json("evolve", QUICK, *pair, *options, "--out", out, cwd=quick)["digest"]
+        for out, options in (("runs/local", REFERENCE), ("runs/bus", (*ROSBRIDGE, *meet)))
     ]
 
     assert digests[0] == digests[1]
@@ -120,7 +134,7 @@ def test_two_sides_meet_on_a_server(place, url, client):
     meet = (*ROSBRIDGE, "--url", url, "--client", client)
     with process("simulate", MISSION, *meet, "--side", "simulation", cwd=place) as simulation:
         sign = simulation.stderr.readline()
-        flown = mrsfi_json("simulate", MISSION, *meet, "--side", "ci", cwd=place)
+        flown = bus_json("simulate", MISSION, *meet, "--side", "ci", cwd=place)
         os.kill(simulation.pid, signal.SIGINT)
         code, told = ended(simulation)
 
@@ -288,7 +302,7 @@ def test_many_workers_cannot_share_a_server(place):
 
 
 def test_a_server_that_is_not_there_ends_with_exit_code_8(place):
-    done = mrsfi(
+    done = mrsfi_process(
         "simulate", MISSION, *ROSBRIDGE, "--url", "ws://127.0.0.1:1", cwd=place, expected=8
     )
 

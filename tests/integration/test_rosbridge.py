@@ -38,7 +38,6 @@ from support_rosbridge import (
 
 PATIENCE = Patience(tick=3.0, handshake=10.0)
 SHORT = code_of("tight_margins", 60)
-TWENTY = range(20)
 CLIENTS = ("asyncio", "twisted")
 
 
@@ -60,9 +59,9 @@ def engine(code, **options):
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
 @pytest.mark.parametrize("client", CLIENTS)
 def test_twenty_random_specifications_of_the_paper_s_mission_fly_as_in_process(client, is_bundled):
-    flown = digests_apart(client, "uuv_sampling", 1000, TWENTY, is_bundled=is_bundled)
+    flown = digests_apart(client, "uuv_sampling", 1000, range(20), is_bundled=is_bundled)
 
-    assert flown == expected("uuv_sampling", 1000, TWENTY)
+    assert flown == expected("uuv_sampling", 1000, range(20))
 
 
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])

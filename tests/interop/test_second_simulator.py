@@ -13,7 +13,15 @@ from typing import Any
 import pytest
 
 from mrsfi_runtime.mission import load_code
-from support_cli import MISSION, ROOT, mrsfi, mrsfi_json, stop_specification, workspace
+from support_cli import (
+    MISSION,
+    ROOT,
+    mrsfi,
+    mrsfi_json,
+    mrsfi_process,
+    stop_specification,
+    workspace,
+)
 from support_interop import Note
 from support_missing import skip
 from support_rosbridge import process
@@ -122,11 +130,11 @@ def test_a_campaign_searches_on_it_over_one_connection(
 ) -> None:
     search = ("--population", "3", "--generations", "1", "--out", "campaign")
 
-    told = mrsfi("evolve", MISSION, *search, *options, cwd=place, timeout=300)
+    told = mrsfi_process("evolve", MISSION, *search, *options, cwd=place, timeout=300)
 
     assert "failed 0" in told.stdout
     assert (place / "campaign" / "report.md").is_file()
-    again = mrsfi("replay", "campaign", cwd=place, timeout=300)
+    again = mrsfi_process("replay", "campaign", cwd=place, timeout=300)
     assert "same as recorded" in again.stdout
     other = mrsfi("replay", "campaign", "--engine", "reference", cwd=place, expected=2)
     assert "somebody else's simulation" in other.stderr

@@ -15,7 +15,7 @@ import pytest
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, metamodel_folder
 from mrsfi_runtime.cli.main import main
 from mrsfi_runtime.errors import ModelError
-from support_cli import ROOT, mrsfi
+from support_cli import ROOT, mrsfi_process
 from support_model import FAULTS, MISSION, copy_models
 from support_mutilation import MUTILATIONS
 
@@ -124,7 +124,7 @@ def _is_broken(folder: Path) -> bool:
         load_metamodels.cache_clear()
 
 
-@pytest.mark.parametrize("kind", list(MUTILATIONS)[:10])
+@pytest.mark.parametrize("kind", list(MUTILATIONS)[:3])
 def test_command_line_refuses_mutilated_models(tmp_path: Path, kind: str) -> None:
     folder = copy_models(tmp_path)
     original = (folder / MISSION).read_bytes()
@@ -133,13 +133,13 @@ def test_command_line_refuses_mutilated_models(tmp_path: Path, kind: str) -> Non
         (folder / MISSION).write_bytes(MUTILATIONS[kind](original, draw))
     before = _content(folder)
 
-    done = mrsfi("validate", folder, cwd=tmp_path, expected=3, timeout=30)
+    done = mrsfi_process("validate", folder, cwd=tmp_path, expected=3, timeout=30)
 
     assert re.search(r"\.xmi:[1-9][0-9]*: ", done.stdout + done.stderr)
     assert _content(folder) == before
 
 
-@pytest.mark.parametrize("kind", list(MUTILATIONS)[10:])
+@pytest.mark.parametrize("kind", list(MUTILATIONS)[-3:])
 def test_command_line_refuses_mutilated_metamodels(
     tmp_path: Path, installed: Path, monkeypatch: pytest.MonkeyPatch, kind: str
 ) -> None:
@@ -158,7 +158,7 @@ def test_command_line_refuses_mutilated_metamodels(
     monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
     before = _content(tmp_path)
 
-    done = mrsfi("validate", models, cwd=tmp_path, expected=3, timeout=30)
+    done = mrsfi_process("validate", models, cwd=tmp_path, expected=3, timeout=30)
 
     assert re.search(r"faults\.(ecore|xmi):[1-9][0-9]*: ", done.stdout + done.stderr)
     assert str(tmp_path) in done.stdout + done.stderr
