@@ -54,6 +54,16 @@ def children(pid):
     return found
 
 
+def simulation_of(pid):
+    """Return the simulation among the processes that a process has started."""
+    (found,) = (
+        child
+        for child in children(pid)
+        if b"simulation_process" in Path(f"/proc/{child}/cmdline").read_bytes()
+    )
+    return found
+
+
 def wait_for(condition):
     deadline = time.monotonic() + 30
     while not condition():
@@ -224,7 +234,7 @@ def test_a_campaign_that_loses_its_simulation_goes_on_to_the_same_end(place):
     words = ("evolve", MISSION, *SMALL, *ROSBRIDGE, "--out", "runs/cut")
     with process(*words, cwd=place) as campaign:
         wait_for(lambda: n_evaluations(place / "runs" / "cut") >= 2)
-        os.kill(children(campaign.pid)[0], signal.SIGKILL)
+        os.kill(simulation_of(campaign.pid), signal.SIGKILL)
         code, told = ended(campaign)
     kept = n_evaluations(place / "runs" / "cut")
 

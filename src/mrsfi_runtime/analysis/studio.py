@@ -85,10 +85,10 @@ class Studio:
     def draw(self, drawings: Drawings) -> Callable[[], None]:
         """Begin to draw; what is returned waits until all figures are saved.
 
-        It raises the ``OSError`` that saving met.
+        It raises the ``OSError`` that saving met, and draws here if the process is gone.
         """
         self._send(drawings)
-        return self._finish
+        return partial(self._finish, drawings)
 
     def _send(self, request: object) -> None:
         assert self._process.stdin is not None
@@ -96,12 +96,12 @@ class Studio:
             pickle.dump(request, self._process.stdin)
             self._process.stdin.flush()
 
-    def _finish(self) -> None:
+    def _finish(self, drawings: Drawings) -> None:
         assert self._process.stdout is not None
         answer = self._process.stdout.read()
         if not answer:
-            message = f"the process that draws figures ended with {self._process.wait()}"
-            raise RuntimeError(message)
+            draw_here(drawings)()
+            return
         error = pickle.loads(answer)
         if error is not None:
             raise error

@@ -25,13 +25,25 @@ def test_what_saving_met_is_raised_here(tmp_path: Path) -> None:
         studio.draw(drawings)()
 
 
-def test_a_studio_that_fails_is_not_taken_for_one_that_drew(
+def test_what_cannot_be_drawn_anywhere_is_raised_here(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with Studio() as studio, pytest.raises(RuntimeError, match="draws figures ended with 1"):
+    with Studio() as studio, pytest.raises(AttributeError, match="no_such_figure"):
         studio.draw([(Drawing("no_such_figure", ()), tmp_path / "figure")])()
 
     assert "no_such_figure" in capfd.readouterr().err
+
+
+def test_a_studio_that_is_killed_leaves_the_drawing_to_this_process(tmp_path: Path) -> None:
+    drawing = Drawing("mission_map", (mission(),))
+    draw_here([(drawing, tmp_path / "here")])()
+
+    with Studio() as studio:
+        studio._process.kill()
+        studio._process.wait()
+        studio.draw([(drawing, tmp_path / "there")])()
+
+    assert (tmp_path / "there.svg").read_bytes() == (tmp_path / "here.svg").read_bytes()
 
 
 @pytest.mark.parametrize("error", [None, KeyboardInterrupt])
