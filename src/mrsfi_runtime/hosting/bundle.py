@@ -11,16 +11,8 @@ from typing import Any
 
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.hosting.mission_topics import FAILURE, GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
-from mrsfi_runtime.transport.topics import (
-    FailureListener,
-    Payload,
-    Provider,
-    Publisher,
-    Reply,
-    Service,
-    Topic,
-    Transport,
-)
+from mrsfi_runtime.hosting.wrapped import WrappedTransport
+from mrsfi_runtime.transport.topics import Payload, Publisher, Topic, Transport
 
 _ALONE = (SETUP, FAILURE)
 """Topics that belong to no tick."""
@@ -28,7 +20,7 @@ _ALONE = (SETUP, FAILURE)
 _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 
 
-class BundlingTransport:
+class BundlingTransport(WrappedTransport):
     """A transport that can send what belongs to one tick as one message.
 
     Parameters
@@ -47,7 +39,7 @@ class BundlingTransport:
     def __init__(
         self, transport: Transport, closing: Topic, sends: Topic, hears: Topic, *, is_first: bool
     ) -> None:
-        self._transport = transport
+        super().__init__(transport)
         self._closing = closing
         self._hears = hears
         self._is_first = self._is_bundling = is_first
@@ -93,22 +85,6 @@ class BundlingTransport:
 
         self._callbacks[topic.name] = callback
         self._transport.subscribe(topic, receive)
-
-    def provide(self, service: Service, provider: Provider) -> None:
-        """Answer the calls of a service."""
-        self._transport.provide(service, provider)
-
-    def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
-        """Call a service."""
-        self._transport.call(service, request, on_reply)
-
-    def watch(self, listener: FailureListener) -> None:
-        """Have a function told of a lost connection, and of errors in callbacks."""
-        self._transport.watch(listener)
-
-    def close(self) -> None:
-        """Give up all topics and services."""
-        self._transport.close()
 
     def _receive(self, payload: Payload) -> None:
         """Take a bundle apart; as on the bus, what nobody subscribed to is left aside."""

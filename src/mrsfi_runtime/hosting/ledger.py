@@ -3,16 +3,8 @@
 from collections.abc import Callable
 
 from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
-from mrsfi_runtime.transport.topics import (
-    FailureListener,
-    Payload,
-    Provider,
-    Publisher,
-    Reply,
-    Service,
-    Topic,
-    Transport,
-)
+from mrsfi_runtime.hosting.wrapped import WrappedTransport
+from mrsfi_runtime.transport.topics import Payload, Publisher, Topic, Transport
 
 GRACE = 1.0
 """Seconds for which announced messages may be late: some servers keep order per topic only."""
@@ -135,7 +127,7 @@ class Ledger:
         return True
 
 
-class CountedTransport:
+class CountedTransport(WrappedTransport):
     """A transport seen by generated code, every message counted on its way in and out.
 
     Attributes
@@ -156,9 +148,9 @@ class CountedTransport:
     """
 
     def __init__(self, transport: Transport, ledger: Ledger, proceed: Callable[[], None]) -> None:
+        super().__init__(transport)
         self.n_sent = 0
         self.is_muted = False
-        self._transport = transport
         self._ledger = ledger
         self._proceed = proceed
 
@@ -189,19 +181,3 @@ class CountedTransport:
                 self._proceed()
 
         self._transport.subscribe(topic, receive)
-
-    def provide(self, service: Service, provider: Provider) -> None:
-        """Answer the calls of a service."""
-        self._transport.provide(service, provider)
-
-    def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
-        """Call a service."""
-        self._transport.call(service, request, on_reply)
-
-    def watch(self, listener: FailureListener) -> None:
-        """Have a function told of a lost connection, and of errors in callbacks."""
-        self._transport.watch(listener)
-
-    def close(self) -> None:
-        """Give up all topics and services."""
-        self._transport.close()
