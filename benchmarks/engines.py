@@ -54,8 +54,7 @@ def opened(stack: ExitStack, name: str, workers: int, *, on_dask: bool) -> Worke
     settings = EngineSettings(name)
     if not on_dask:
         return stack.enter_context(WorkerPool(MISSION, 1, workers, settings))
-    cluster = stack.enter_context(Cluster(LOCAL, workers))
-    return stack.enter_context(ClusterPool(cluster, MISSION, 1, settings))
+    return ClusterPool(stack.enter_context(Cluster(LOCAL, workers)), MISSION, 1, settings)
 
 
 def main() -> None:

@@ -17,8 +17,7 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from benchmarks.lockstep import Others
-from benchmarks.measuring import MEBI, Aims, Run, run
+from benchmarks.measuring import MEBI, Aims, Others, Run, run
 from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import COMPILED, EngineSettings

@@ -30,13 +30,13 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+from benchmarks.measuring import Others
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 
-_STAT = Path("/proc/stat")
 GENERATED = Path("generated") / "uuv_sampling"
 CLIENTS = ("asyncio", "twisted")
 PLACES = ("embedded", "separate")
@@ -59,26 +59,6 @@ class Case:
     client: str
     place: str
     server: str
-
-
-class Others:
-    """What other programs take of this machine while something is measured."""
-
-    def __init__(self) -> None:
-        self._begin = time.monotonic()
-        self._seconds = self._now()
-
-    def processors(self) -> float:
-        """Return how many processors others kept busy since the beginning."""
-        return (self._now() - self._seconds) / (time.monotonic() - self._begin)
-
-    @staticmethod
-    def _now() -> float:
-        """Return the seconds that others have used: all, but for this process and its children."""
-        user, nice, system, _, _, *interrupts = map(int, _STAT.read_text("ascii").split()[1:8])
-        own = os.times()
-        busy = (user + nice + system + sum(interrupts)) / os.sysconf("SC_CLK_TCK")
-        return busy - own.user - own.system - own.children_user - own.children_system
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""What the benchmarks of experiments share: child processes, growth, and the verdict on aims."""
+"""What benchmarks share: child processes, growth, other programs, and the verdict on aims."""
 
 import json
 import math
@@ -8,10 +8,12 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import linear_regression
 from typing import Any
 
 MEBI = 1 << 20
+_STAT = Path("/proc/stat")
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,26 @@ def exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
     """Return k of the power law cost ~ size ** k that fits best: 1 is linear."""
     slope, _ = linear_regression([math.log(s) for s in sizes], [math.log(c) for c in costs])
     return slope
+
+
+class Others:
+    """What other programs take of this machine while something is measured."""
+
+    def __init__(self) -> None:
+        self._begin = time.monotonic()
+        self._seconds = self._now()
+
+    def processors(self) -> float:
+        """Return how many processors others kept busy since the beginning."""
+        return (self._now() - self._seconds) / (time.monotonic() - self._begin)
+
+    @staticmethod
+    def _now() -> float:
+        """Return the seconds that others have used: all, but for this process and its children."""
+        user, nice, system, _, _, *interrupts = map(int, _STAT.read_text("ascii").split()[1:8])
+        own = os.times()
+        busy = (user + nice + system + sum(interrupts)) / os.sysconf("SC_CLK_TCK")
+        return busy - own.user - own.system - own.children_user - own.children_system
 
 
 class Aims:

@@ -7,8 +7,6 @@ give the same results; a chunk whose worker was lost is evaluated again on anoth
 from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from mrsfi_runtime.engine.cluster.connection import Cluster, Task
 from mrsfi_runtime.engine.cluster.pace import Pace
@@ -54,17 +52,6 @@ class ClusterPool:
         self._settings = settings
         self._pace = Pace()
         self._plugin = cluster.ship(Shipment.of(directory))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        where: TracebackType | None,
-    ) -> None:
-        """Do nothing: what is on the workers belongs to the cluster."""
 
     def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order, as they come.
