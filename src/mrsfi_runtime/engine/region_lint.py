@@ -164,12 +164,21 @@ def _imports(tree: ast.Module) -> Iterator[tuple[str, str]]:
 
 
 def _own_files(tree: ast.Module, folders: Sequence[str]) -> Iterator[Path]:
-    """Yield the files of the team from which names are imported: no library, nothing of ours."""
+    """Yield the files of the team that are imported: no library, nothing of ours."""
+    for module in _imported_modules(tree):
+        path = _file_of(module, folders)
+        if path is not None and "site-packages" not in path.parts:
+            yield path
+
+
+def _imported_modules(tree: ast.Module) -> Iterator[str]:
+    """Yield the dotted names that imports may mean; a name taken from a module may be one."""
     for node in tree.body:
-        if isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            path = _file_of(node.module, folders)
-            if path is not None and "site-packages" not in path.parts:
-                yield path
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield node.module
+            yield from (f"{node.module}.{name.name}" for name in node.names)
 
 
 def _file_of(module: str, folders: Sequence[str]) -> Path | None:
@@ -182,7 +191,7 @@ def _file_of(module: str, folders: Sequence[str]) -> Path | None:
     name = ""
     for part in module.split("."):
         name = f"{name}.{part}" if name else part
-        spec = PathFinder.find_spec(name, places)
+        spec = None if places is None else PathFinder.find_spec(name, places)
         if spec is None:
             return None
         places = spec.submodule_search_locations

@@ -105,6 +105,18 @@ def test_files_of_the_team_are_looked_at_as_deep_as_they_import(tmp_path: Path) 
     assert found.place == "function 'far'"
 
 
+def test_files_are_found_by_whatever_import_names_them(tmp_path: Path) -> None:
+    team = tmp_path / "team"
+    team.mkdir()
+    (team / "__init__.py").write_text("")
+    text = f"import math\nfrom mrsfi_runtime.api import kernel\n\n@kernel\ndef near():\n{HELPER}\n"
+    (team / "near.py").write_text(text)
+    for imports in ("import team.near", "import team.near as near", "from team import near"):
+        _write(tmp_path, imports=imports)
+
+        assert [one.path for one in lint_regions(tmp_path, [str(tmp_path)])] == [team / "near.py"]
+
+
 def test_files_that_import_each_other_are_looked_at_once(tmp_path: Path) -> None:
     _write(tmp_path, "return a() > 2.0", "from team_a import a")
     head = "import math\nfrom mrsfi_runtime.api import kernel\n"

@@ -11,32 +11,12 @@ from numba.extending import register_jitable
 from mrsfi_runtime.engine.compiled.driver import driver_text, load_driver, source_hash
 from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
 from mrsfi_runtime.engine.compiled.regions import CompilationError, explain
-from mrsfi_runtime.kernel import (
-    commands,
-    delivery,
-    effects,
-    motion,
-    neighbours,
-    obstacles,
-    randomness,
-    reactions,
-    tasks,
-    tick,
-)
+from mrsfi_runtime.kernel import delivery, effects, motion, tasks, tick
 from mrsfi_runtime.mission import MissionCode
 
-_KERNEL = (
-    commands,
-    delivery,
-    effects,
-    motion,
-    neighbours,
-    obstacles,
-    randomness,
-    reactions,
-    tasks,
-    tick,
-)
+_KERNEL = (delivery, effects, motion, tasks, tick)
+"""Modules that the flight calls; what they call is reached from them."""
+
 _typeof: Any = numba.typeof
 _REGISTERED: set[FunctionType] = set()
 

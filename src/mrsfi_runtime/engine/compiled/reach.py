@@ -1,10 +1,15 @@
 """What compiled code reaches from a module: kernel functions and constants, however deep."""
 
 import inspect
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
+
+import numpy as np
+
+_FROZEN = (bool, int, float, complex, str, bytes, tuple, np.ndarray, np.generic)
+"""What numba makes a constant of."""
 
 
 def kernel_functions(module: ModuleType) -> list[FunctionType]:
@@ -32,7 +37,7 @@ def constants(module: ModuleType) -> list[str]:
             f"{function.__module__}.{name} {_written(value)}"
             for function in kernel_functions(module)
             for name, value in _globals(function)
-            if not callable(value) and not isinstance(value, ModuleType)
+            if isinstance(value, _FROZEN)
         }
     )
 
@@ -42,14 +47,19 @@ def _is_kernel(value: object) -> bool:
 
 
 def _globals(function: FunctionType) -> Iterator[tuple[str, Any]]:
-    """Yield the globals that a function names, and those of modules that it names them of."""
+    """Yield the globals that a function names, and what it may name of modules among them."""
     names = function.__code__.co_names
-    for name in names:
-        value = function.__globals__.get(name)
-        yield name, value
-        if isinstance(value, ModuleType):
-            known = vars(value)
-            yield from ((f"{name}.{part}", known[part]) for part in names if part in known)
+    scopes: list[tuple[str, Mapping[str, Any]]] = [("", function.__globals__)]
+    seen = set()
+    for prefix, scope in scopes:  # which grows
+        for name in names:
+            if name not in scope:
+                continue
+            value = scope[name]
+            yield f"{prefix}{name}", value
+            if isinstance(value, ModuleType) and value not in seen:
+                seen.add(value)
+                scopes.append((f"{prefix}{name}.", vars(value)))
 
 
 def _written(value: Any) -> str:
