@@ -11,6 +11,7 @@ from mrsfi_runtime.kernel.obstacles import SIDE, Survey, drawn
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
 from mrsfi_runtime.kernel.reactions import LOOK_AHEAD, MARGIN
 from mrsfi_runtime.kernel.state import (
+    ChartedState,
     CommandState,
     GoalState,
     GridState,
@@ -200,7 +201,7 @@ def _make_room(state: State) -> None:
         state.grid = GridState(1.0, buckets, stride(buckets))
         state.heads = [0] * (buckets + 1)
         state.buckets = [0] * max(wanted)
-        state.charted = [0] * max(wanted)
+        state.charted = [ChartedState(0, 0.0, 0.0) for _ in range(max(wanted))]
 
 
 def _obstacle(area: Area) -> ObstacleState:

@@ -76,7 +76,10 @@ def chart(view: State, goal: GoalState, size: float) -> None:
     for k in range(goal.n_members):
         bucket = view.buckets[k]
         view.heads[bucket] -= 1
-        view.charted[view.heads[bucket]] = view.members[goal.first_member + k].robot
+        charted = view.charted[view.heads[bucket]]
+        charted.robot = view.members[goal.first_member + k].robot
+        charted.x = view.robots[charted.robot].x
+        charted.y = view.robots[charted.robot].y
 
 
 @kernel
@@ -118,7 +121,8 @@ def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
     n = 0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         other = view.members[m].robot
-        if other != index and is_near(view, other, x, y, reach):
+        robot = view.robots[other]
+        if other != index and is_near(robot.x - x, robot.y - y, reach):
             view.nearby[n] = other
             n += 1
     return n
@@ -129,22 +133,40 @@ def gather_cells(
     view: State, index: int, reach: float, left: int, right: int, low: int, high: int
 ) -> int:
     """Collect the robots of a rectangle of cells that are near another; as ``gather``."""
-    x = view.robots[index].x
-    y = view.robots[index].y
+    last = view.grid.n_buckets - 1
     n = 0
     for row in range(low, high + 1):
-        for column in range(left, right + 1):
-            bucket = bucket_of(view, column, row)
-            for k in range(view.heads[bucket], view.heads[bucket + 1]):
-                other = view.charted[k]
-                if other != index and is_near(view, other, x, y, reach):
-                    view.nearby[n] = other
-                    n += 1
+        begin = bucket_of(view, left, row)
+        end = bucket_of(view, right, row)
+        if begin > end:  # the row goes on in the first bucket
+            n = gather_buckets(view, index, reach, begin, last, n)
+            begin = 0
+        n = gather_buckets(view, index, reach, begin, end, n)
     return n
 
 
 @kernel
-def is_near(view: State, index: int, x: float, y: float, reach: float) -> bool:
-    """Return whether a robot is nearer to a point than ``reach`` along both axes."""
-    robot = view.robots[index]
-    return abs(robot.x - x) < reach and abs(robot.y - y) < reach
+def gather_buckets(
+    view: State, index: int, reach: float, begin: int, end: int, n_before: int
+) -> int:
+    """Collect the robots of some buckets behind those found before; return how many there are.
+
+    Notes
+    -----
+    All are written down, and what is not near is written over: compiled, that is faster than
+    a branch that nobody can predict.
+    """
+    x = view.robots[index].x
+    y = view.robots[index].y
+    n = n_before
+    for k in range(view.heads[begin], view.heads[end + 1]):
+        other = view.charted[k]
+        view.nearby[n] = other.robot
+        n += is_near(other.x - x, other.y - y, reach) & (other.robot != index)
+    return n
+
+
+@kernel
+def is_near(dx: float, dy: float, reach: float) -> bool:
+    """Return whether two points are nearer than ``reach`` along both axes."""
+    return max(abs(dx), abs(dy)) < reach

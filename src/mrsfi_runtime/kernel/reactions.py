@@ -151,8 +151,9 @@ def clearance_of_obstacles(
             mapped = ci.mapped[k]
             if mapped.gap >= reach:
                 break
-            if is_listed(ci, goal, mapped.obstacle):
-                least = min(least, gap_to_obstacle(ci, index, mapped.obstacle, vx, vy, reach))
+            gap = gap_to_obstacle(ci, index, mapped.obstacle, vx, vy, reach)
+            if gap < least and is_listed(ci, goal, mapped.obstacle):
+                least = gap
         if ci.map.is_wrong == 0:
             return least
     for h in range(goal.first_hazard, goal.first_hazard + goal.n_hazards):

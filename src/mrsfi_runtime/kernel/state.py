@@ -178,6 +178,15 @@ class GridState:
 
 
 @dataclass(slots=True)
+class ChartedState:
+    """A robot in the grid, and where it was when it was sorted in."""
+
+    robot: int
+    x: float
+    y: float
+
+
+@dataclass(slots=True)
 class State:
     """All that is known: by the simulation the truth, by the collective intelligence a belief.
 
@@ -204,5 +213,5 @@ class State:
     grid: GridState
     heads: list[int]
     buckets: list[int]
-    charted: list[int]
+    charted: list[ChartedState]
     nearby: list[int]
