@@ -200,6 +200,23 @@ def test_a_region_that_compiles_to_something_else_stops_the_search(tmp_path):
         list(engine.evaluate_many([()]))
 
 
+@pytest.mark.parametrize(
+    "written", ["ci.directions[0].x = 2.0", "ci.chances[0] = 7", "ci.mapped[0].gap = -9.0"]
+)
+def test_a_region_that_writes_to_a_table_fails_with_its_line_on_both_engines(tmp_path, written):
+    code = edited(tmp_path, f"{written}\nreturn False")
+
+    reference = ReferenceEngine(code, SEED)
+
+    with COMPILED.open(code, SEED) as engine:
+        found = list(engine.evaluate_many([(), ()]))
+
+    text = (code.directory / "collective_intelligence.py").read_text(encoding="utf-8")
+    line = text.splitlines().index(f"    {written}") + 1
+    for failure in (*found, *reference.evaluate_many([()])):
+        assert f"collective_intelligence.py:{line}: " in failure.traceback
+
+
 def test_code_that_was_loaded_again_since_still_compiles():
     first = paper_code(60)
     paper_code(60)

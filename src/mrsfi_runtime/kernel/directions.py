@@ -6,11 +6,11 @@ States carry it, because a compiler would copy a constant tuple at every use.
 
 import math
 
-from mrsfi_runtime.kernel.state import PointState
+from mrsfi_runtime.kernel.state import DirectionState
 
 N_DIRECTIONS = 360
 
 DIRECTIONS = tuple(
-    PointState(math.cos(math.radians(degrees)), math.sin(math.radians(degrees)))
+    DirectionState(math.cos(math.radians(degrees)), math.sin(math.radians(degrees)))
     for degrees in range(N_DIRECTIONS)
 )

@@ -114,13 +114,13 @@ def initial_state(mission: Mission, seed: int) -> State:
         members=[],
         hazards=[],
         waypoints=[],
-        chances=[],
-        directions=list(DIRECTIONS),
+        chances=(),
+        directions=DIRECTIONS,
         commands=[],
         switches=[],
         map=MapState(0.0, 0.0, 1.0, 0.0, 0),
-        cells=[],
-        mapped=[],
+        cells=(),
+        mapped=(),
         grid=GridState(1.0, 0, 0),
         heads=[],
         buckets=[],
@@ -168,7 +168,7 @@ def initial_state(mission: Mission, seed: int) -> State:
                     n_chances=len(chances),
                 )
             )
-            state.chances.extend(chances)
+            state.chances += chances
             state.switches.append(SwitchState(active=1, claimed=0))
     for goal in mission.goals:
         _add_goal(state, mission, goal)
@@ -188,9 +188,7 @@ def _draw_map(state: State, mission: Mission) -> None:
         obstacles=tuple((each.model_x, each.model_y, each.radius) for each in state.obstacles),
     )
     state.map = MapState(*survey.left, survey.cells_per_unit, survey.reach, 0)
-    cells, mapped = drawn(survey)
-    state.cells = list(cells)
-    state.mapped = list(mapped)
+    state.cells, state.mapped = drawn(survey)
 
 
 def _make_room(state: State) -> None:

@@ -116,7 +116,15 @@ class MemberState:
 
 @dataclass(slots=True)
 class PointState:
-    """A point of a trajectory, or a unit vector."""
+    """A point of a trajectory."""
+
+    x: float
+    y: float
+
+
+@dataclass(frozen=True, slots=True)
+class DirectionState:
+    """A unit vector."""
 
     x: float
     y: float
@@ -160,7 +168,7 @@ class MapState:
     is_wrong: int
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class MappedState:
     """An obstacle on a cell of the map, and how near to its edge a point of the cell can be."""
 
@@ -190,6 +198,7 @@ class ChartedState:
 class State:
     """All that is known: by the simulation the truth, by the collective intelligence a belief.
 
+    Tuples are tables that nobody writes to, the same in every state of a mission.
     ``directions`` are the unit vectors of whole degrees. ``cells`` tells where the obstacles of
     each cell of the map begin in ``mapped``. ``grid`` and what follows is room to look up
     neighbours; nothing is remembered there.
@@ -203,13 +212,13 @@ class State:
     members: list[MemberState]
     hazards: list[int]
     waypoints: list[PointState]
-    chances: list[int]
-    directions: list[PointState]
+    chances: tuple[int, ...]
+    directions: tuple[DirectionState, ...]
     commands: list[CommandState]
     switches: list[SwitchState]
     map: MapState
-    cells: list[int]
-    mapped: list[MappedState]
+    cells: tuple[int, ...]
+    mapped: tuple[MappedState, ...]
     grid: GridState
     heads: list[int]
     buckets: list[int]

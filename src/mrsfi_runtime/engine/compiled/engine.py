@@ -21,6 +21,7 @@ from mrsfi_runtime.engine.compiled.layout import (
     read_values,
     result_type,
     state_type,
+    tables,
     words,
     write_state,
 )
@@ -165,8 +166,12 @@ class CompiledEngine:
     def _fly(
         self, batch: Batch, first: int, last: int, moments: Records | None = None
     ) -> list[int]:
-        """Fly some specifications of a batch, and return which of them failed."""
+        """Fly some specifications of a batch, and return which of them failed.
+
+        All have if one of them wrote to a table, as it may have misled those after it.
+        """
         failed = []
+        everyone = list(range(first, last))
         at = np.zeros(2, np.int64)
         states = self._fresh.copy()
         plans = np.zeros(1, plan_type(batch.room))
@@ -192,7 +197,7 @@ class CompiledEngine:
                 first = int(at[0]) + 1
             else:
                 first = last
-        return failed
+        return failed if np.array_equal(tables(states), tables(self._fresh)) else everyone
 
     def _tell(self, observer: Observer, moments: Records) -> None:
         """Let an observer see recorded ticks."""

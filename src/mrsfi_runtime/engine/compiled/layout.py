@@ -7,7 +7,7 @@ the same attributes, indices and loops as the plain objects.
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
 from functools import lru_cache
-from typing import Any, TypeAlias, get_args, get_type_hints
+from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -22,8 +22,8 @@ Records: TypeAlias = npt.NDArray[Any]
 NEVER = 2**62
 """Start of the sentinel behind the last injection of a list."""
 
-CONSTANT = ("chances", "directions", "cells", "mapped")
-"""Tables of a state that no flight changes, so that they need not be laid out anew for each."""
+TABLES = tuple(name for name, hint in get_type_hints(State).items() if get_origin(hint) is tuple)
+"""Parts of a state that no flight may change, so that they need not be laid out anew for each."""
 
 _KINDS = {int: "<i8", float: "<f8"}
 
@@ -63,15 +63,24 @@ def record_type(record: type) -> np.dtype[Any]:
 def state_type(state: State) -> np.dtype[Any]:
     """Return the layout of a state; lengths of lists are part of it, and what changes is first."""
     hints = get_type_hints(State)
-    names = sorted(hints, key=lambda name: name in CONSTANT)
+    names = sorted(hints, key=lambda name: name in TABLES)
     return np.dtype([_member(name, hints[name], state) for name in names])
 
 
 def words(states: Records) -> npt.NDArray[np.int64]:
     """Return what changes in some states, as words of 8 bytes, shape ``(n_states, n_words)``."""
+    return _split(states)[0]
+
+
+def tables(states: Records) -> npt.NDArray[np.int64]:
+    """Return what never changes in some states, as words of 8 bytes; as ``words``."""
+    return _split(states)[1]
+
+
+def _split(states: Records) -> list[npt.NDArray[np.int64]]:
     layout: Mapping[str, Any] = states.dtype.fields or {}
-    n_words = min(layout[name][1] for name in CONSTANT) // 8
-    return states.view(np.int64).reshape(len(states), -1)[:, :n_words]
+    n_words = min(layout[name][1] for name in TABLES) // 8
+    return np.split(states.view(np.int64).reshape(len(states), -1), [n_words], axis=1)
 
 
 def _member(name: str, hint: Any, state: State) -> tuple[Any, ...]:
