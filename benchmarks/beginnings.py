@@ -5,7 +5,8 @@ Algorithms for ``mrsfi compare``, named ``beginnings:NAME`` with this folder on 
 - ``long_windows``: random search with windows as long as they fit; values are the pool's, as in
   plain random search.
 - ``landmarks``: random search with values at landmarks; windows are drawn.
-- ``both``: random search with both, which is how ``guided`` draws its first population.
+- ``both``: random search with both, which is how ``guided`` draws its first population where it
+  keeps no front.
 - ``from_chance``: ``guided`` with the first population of plain random search.
 
 For example, from the project's folder::

@@ -1,13 +1,16 @@
 """Draw a fault pool that nobody chose, to compare searches where none was tuned.
 
-Run as ``python benchmarks/unseen.py MODEL_DIR SEED OUT_DIR``; ``OUT_DIR`` is new and gets the
-mission of ``MODEL_DIR``, its campaign files, and a pool with one fault of every type, whose
-target and values are drawn. ``mrsfi generate OUT_DIR`` makes it ready for ``mrsfi compare``.
+Run as ``python benchmarks/unseen.py MODEL_DIR SEED OUT_DIR [--pairs]``; ``OUT_DIR`` is new and
+gets the mission of ``MODEL_DIR``, its campaign files, and a pool with one fault of every type,
+whose target and values are drawn. ``mrsfi generate OUT_DIR`` makes it ready for ``mrsfi compare``.
+With ``--pairs`` it also gets a campaign for every two goals, ``case_FIRST-SECOND.toml``, on their
+masked violations.
 """
 
+import argparse
 import shutil
-import sys
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 from random import Random
 
@@ -19,6 +22,11 @@ _HEAD = """<?xml version="1.0" encoding="ASCII"?>
 xmlns:faults="http://mrsfi.org/faults/1.0" ID="drawn">
 """
 _LARGEST_VALUE = 60
+_CAMPAIGN = """[search]
+fitness = "focused"
+goals = ["{}", "{}"]
+violations = "masked"
+"""
 
 
 def draw_pool(models: Path, seed: int) -> str:
@@ -50,14 +58,31 @@ def _faults(targets: dict[str, list[str]], rng: Random) -> Iterator[str]:
         )
 
 
-def main(models: Path, seed: int, out: Path) -> None:
+def pair_campaigns(models: Path) -> Iterator[tuple[str, str]]:
+    """Yield name and text of a campaign file for every two goals of the mission of a folder."""
+    goals = [goal.ID for goal in load_mission_folder(models).mission.goals]
+    for first, second in combinations(goals, 2):
+        yield f"case_{first}-{second}.toml", _CAMPAIGN.format(first, second)
+
+
+def main() -> None:
     """Write a folder with the mission of another one and a drawn pool."""
-    pool = draw_pool(models, seed)
+    parser = argparse.ArgumentParser(description="Draw a fault pool that nobody chose.")
+    parser.add_argument("models", type=Path, help="folder of the mission")
+    parser.add_argument("seed", type=int, help="of the pool")
+    parser.add_argument("out", type=Path, help="new folder")
+    parser.add_argument("--pairs", action="store_true", help="add a campaign for every two goals")
+    arguments = parser.parse_args()
+    models, out = arguments.models, arguments.out
+    pool = draw_pool(models, arguments.seed)
     out.mkdir(parents=True)
     for file in (models / "mission.xmi", *sorted(models.glob("case_*.toml"))):
         shutil.copy(file, out)
     (out / "faults.xmi").write_text(pool, encoding="ascii")
+    if arguments.pairs:
+        for name, text in pair_campaigns(models):
+            (out / name).write_text(text, encoding="ascii")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]))
+    main()

@@ -2,7 +2,7 @@
 
 The paper's loop forgets its best, cannot choose other faults than it began with, and draws
 every value anew. This one begins with faults that are active as long as they may, at
-landmarks, keeps the best, and takes small steps from there.
+landmarks, keeps the best, and a front of few goals, and takes small steps from there.
 """
 
 from collections.abc import Sequence
@@ -18,16 +18,18 @@ from mrsfi_runtime.search.steps import STEPS, Step, filled, grafted
 from mrsfi_runtime.search.variation import crossed
 
 _TOURNAMENT = 3
-_NICHE_SHARE = 0.3  # of parents: from the archives
+_ARCHIVE_SHARE = 0.3  # of parents: from the niches and the front
 _CROSSOVER = 0.25  # of children: from two parents
 _MORE_STEPS = 0.5  # chance of a further step, again and again
 _MEMORY = 0.95  # of a step's credit, at each use
 _LEAST = 0.05  # credit that keeps a step in use
 _TWINS = 2  # individuals of one goal vector in a population
+_MOST_GOALS = 3  # of a front: of more, hardly anything dominates anything
 _HALF = 0.5
 _ATTEMPTS = 10  # to breed what was not asked for yet
 
 _Niche: TypeAlias = tuple[object, ...]
+_Goals: TypeAlias = tuple[float, ...]
 
 
 def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -38,6 +40,9 @@ def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     the winners of tournaments, or the best of every goal and of every pattern of violated
     goals. The best of parents and children survive, newer ones first, at most two of one goal
     vector.
+
+    If the campaign names up to three goals, whoever is on their front is a parent too, and half
+    of the beginning has fewer faults than allowed: all together may hide what a few would show.
 
     Notes
     -----
@@ -57,6 +62,8 @@ class _Guide:
         self._rng = rng
         self._asked: set[Specification] = set()
         self._niches: dict[_Niche, tuple[tuple[float, ...], Individual]] = {}
+        self._has_front = 0 < len(settings.goals) <= _MOST_GOALS
+        self._front: dict[_Goals, Individual] = {}
         self._credit = dict.fromkeys(STEPS, 1.0)
         self._bred: list[tuple[Individual, float, list[Step]]] = []
 
@@ -71,7 +78,10 @@ class _Guide:
         return offspring
 
     def _long(self) -> Individual:
-        return Individual(filled(self._space, (), self._n_faults, self._rng))
+        n_faults = self._n_faults
+        if self._has_front and self._rng.random() < _HALF:
+            n_faults = self._rng.randint(1, n_faults)
+        return Individual(filled(self._space, (), n_faults, self._rng))
 
     def survive(
         self, population: Sequence[Individual], offspring: list[Individual]
@@ -79,6 +89,8 @@ class _Guide:
         """Return the best of both; learn from the offspring."""
         for individual in offspring:
             self._enter_niches(individual)
+            if self._has_front:
+                self._enter_front(individual)
         for individual, parent_fitness, steps in self._bred:
             if individual.is_evaluated:
                 self._reward(steps, is_better=individual.score.fitness > parent_fitness)
@@ -101,6 +113,17 @@ class _Guide:
         if known is None or rank > known[0]:
             self._niches[niche] = rank, individual
 
+    def _enter_front(self, individual: Individual) -> None:
+        """Keep what no goal vector dominates; of equal ones the newest."""
+        goals = individual.score.goals
+        others = [known for known in self._front if known != goals]
+        if any(_covers(known, goals) for known in others):
+            return
+        for known in others:
+            if _covers(goals, known):
+                del self._front[known]
+        self._front[goals] = individual
+
     def _child(self, population: Sequence[Individual]) -> Individual:
         """Return a child that was not asked for yet, if that is not hard to find."""
         for _ in range(_ATTEMPTS):
@@ -113,8 +136,9 @@ class _Guide:
         return self._long()
 
     def _parent(self, population: Sequence[Individual]) -> Individual:
-        if self._niches and self._rng.random() < _NICHE_SHARE:
-            return self._rng.choice(tuple(self._niches.values()))[1]
+        if self._niches and self._rng.random() < _ARCHIVE_SHARE:
+            best = (individual for _, individual in self._niches.values())
+            return self._rng.choice((*best, *self._front.values()))
         drawn = [self._rng.choice(population) for _ in range(_TOURNAMENT)]
         return max(drawn, key=_fitness)
 
@@ -153,9 +177,14 @@ def _fitness(individual: Individual) -> float:
     return individual.score.fitness
 
 
+def _covers(goals: _Goals, others: _Goals) -> bool:
+    """Return whether the violations are as many, or more, in every goal."""
+    return all(mine >= theirs for mine, theirs in zip(goals, others, strict=True))
+
+
 def _without_twins(ranked: Sequence[Individual]) -> list[Individual]:
     """Return the first few of every goal vector, then the rest."""
-    n_seen: dict[tuple[float, ...], int] = {}
+    n_seen: dict[_Goals, int] = {}
     first: list[Individual] = []
     rest: list[Individual] = []
     for individual in ranked:
