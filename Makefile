@@ -41,9 +41,9 @@ help: ## print this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
 	@echo
 	@echo "Variables: MISSION=$(MISSION) CASE=$(CASE) SEED=$(SEED) ENGINE=$(ENGINE) URL=$(URL) OUT=$(OUT) RESUME=$(RESUME) WORKERS=$(WORKERS) PYTHON=$(PYTHON)"
-	@echo "           CASE is a, b or a campaign file; ENGINE is reference or rosbridge, the latter with"
-	@echo "           a server at URL or its own; OUT is a campaign folder; RESUME is one that was"
-	@echo "           interrupted, and goes on as it began. Empty leaves the default."
+	@echo "           CASE is a, b or a campaign file; ENGINE is auto, compiled, reference or rosbridge,"
+	@echo "           the last with a server at URL or its own; OUT is a campaign folder; RESUME is one"
+	@echo "           that was interrupted, and goes on as it began. Empty leaves the default."
 	@echo "Example:   make evolve CASE=b SEED=7"
 
 install: $(BASE) ## make the virtual environment .venv and install mrsfi into it
