@@ -2,8 +2,10 @@
 
 import importlib.util
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -96,14 +98,15 @@ def _module(directory: Path, stem: str) -> ModuleType:
 
 
 def load_module(name: str, path: Path) -> ModuleType:
-    """Import a file under a name.
+    """Import a file under a name, as it stands now.
 
     Raises
     ------
     EvaluationError
         If it cannot be imported.
     """
-    spec = importlib.util.spec_from_file_location(name, path)
+    loader = _SourceLoader(name, str(path))
+    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     if spec is None or spec.loader is None:
         message = f"{path}: not a Python module"
         raise EvaluationError(message)
@@ -115,3 +118,15 @@ def load_module(name: str, path: Path) -> ModuleType:
         message = f"{path}: cannot be imported: {type(error).__name__}: {error}"
         raise EvaluationError(message) from error
     return module
+
+
+class _SourceLoader(SourceFileLoader):
+    """Compiles the source each time.
+
+    Python takes bytecode for that of a source of the same size and second; an edit may be that
+    quick.
+    """
+
+    def path_stats(self, path: str) -> Mapping[str, Any]:
+        """Have no bytecode read or written."""
+        raise OSError(path)

@@ -1,0 +1,25 @@
+"""The door to generated code."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.mission import load_module
+
+
+def test_an_edit_of_the_same_size_in_the_same_second_is_seen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    path = tmp_path / "team.py"
+    found = []
+
+    for text in ("SPEED = 4\n", "SPEED = 6\n"):
+        path.write_text(text, encoding="utf-8")
+        os.utime(path, (1_000_000_000, 1_000_000_000))
+        found.append(load_module("edited_in_a_hurry", path).SPEED)
+    del sys.modules["edited_in_a_hurry"]
+
+    assert found == [4, 6]
