@@ -53,7 +53,7 @@ def from_chance(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
 
 
 class _FromChance(_Guide):
-    def _long(self) -> Individual:
+    def _new(self) -> Individual:
         return Individual(random_specification(self._space, self._n_faults, self._rng))
 
 

@@ -2,7 +2,7 @@
 
 The paper's loop forgets its best, cannot choose other faults than it began with, and draws
 every value anew. This one begins with faults that are active as long as they may, at
-landmarks, keeps the best, and a front of few goals, and takes small steps from there.
+landmarks, keeps the best, and takes small steps from there. Of few goals it keeps a front.
 """
 
 from collections.abc import Sequence
@@ -14,6 +14,7 @@ from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.loop import Algorithm, GenerationalLoop
 from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
 from mrsfi_runtime.search.steps import STEPS, Step, filled, grafted
 from mrsfi_runtime.search.variation import crossed
 
@@ -41,8 +42,9 @@ def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     goals. The best of parents and children survive, newer ones first, at most two of one goal
     vector.
 
-    If the campaign names up to three goals, whoever is on their front is a parent too, and half
-    of the beginning has fewer faults than allowed: all together may hide what a few would show.
+    If the campaign names up to three goals, whoever is on their front is a parent too, and it is
+    they that faults are taken over from. The beginning is then the paper's: where long windows
+    keep one goal from being violated, there is no way to a front.
 
     Notes
     -----
@@ -68,20 +70,19 @@ class _Guide:
         self._bred: list[tuple[Individual, float, list[Step]]] = []
 
     def breed(self, population: Sequence[Individual]) -> list[Individual]:
-        """Return faults that are active as long as they may be, later offspring of the best."""
+        """Return a beginning, later offspring of the best."""
         self._bred.clear()
         offspring = []
         for _ in range(self._size):
-            individual = self._child(population) if population else self._long()
+            individual = self._child(population) if population else self._new()
             self._asked.add(individual.specification)
             offspring.append(individual)
         return offspring
 
-    def _long(self) -> Individual:
-        n_faults = self._n_faults
-        if self._has_front and self._rng.random() < _HALF:
-            n_faults = self._rng.randint(1, n_faults)
-        return Individual(filled(self._space, (), n_faults, self._rng))
+    def _new(self) -> Individual:
+        if self._has_front:
+            return Individual(random_specification(self._space, self._n_faults, self._rng))
+        return Individual(filled(self._space, (), self._n_faults, self._rng))
 
     def survive(
         self, population: Sequence[Individual], offspring: list[Individual]
@@ -133,7 +134,7 @@ class _Guide:
                 child = Individual(specification)
                 self._bred.append((child, _fitness(parent), steps))
                 return child
-        return self._long()
+        return self._new()
 
     def _parent(self, population: Sequence[Individual]) -> Individual:
         if self._niches and self._rng.random() < _ARCHIVE_SHARE:
@@ -143,7 +144,9 @@ class _Guide:
         return max(drawn, key=_fitness)
 
     def _donor(self, parent: Individual) -> Individual:
-        """Draw the best of a goal, the likelier the less the parent violates it beside it."""
+        """Draw from the front; without one, the best of a goal that the parent violates less."""
+        if self._front:
+            return self._rng.choice(tuple(self._front.values()))
         goals = parent.score.goals
         best = [self._niches["goal", place][1] for place in range(len(goals))]
         gains = [1.0 + each.score.goals[place] - goals[place] for place, each in enumerate(best)]
