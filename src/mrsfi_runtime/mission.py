@@ -105,7 +105,7 @@ def load_module(name: str, path: Path) -> ModuleType:
     EvaluationError
         If it cannot be imported.
     """
-    loader = _SourceLoader(name, str(path))
+    loader = _SourceLoader(name, str(path.absolute()))
     spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     if spec is None or spec.loader is None:
         message = f"{path}: not a Python module"
