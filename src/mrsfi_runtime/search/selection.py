@@ -9,8 +9,11 @@ Source paper, section III-E d).
 """
 
 import random
+from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import accumulate
+from operator import attrgetter
 from random import Random
 from types import MappingProxyType
 from typing import TypeAlias
@@ -39,7 +42,8 @@ def lent_to_deap(rng: Random) -> Iterator[None]:
 def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
     """Select by spins of a roulette whose slots are as wide as the fitness.
 
-    If all fitness is zero, selection is uniform: DEAP's roulette would return nobody.
+    It selects as DEAP's does, which adds up all slots anew at every spin. If all fitness is zero,
+    selection is uniform: DEAP's roulette would return nobody.
 
     Raises
     ------
@@ -52,10 +56,14 @@ def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) ->
         raise EvaluationError(message)
     if not any(individual.fitness.values[0] for individual in individuals):
         return uniform(individuals, n_selected, rng)
+    ranked = sorted(individuals, key=attrgetter("fitness"), reverse=True)
+    ends = list(accumulate(individual.fitness.values[0] for individual in ranked))
+    total = sum(individual.fitness.values[0] for individual in individuals)
     selected: list[Individual] = []
-    with lent_to_deap(rng):
-        while len(selected) < n_selected:  # by rounding, a spin can end behind the last slot
-            selected += tools.selRoulette(individuals, n_selected - len(selected))
+    while len(selected) < n_selected:
+        slot = bisect_right(ends, rng.random() * total)
+        if slot < len(ranked):  # by rounding, a spin can end behind the last slot
+            selected.append(ranked[slot])
     return selected
 
 

@@ -3,12 +3,15 @@ from collections import Counter
 from random import Random
 
 import pytest
+from deap import tools
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
-from mrsfi_runtime.search.selection import best, roulette, tournament, uniform
+from mrsfi_runtime.search.selection import best, lent_to_deap, roulette, tournament, uniform
 
 
 def population_of(*fitness: float) -> list[Individual]:
@@ -39,6 +42,21 @@ def test_roulette_of_an_all_zero_population_is_uniform() -> None:
     selected = roulette(population, 5000, Random(1))
 
     assert shares(selected, population) == [0.2] * 5
+
+
+@given(st.lists(st.floats(0.0, 1e6), min_size=1).filter(sum), st.integers(0, 2**32))
+def test_roulette_selects_whom_deap_selects(fitness: list[float], seed: int) -> None:
+    population = population_of(*fitness)
+    rng = Random(seed)
+
+    selected = roulette(population, 50, rng)
+
+    again = Random(seed)
+    with lent_to_deap(again):
+        expected = tools.selRoulette(population, 50)
+    n_selected = len(expected)  # fewer where a spin ended behind the last slot
+    assert list(map(id, selected[:n_selected])) == list(map(id, expected))
+    assert n_selected < 50 or rng.getstate() == again.getstate()
 
 
 @pytest.mark.parametrize("scale", [5e-324, 1e-300, 0.1, 1e300])
