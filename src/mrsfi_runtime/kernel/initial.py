@@ -127,6 +127,7 @@ def initial_state(mission: Mission, seed: int) -> State:
         charted=[],
         nearby=[0] * len(mission.robots),
     )
+    all_chances: list[int] = []
     for index, robot in enumerate(mission.robots):
         gps = [k for k, sensor in enumerate(robot.sensors) if sensor.type == "GPS_POSITION"]
         state.robots.append(
@@ -164,12 +165,13 @@ def initial_state(mission: Mission, seed: int) -> State:
                     cost=float(sensor.energy_per_sample),
                     nominal_rate=float(sensor.samples_per_second),
                     nominal_cost=float(sensor.energy_per_sample),
-                    first_chance=len(state.chances),
+                    first_chance=len(all_chances),
                     n_chances=len(chances),
                 )
             )
-            state.chances += chances
+            all_chances += chances
             state.switches.append(SwitchState(active=1, claimed=0))
+    state.chances = tuple(all_chances)
     for goal in mission.goals:
         _add_goal(state, mission, goal)
     _draw_map(state, mission)
