@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-from m2t.entries import Entry, Value, read_models
+from m2t.outlines import Entry, Value, read_models
 from mrsfi_runtime.errors import ModelError
 
 What: TypeAlias = Literal["changed", "added", "removed", "moved", "reordered"]

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from m2t.manifest import GENERATOR, MANIFEST, PENDING, Manifest, dumps, loads
-from m2t.regions import (
+from m2t.protected_regions import (
     Document,
     FileRecord,
     is_hand_written,

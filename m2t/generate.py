@@ -20,7 +20,7 @@ from m2t.environment import template_environment
 from m2t.line_difference import unified_difference
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, metamodel_folder
-from m2t.regions import text_lines
+from m2t.protected_regions import text_lines
 from m2t.visitors.base import ModelVisitor
 from m2t.visitors.collective_intelligence import CollectiveIntelligenceVisitor
 from m2t.visitors.fault_loader import FaultLoaderVisitor

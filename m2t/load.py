@@ -5,17 +5,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from m2t.check.references import Neighbour, referred_files, resolve
+from m2t.check.structure import ModelTree, check_claims, check_structure
 from m2t.constraints.faults import check_faults
 from m2t.constraints.findings import Findings
 from m2t.constraints.identity import check_identities
 from m2t.constraints.mission import check_mission
 from m2t.diagnostics import Diagnostic
-from m2t.document import Node, Report
-from m2t.files import ModelFile, ModelFiles, local_path
-from m2t.instances import ModelLoader
 from m2t.metamodels import load_metamodels
-from m2t.references import Neighbour, referred_files, resolve
-from m2t.structure import ModelTree, check_claims, check_structure
+from m2t.objects import ModelLoader
+from m2t.read.model_files import ModelFile, ModelFiles, local_path
+from m2t.read.nodes import Node, Report
 from mrsfi_runtime.errors import ModelError
 
 MISSION_XMI = "mission.xmi"

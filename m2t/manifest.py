@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
-from m2t.regions import FileRecord
+from m2t.protected_regions import FileRecord
 from mrsfi_runtime.errors import GenerationError
 
 MANIFEST = "manifest.json"

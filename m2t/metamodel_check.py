@@ -11,9 +11,9 @@ from types import MappingProxyType
 from pyecore.ecore import EObject
 
 from m2t.diagnostics import shown
-from m2t.document import Node, Report
-from m2t.files import XMI, XSI
 from m2t.metamodel_contract import CONTRACT, SUPERTYPES, Need
+from m2t.read.model_files import XMI, XSI
+from m2t.read.nodes import Node, Report
 
 ECORE = "http://www.eclipse.org/emf/2002/Ecore"
 VALUE_TYPES = ("EString", "EInt", "EDouble")

@@ -11,9 +11,9 @@ from lxml import etree
 from pyecore.ecore import EClass, EProxy, EReference
 from pyecore.resources import URI, ResourceSet
 
-from m2t.document import Node, Report, read_document
-from m2t.files import XMI, XSI
 from m2t.metamodel_check import ECORE, MetamodelCheck
+from m2t.read.model_files import XMI, XSI
+from m2t.read.nodes import Node, Report, read_document
 from mrsfi_runtime.errors import ModelError
 
 MISSION_FILE = "mission.ecore"

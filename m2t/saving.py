@@ -7,7 +7,7 @@ from typing import Any
 from urllib.parse import quote
 
 from m2t.load import LoadedFile, LoadedModels
-from m2t.xmi import dumps_file, write_atomically
+from m2t.write.xmi import dumps_file, write_atomically
 
 
 def save(models: LoadedModels) -> tuple[Path, ...]:

@@ -15,7 +15,7 @@ from m2t.constraints.faults import fault_types, is_set
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.metamodels import features, is_contained, load_metamodels
 from m2t.saving import addresses
-from m2t.xmi import dumps, write_atomically
+from m2t.write.xmi import dumps, write_atomically
 from mrsfi_runtime.errors import SpecificationError
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]

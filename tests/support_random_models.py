@@ -8,6 +8,7 @@ from typing import Any
 
 from pyecore.ecore import EClass, EEnum
 
+from m2t.check.attribute_values import RANGES
 from m2t.metamodels import (
     conforms,
     features,
@@ -16,7 +17,6 @@ from m2t.metamodels import (
     load_metamodels,
     reference_type,
 )
-from m2t.values import RANGES
 
 FIELDS = ("POSITION", "SPEED", "ENERGY", "GPS_POSITION", "DEPTH", "TEMPERATURE", "PRESSURE")
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from m2t.document import Node, Report
-from m2t.xmi import java_double
+from m2t.read.nodes import Node, Report
+from m2t.write.xmi import java_double
 
 
 @dataclass(frozen=True, slots=True)

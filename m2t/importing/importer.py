@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from m2t.diagnostics import Diagnostic
-from m2t.document import Node, Report, read_document
-from m2t.importing.cases import campaign_files
+from m2t.importing.campaign_files import campaign_files
 from m2t.importing.identities import contained, give_ids
 from m2t.importing.notes import Note, Notes
 from m2t.importing.published import ROOT, SETUP_NAMESPACE
 from m2t.importing.reading import PublishedReader
 from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metamodels import load_metamodels
+from m2t.read.nodes import Node, Report, read_document
 from m2t.validate import validate_folder, validate_specification
-from m2t.xmi import dumps
+from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import ModelError, UsageError
 
 

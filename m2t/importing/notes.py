@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from m2t.document import Node
+from m2t.read.nodes import Node
 
 Kind: TypeAlias = Literal["renamed", "dropped", "default", "inconsistent"]
 KINDS: tuple[Kind, ...] = ("renamed", "dropped", "default", "inconsistent")

@@ -7,8 +7,8 @@ from typing import Any
 
 from pyecore.ecore import EEnum
 
+from m2t.check.attribute_values import BadValueError, require_value
 from m2t.diagnostics import shown
-from m2t.document import Node, Report
 from m2t.importing.notes import Notes
 from m2t.importing.published import (
     BACK_REFERENCES,
@@ -20,7 +20,7 @@ from m2t.importing.published import (
     ZERO_VALUES,
 )
 from m2t.metamodels import conforms, features, is_contained, is_reference, reference_type
-from m2t.values import BadValueError, require_value
+from m2t.read.nodes import Node, Report
 
 _ZERO = re.compile(r"[+-]?(0*\.?0*)", re.ASCII)
 _XMI = "http://www.omg.org/XMI"

@@ -26,7 +26,7 @@ from m2t.load import LoadedFile, LoadedModels, load_mission_folder
 from m2t.metamodels import load_metamodels
 from m2t.saving import save, saved
 from m2t.typed import with_classes
-from m2t.xmi import dumps
+from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import GenerationError, ModelError
 from support_generation import MODELS, ROOT, contents, copy_models, edit, run_module
 from support_metamodels import HOSTILE, load_generated, metaclass, odd_package, package

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.regions import Region, merge, parse, record_of
+from m2t.protected_regions import Region, merge, parse, record_of
 from mrsfi_runtime.errors import ProtectedRegionError
 from support_interop import ROOT, Note, harness
 from support_model import FAULTS, MISSION, MODELS

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from pyecore.resources import URI, ResourceSet
 
-from m2t.ecore import dumps_metamodel
 from m2t.load import load_mission_folder
 from m2t.saving import saved
 from m2t.specification import write_specification
-from m2t.xmi import dumps
+from m2t.write.ecore import dumps_metamodel
+from m2t.write.xmi import dumps
 from support_cli import MISSION, SMALL, mrsfi, workspace
 from support_interop import METAMODELS, ROOT, Note, Saved, difference, require_harness, resave
 from support_model import copy_models

@@ -8,7 +8,7 @@ import pytest
 
 from m2t.load import inspect_folder, load_mission_folder
 from m2t.saving import saved
-from m2t.xmi import dumps
+from m2t.write.xmi import dumps
 from support_interop import Note, Saved, difference, resave
 from support_model import FAULTS, MISSION, MODELS
 

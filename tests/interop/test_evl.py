@@ -17,7 +17,7 @@ from m2t.diagnostics import CONSTRAINTS
 from m2t.fixes import FIXES
 from m2t.load import inspect_folder
 from m2t.naming import RESERVED
-from m2t.xmi import dumps
+from m2t.write.xmi import dumps
 from support_broken import BROKEN, Broken
 from support_evl import (
     EVL,

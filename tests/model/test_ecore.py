@@ -8,7 +8,6 @@ import pytest
 from pyecore.ecore import EAttribute, EClass, EPackage, EReference, EString
 from pyecore.resources import URI, ResourceSet
 
-from m2t.ecore import dumps_metamodel
 from m2t.metamodels import (
     FAULTS_FILE,
     MISSION_FILE,
@@ -16,6 +15,7 @@ from m2t.metamodels import (
     metamodel_folder,
     read_metamodels,
 )
+from m2t.write.ecore import dumps_metamodel
 from mrsfi_runtime.errors import ModelError
 from support_model import edit, line_of
 

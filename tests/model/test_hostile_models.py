@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from m2t.diagnostics import Diagnostic
-from m2t.document import MAX_BYTES, MAX_ELEMENTS
 from m2t.load import load_mission_folder, load_specification
+from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS
 from m2t.validate import validate_folder, validate_specification
 from mrsfi_runtime.errors import ModelError
 from support_model import FAULTS, MISSION, copy_models, edit

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
+from m2t.check.attribute_values import RANGES
 from m2t.metamodels import conforms, features, lineage, load_metamodels, reference_type
-from m2t.values import RANGES
 from mrsfi_runtime.model.fault_types import FAULT_TYPES
 
 PACKAGES = load_metamodels().packages

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from m2t.load import load_mission_folder
 from m2t.metamodels import load_metamodels
 from m2t.saving import save
-from m2t.xmi import dumps, java_double, write_atomically
+from m2t.write.xmi import dumps, java_double, write_atomically
 from mrsfi_runtime.errors import ModelError
 from support_model import FAULTS, MISSION, MODELS, copy_models, edit
 

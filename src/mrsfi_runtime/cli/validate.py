@@ -16,7 +16,7 @@ from m2t.load import (
     load_mission_folder,
 )
 from m2t.validate import validate_folder, validate_specification
-from m2t.xmi import write_atomically
+from m2t.write.xmi import write_atomically
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.missions import (
     MissionFolders,

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from m2t.manifest import Manifest, dumps, loads
-from m2t.regions import FileRecord
+from m2t.protected_regions import FileRecord
 from mrsfi_runtime.errors import GenerationError
 
 WORDS = st.text(st.characters(exclude_characters="/\\", exclude_categories=["Cs"]), min_size=1)

@@ -9,12 +9,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from m2t.check.attribute_values import BadValueError, require_value
+from m2t.check.split_models import concrete_classes, find_part, named_class
 from m2t.diagnostics import shown
-from m2t.document import Node, Report
-from m2t.files import XMI, XSI, ModelFile, ModelFiles, is_root_attribute
 from m2t.metamodels import Slot, conforms, reference_type, slots
-from m2t.parts import concrete_classes, find_part, named_class
-from m2t.values import BadValueError, require_value
+from m2t.read.model_files import XMI, XSI, ModelFile, ModelFiles, is_root_attribute
+from m2t.read.nodes import Node, Report
 
 _SHOWN_ALTERNATIVES = 12
 

@@ -8,9 +8,8 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 from urllib.parse import unquote
 
+from m2t.check.split_models import find_part
 from m2t.diagnostics import shown
-from m2t.document import Node, Report, read_document
-from m2t.files import XMI, XSI, ModelFiles, local_path
 from m2t.metamodels import (
     conforms,
     features,
@@ -20,8 +19,9 @@ from m2t.metamodels import (
     load_metamodels,
     reference_type,
 )
-from m2t.parts import find_part
-from m2t.xmi import java_double
+from m2t.read.model_files import XMI, XSI, ModelFiles, local_path
+from m2t.read.nodes import Node, Report, read_document
+from m2t.write.xmi import java_double
 from mrsfi_runtime.errors import ModelError
 
 Value: TypeAlias = str | None

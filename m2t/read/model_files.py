@@ -18,7 +18,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from m2t.diagnostics import shown
-from m2t.document import MAX_BYTES, MAX_ELEMENTS, Node, Report, read_encoded
+from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS, Node, Report, read_encoded
 
 XMI = "http://www.omg.org/XMI"
 XSI = "http://www.w3.org/2001/XMLSchema-instance"

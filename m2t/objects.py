@@ -14,10 +14,10 @@ from lxml import etree
 from pyecore.ecore import EProxy
 from pyecore.resources import URI, ResourceSet
 
-from m2t.document import Node
-from m2t.files import XMI, XSI
+from m2t.check.structure import ModelTree
 from m2t.metamodels import Slot, load_metamodels, reference_type, slots
-from m2t.structure import ModelTree
+from m2t.read.model_files import XMI, XSI
+from m2t.read.nodes import Node
 
 
 class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+from m2t.check.structure import ModelTree, Reference
 from m2t.diagnostics import shown
-from m2t.document import Node, Report
-from m2t.files import ModelFile, local_path, resolved_path
 from m2t.metamodels import conforms, reference_type
-from m2t.structure import ModelTree, Reference
+from m2t.read.model_files import ModelFile, local_path, resolved_path
+from m2t.read.nodes import Node, Report
 
 _INDEX = re.compile(r"[0-9]{1,9}", re.ASCII)
 

@@ -8,9 +8,9 @@ from typing import Any
 from urllib.parse import unquote
 
 from m2t.diagnostics import shown
-from m2t.document import Node, Report
-from m2t.files import XSI, ModelFile, ModelFiles, contained_path
 from m2t.metamodels import conforms, reference_type
+from m2t.read.model_files import XSI, ModelFile, ModelFiles, contained_path
+from m2t.read.nodes import Node, Report
 
 
 def find_part(

@@ -1,0 +1,1 @@
+"""Check nodes against the metamodel: structure, values, references, parts in other files."""

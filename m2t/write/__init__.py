@@ -1,0 +1,1 @@
+"""Write models and metamodels byte for byte as Eclipse EMF does."""
