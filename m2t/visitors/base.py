@@ -1,4 +1,4 @@
-"""What all visitors share: dispatch on the metaclass, and features in a fixed order."""
+"""What all visitors share: dispatch on the metaclass."""
 
 from collections.abc import Mapping
 from pathlib import PurePosixPath
@@ -34,30 +34,13 @@ class ModelVisitor:
         GenerationError
             If the visitor has no method for the metaclass and its supertypes.
         """
-        for metaclass in lineage(element.eClass):
+        metaclasses = [element.eClass]
+        for metaclass in metaclasses:
             method = getattr(self, f"visit_{metaclass.name}", None)
             if method is not None:
                 return method(element)
+            metaclasses.extend(metaclass.eSuperTypes)
         raise GenerationError(
             f"{type(self).__name__} has no method for metaclass '{element.eClass.name}'; "
             f"write visit_{element.eClass.name}"
         )
-
-
-def lineage(metaclass: Any) -> list[Any]:
-    """Return a metaclass and its supertypes, nearest first, each once."""
-    found = [metaclass]
-    for known in found:
-        found.extend(parent for parent in known.eSuperTypes if parent not in found)
-    return found
-
-
-def features(element: Any) -> list[Any]:
-    """Return the features of an element in the order of the metamodel, inherited ones first.
-
-    Notes
-    -----
-    pyecore's own collections of features are sets, whose order differs from run to run.
-    """
-    metaclasses = reversed(lineage(element.eClass))
-    return [feature for metaclass in metaclasses for feature in metaclass.eStructuralFeatures]

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from m2t.constraints.faults import fault_types
 from m2t.environment import Call, Expression, Table
 from m2t.metamodel_contract import BOUNDS, parameters
-from m2t.metamodels import base_class
-from m2t.visitors.base import ModelVisitor, features
+from m2t.metamodels import base_class, features
+from m2t.visitors.base import ModelVisitor
 from m2t.visitors.mission_loader import functions
 from mrsfi_runtime.errors import ModelError
 
@@ -96,7 +96,7 @@ def _parameters(fault_type: Any) -> list[str]:
         return list(known)
     return [
         feature.name
-        for feature in features(fault_type)
+        for feature in features(fault_type.eClass)
         if feature.eType.name in _NUMBERS and not feature.many and not feature.name.endswith(BOUNDS)
     ]
 
