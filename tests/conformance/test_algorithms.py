@@ -15,7 +15,7 @@ from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.campaign import run_campaign
 from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
-from support_resume import MISSION, SEARCH, digest, evaluations, killed_after, workspace
+from tests.support.interrupted import MISSION, SEARCH, digest, evaluations, killed_after, workspace
 
 N_EVALUATIONS = 40
 

@@ -14,8 +14,8 @@ from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
-from support_fleets import fleet
-from support_world import paper_code
+from tests.support.models.fleets import fleet
+from tests.support.world import paper_code
 
 SEED = 3
 N_SPECIFICATIONS = 1000

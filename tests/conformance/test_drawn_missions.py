@@ -15,7 +15,7 @@ from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.fault_types import FAULT_TYPES
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.trace import CHANGING, state_bytes
-from support_shapes import (
+from tests.conformance.shapes import (
     TASKS,
     draw_mission,
     draw_pool,

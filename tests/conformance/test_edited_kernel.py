@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import mrsfi_runtime
-from support_fleets import fleet
+from tests.support.models.fleets import fleet
 
 FLY = """
 import json, sys

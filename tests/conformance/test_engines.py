@@ -14,7 +14,7 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
-from support_world import ROOT, paper_code
+from tests.support.world import ROOT, paper_code
 
 SEED = 5
 PATIENCE = Patience(tick=10.0, handshake=20.0)

@@ -10,7 +10,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.model.fault_types import FAULT_TYPES, Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from mrsfi_runtime.model.targets import touched
-from support_world import paper_code
+from tests.support.world import paper_code
 
 DURATION = 160
 START, FINISH = 40, 119

@@ -9,8 +9,8 @@ from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.engine.region_names import NAMES
-from support_cli import ROOT
-from support_regions import REGION, outcomes, write_region
+from tests.conformance.regions import REGION, outcomes, write_region
+from tests.support.cli import ROOT
 
 IMPORTS = "import math\nimport random\nimport time\nimport numpy as np\n"
 SWEEP = "values = []\nfor k in range(1000):\n    x = {}\n    values.append({})\nreturn values"

@@ -11,7 +11,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.initial import TASK_NUMBERS
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
-from support_generation import write_mission
+from tests.support.models.generation import write_mission
 
 ROBOT = """  <robots ID="{name}" name="{name}" speed="{speed}">
     <position x="{x}" y="{y}"/>

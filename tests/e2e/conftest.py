@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from support_cli import MISSION, SMALL, mrsfi, workspace
+from tests.support.cli import MISSION, SMALL, mrsfi, workspace
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from support_cli import mrsfi
+from tests.support.cli import mrsfi
 
 COMMANDS = (
     "validate",

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from support_cli import MISSION, command_line, contents, edit, mrsfi, mrsfi_json, workspace
+from tests.support.cli import MISSION, command_line, contents, edit, mrsfi, mrsfi_json, workspace
 
 FEW = ("--evaluations", "6", "--workers", "1", "--engine", "reference")
 SMALL = ("compare", MISSION, "--case", "b", *FEW)

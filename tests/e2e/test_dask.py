@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from support_cli import command_line, interrupted, mrsfi, mrsfi_json
-from support_cluster import require_dask, scheduler
-from support_resume import MISSION, evaluations, workspace
+from tests.support.cli import command_line, interrupted, mrsfi, mrsfi_json
+from tests.support.cluster import require_dask, scheduler
+from tests.support.interrupted import MISSION, evaluations, workspace
 
 EVOLVE = ("evolve", MISSION, "--engine", "reference", "--population", "8", "--seed", "3")
 EVOLVE_SOME = (*EVOLVE, "--generations", "6")

@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from support_cli import (
+from tests.support.cli import (
     MISSION,
     SMALL,
     contents,

@@ -1,7 +1,7 @@
 import subprocess
 from pathlib import Path
 
-from support_cli import MISSION, command_line, contents, edit, mrsfi, stop_specification
+from tests.support.cli import MISSION, command_line, contents, edit, mrsfi, stop_specification
 
 RIGHT = 'LOWER_BOUND="11.0" UPPER_BOUND="30.0"'
 WRONG = 'LOWER_BOUND="30.0" UPPER_BOUND="11.0"'

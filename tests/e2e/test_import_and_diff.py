@@ -4,8 +4,8 @@ from pathlib import Path
 import pytest
 
 from m2t.load import load_mission_folder
-from support_cli import MISSION, ROOT, contents, edit, mrsfi, mrsfi_json, require_program
-from support_published import published
+from tests.support.cli import MISSION, ROOT, contents, edit, mrsfi, mrsfi_json, require_program
+from tests.support.models.published import published
 
 
 @pytest.fixture(scope="session")

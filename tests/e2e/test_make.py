@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from support_cli import ROOT, require_program
+from tests.support.cli import ROOT, require_program
 
 TARGETS = (
     "help",

@@ -4,7 +4,7 @@ import pytest
 
 from mrsfi_runtime.cli.missions import find_mission
 from mrsfi_runtime.errors import UsageError
-from support_cli import MISSION
+from tests.support.cli import MISSION
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE
-from support_cli import MISSION, ROOT, edit, mrsfi_process, workspace
+from tests.support.cli import MISSION, ROOT, edit, mrsfi_process, workspace
 
 ECORE_TYPE = "ecore:EDataType http://www.eclipse.org/emf/2002/Ecore#//"
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from support_cli import edit, mrsfi, mrsfi_json
+from tests.support.cli import edit, mrsfi, mrsfi_json
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from support_cli import command_line, contents, interrupted, mrsfi, mrsfi_json
-from support_resume import MISSION, evaluations, workspace
+from tests.support.cli import command_line, contents, interrupted, mrsfi, mrsfi_json
+from tests.support.interrupted import MISSION, evaluations, workspace
 
 OPTIONS = ("--population", "8", "--generations", "6", "--seed", "3", "--workers", "1")
 EVOLVE = ("evolve", MISSION, *OPTIONS)

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.record.campaign import CampaignStore
-from support_cli import MISSION, SMALL, edit, mrsfi, mrsfi_json, mrsfi_process
-from support_resume import MISSION as QUICK
-from support_resume import workspace
-from support_rosbridge import is_running, process
+from tests.support.cli import MISSION, SMALL, edit, mrsfi, mrsfi_json, mrsfi_process
+from tests.support.interrupted import MISSION as QUICK
+from tests.support.interrupted import workspace
+from tests.support.rosbridge import is_running, process
 
 ROSBRIDGE = ("--engine", "rosbridge")
 TINY = ("--population", "4", "--generations", "1", "--workers", "1")

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from support_cli import MISSION, command_line, edit, mrsfi, mrsfi_json, stop_specification
+from tests.support.cli import MISSION, command_line, edit, mrsfi, mrsfi_json, stop_specification
 
 VIOLATIONS = ("believed", "true", "phantom", "masked")
 

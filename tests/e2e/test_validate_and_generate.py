@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from support_cli import MISSION, contents, edit, mrsfi, mrsfi_json, stop_specification
+from tests.support.cli import MISSION, contents, edit, mrsfi, mrsfi_json, stop_specification
 
 
 def test_validate_says_ok_and_how_much_there_is(place: Path) -> None:

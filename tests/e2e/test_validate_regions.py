@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from support_cli import MISSION, edit, mrsfi, mrsfi_json
+from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
 
 BODY = "return tasks.avoid_collision_violated(ci, G1)"
 OWN = "return ci.robots[R1].speed ** 2 > 9000.0"

@@ -2,7 +2,7 @@
 
 import json
 
-from support_golden import RECORD, flights
+from tests.golden.flights import RECORD, flights
 
 
 def test_missions_fly_as_they_were_recorded():

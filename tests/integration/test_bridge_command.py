@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from websockets.sync.client import connect
 
-from support_cli import command_line, mrsfi
+from tests.support.cli import command_line, mrsfi
 
 PATIENCE_S = 30.0
 

@@ -11,7 +11,7 @@ from websockets.sync.client import connect
 from mrsfi_runtime.bridge.embedded import EmbeddedBridge, LocalClient
 from mrsfi_runtime.bridge.settings import Settings
 from mrsfi_runtime.errors import ProtocolError, TransportClosed, TransportError, UsageError
-from support_bridge import FLOAT, parse_frames
+from tests.support.bridge import FLOAT, parse_frames
 
 PATIENCE_S = 20.0
 

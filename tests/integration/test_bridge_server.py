@@ -16,7 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from mrsfi_runtime.bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.bridge.settings import Limits, Settings
-from support_bridge import FLOAT, TEXT, parse_frames
+from tests.support.bridge import FLOAT, TEXT, parse_frames
 
 PATIENCE_S = 20.0
 MEBI = 1 << 20

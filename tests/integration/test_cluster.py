@@ -16,8 +16,8 @@ from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
-from support_cluster import Scheduler, require_dask, scheduler, without_mrsfi
-from support_world import ROOT
+from tests.support.cluster import Scheduler, require_dask, scheduler, without_mrsfi
+from tests.support.world import ROOT
 
 require_dask()
 

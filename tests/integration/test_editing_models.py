@@ -12,7 +12,7 @@ from m2t.generate import generate
 from m2t.load import load_mission_folder
 from m2t.saving import save
 from mrsfi_runtime.errors import ModelError
-from support_generation import ROOT, contents, copy_models
+from tests.support.models.generation import ROOT, contents, copy_models
 
 PAGE = (ROOT / "docs" / "editing-models.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)

@@ -6,7 +6,7 @@ from mrsfi_runtime.analysis.effects import audit
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.fault_types import FAULT_TYPES
-from support_world import ROOT, paper_code
+from tests.support.world import ROOT, paper_code
 
 PAPER = audit(ReferenceEngine(paper_code(), 1), 100, 900)
 TIGHT = audit(ReferenceEngine(load_code(ROOT / "generated" / "tight_margins"), 1), 60, 180)

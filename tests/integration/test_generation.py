@@ -28,7 +28,7 @@ from mrsfi_runtime.model.mission import (
     Visit,
 )
 from mrsfi_runtime.transport.local_bus import LocalBus
-from support_generation import (
+from tests.support.models.generation import (
     ALL_TASKS,
     BARE,
     FILES,

@@ -13,14 +13,14 @@ from mrsfi_runtime.cli.missions import find_mission
 from mrsfi_runtime.cli.resume import begun
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.search.settings import CampaignSettings
-from support_cli import ROOT, edit, mrsfi
-from support_network import (
+from tests.integration.network import (
     Witness,
     bridge,
     child_of,
     wait_for_tick,
 )
-from support_resume import (
+from tests.support.cli import ROOT, edit, mrsfi
+from tests.support.interrupted import (
     MISSION,
     SEARCH,
     are_gone,
@@ -29,7 +29,7 @@ from support_resume import (
     finished,
     workspace,
 )
-from support_rosbridge import process
+from tests.support.rosbridge import process
 
 Note = Callable[[str], None]
 FLIGHT = ("simulate", "uuv_sampling", "--engine", "rosbridge", "--timeout", "2")

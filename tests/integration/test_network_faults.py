@@ -18,8 +18,7 @@ from websockets.exceptions import InvalidStatus
 
 from mrsfi_runtime.bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.bridge.settings import Limits, Settings
-from support_missing import skip
-from support_network import (
+from tests.integration.network import (
     MEBI,
     Client,
     Server,
@@ -31,6 +30,7 @@ from support_network import (
     raw_socket,
     send_operation,
 )
+from tests.support.missing import skip
 
 STRING = "std_msgs/String"
 Note = Callable[[str], None]

@@ -3,7 +3,7 @@
 import pytest
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from support_world import paper_code
+from tests.support.world import paper_code
 
 TARGETS = {"g4": 250, "g5": 400, "g6": 500}
 

@@ -17,8 +17,8 @@ from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.lock import only_writer
 from mrsfi_runtime.search.settings import CampaignSettings
-from support_cli import mrsfi
-from support_resume import (
+from tests.support.cli import mrsfi
+from tests.support.interrupted import (
     MISSION,
     SEARCH,
     WRITE,

@@ -23,7 +23,7 @@ from mrsfi_runtime.errors import (
     UsageError,
 )
 from mrsfi_runtime.hosting.progress import Patience
-from support_rosbridge import (
+from tests.support.rosbridge import (
     FLIGHT_SEED,
     Relay,
     code_of,

@@ -28,9 +28,9 @@ from m2t.saving import save, saved
 from m2t.typed import with_classes
 from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import GenerationError, ModelError
-from support_generation import MODELS, ROOT, contents, copy_models, edit, run_module
-from support_metamodels import HOSTILE, load_generated, metaclass, odd_package, package
-from support_random_models import draw
+from tests.integration.metamodels import HOSTILE, load_generated, metaclass, odd_package, package
+from tests.support.models.generation import MODELS, ROOT, contents, copy_models, edit, run_module
+from tests.support.models.random_models import draw
 
 STATIC = ROOT / "generated" / "metamodel"
 FACTS = ("lowerBound", "upperBound", "ordered", "unique", "unsettable", "changeable", "transient")

@@ -9,7 +9,7 @@ from m2t.generate import stale
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from support_world import ROOT
+from tests.support.world import ROOT
 
 MODELS = ROOT / "models" / "tight_energy"
 CODE = load_code(ROOT / "generated" / "tight_energy")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from support_interop import Note, missing
+from tests.interop.eclipse import Note, missing
 
 _LINES = pytest.StashKey[list[str]]()
 

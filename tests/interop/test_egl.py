@@ -6,8 +6,8 @@ import pytest
 
 from m2t.protected_regions import Region, merge, parse, record_of
 from mrsfi_runtime.errors import ProtectedRegionError
-from support_interop import ROOT, Note, harness
-from support_model import FAULTS, MISSION, MODELS
+from tests.interop.eclipse import ROOT, Note, harness
+from tests.support.models.copies import FAULTS, MISSION, MODELS
 
 PROGRAMS = Path(__file__).parent / "epsilon"
 OURS = ROOT / "generated" / MODELS.name / "collective_intelligence.py"

@@ -13,12 +13,12 @@ from m2t.saving import saved
 from m2t.specification import write_specification
 from m2t.write.ecore import dumps_metamodel
 from m2t.write.xmi import dumps
-from support_cli import MISSION, SMALL, mrsfi, workspace
-from support_interop import METAMODELS, ROOT, Note, Saved, difference, require_harness, resave
-from support_model import copy_models
-from support_random_metamodels import draw_metamodel
-from support_random_models import coverage, draw, everything
-from support_spellings import respelt
+from tests.interop.eclipse import METAMODELS, ROOT, Note, Saved, difference, require_harness, resave
+from tests.interop.random_metamodels import draw_metamodel
+from tests.interop.spellings import respelt
+from tests.support.cli import MISSION, SMALL, mrsfi, workspace
+from tests.support.models.copies import copy_models
+from tests.support.models.random_models import coverage, draw, everything
 
 N_DRAWN = 150
 """Drawn missions, each with faults: 300 files."""

@@ -9,8 +9,8 @@ import pytest
 from m2t.load import inspect_folder, load_mission_folder
 from m2t.saving import saved
 from m2t.write.xmi import dumps
-from support_interop import Note, Saved, difference, resave
-from support_model import FAULTS, MISSION, MODELS
+from tests.interop.eclipse import Note, Saved, difference, resave
+from tests.support.models.copies import FAULTS, MISSION, MODELS
 
 MISSION_TEXT = (MODELS / MISSION).read_text(encoding="ascii")
 FAULTS_TEXT = (MODELS / FAULTS).read_text(encoding="ascii")

@@ -18,8 +18,8 @@ from m2t.fixes import FIXES
 from m2t.load import inspect_folder
 from m2t.naming import RESERVED
 from m2t.write.xmi import dumps
-from support_broken import BROKEN, Broken
-from support_evl import (
+from tests.interop.eclipse import ROOT, Note
+from tests.interop.evl import (
     EVL,
     TWINS,
     Judged,
@@ -31,12 +31,12 @@ from support_evl import (
     require_same_fixes,
     stated_fixes,
 )
-from support_interop import ROOT, Note
-from support_model import FAULTS, MISSION, MODELS, copy_models, edit
-from support_mutations import Mutator
-from support_random_models import draw
-from support_recorder import INDEX
-from support_split import PARTS, Parts, split_folder, write_split
+from tests.interop.mutations import Mutator
+from tests.interop.recorder import INDEX
+from tests.support.broken.edits import BROKEN, Broken
+from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
+from tests.support.models.random_models import draw
+from tests.support.models.split import PARTS, Parts, split_folder, write_split
 
 TIGHT = MODELS.parent / "tight_margins"
 N_MUTANTS = 250
@@ -240,7 +240,7 @@ def _drawn(folder: Path, seed: int) -> Path:
 
 def _recording(folder: Path) -> subprocess.Popen[str]:
     """Start the tests that judge models, and have each model recorded that EVL can judge."""
-    command = [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "support_recorder"]
+    command = [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "tests.interop.recorder"]
     command += ["-p", "no:cacheprovider", "-k", _RECORDED, *RECORDED_TESTS]
     environment = {
         **os.environ,

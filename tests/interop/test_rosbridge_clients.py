@@ -17,9 +17,9 @@ from typing import Any
 
 import pytest
 
-from support_cli import command_line, require_program
-from support_interop import Note
-from support_missing import skip
+from tests.interop.eclipse import Note
+from tests.support.cli import command_line, require_program
+from tests.support.missing import skip
 
 _CLIENTS = Path(__file__).parent / "clients"
 _USUAL_PORT = 9090

@@ -13,7 +13,8 @@ from typing import Any
 import pytest
 
 from mrsfi_runtime.mission import load_code
-from support_cli import (
+from tests.interop.eclipse import Note
+from tests.support.cli import (
     MISSION,
     ROOT,
     mrsfi,
@@ -22,9 +23,8 @@ from support_cli import (
     stop_specification,
     workspace,
 )
-from support_interop import Note
-from support_missing import skip
-from support_rosbridge import process
+from tests.support.missing import skip
+from tests.support.rosbridge import process
 
 PAGE = ROOT / "docs" / "bus.md"
 EXAMPLE = ROOT / "examples" / "mujoco_simulator"

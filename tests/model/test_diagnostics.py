@@ -8,8 +8,8 @@ from m2t.diagnostics import CONSTRAINTS
 from m2t.load import load_mission_folder
 from m2t.validate import validate_folder
 from mrsfi_runtime.errors import ModelError
-from support_broken import BROKEN, Broken
-from support_model import FAULTS, MISSION, copy_models, edit, line_of
+from tests.support.broken.edits import BROKEN, Broken
+from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
 
 
 def _label(broken: Broken) -> str:

@@ -8,8 +8,8 @@ import pytest
 
 from m2t.difference import difference
 from mrsfi_runtime.errors import ModelError
-from support_generation import ALL_TASKS, write_mission
-from support_model import FAULTS, MISSION, MODELS, copy_models, edit
+from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
+from tests.support.models.generation import ALL_TASKS, write_mission
 
 ROBOT = """<robots ID="r4" name="Max" speed="1.0">
     <sensors ID="s7" name="s" type="DEPTH" samplesPerSecond="1"/>

@@ -17,7 +17,7 @@ from m2t.metamodels import (
 )
 from m2t.write.ecore import dumps_metamodel
 from mrsfi_runtime.errors import ModelError
-from support_model import edit, line_of
+from tests.support.models.copies import edit, line_of
 
 # Written by Eclipse EMF 2.43 for a metamodel that was scrambled by hand.
 BY_ECLIPSE = """<?xml version="1.0" encoding="UTF-8"?>

@@ -9,9 +9,9 @@ from m2t.diagnostics import CONSTRAINTS
 from m2t.fixes import FIXES, Mending, mend
 from m2t.load import inspect_folder, inspect_specification, load_mission_folder
 from m2t.validate import validate_folder
-from support_broken import BROKEN
-from support_model import FAULTS, MISSION, copy_models, edit
-from support_split import PARTS, write_split
+from tests.support.broken.edits import BROKEN
+from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
+from tests.support.models.split import PARTS, write_split
 
 BOUNDS = (
     '<fixedObstacleCoordinates NEW_X="200.0" NEW_X_MIN="{}.0" NEW_X_MAX="{}.0" NEW_Y="-450.0" '

@@ -9,8 +9,8 @@ from typing import Any
 from m2t.fixes import mend
 from m2t.generate import plan
 from m2t.load import inspect_folder
-from support_fleets import fleet
-from support_model import FAULTS, copy_models
+from tests.support.models.copies import FAULTS, copy_models
+from tests.support.models.fleets import fleet
 
 
 def _n_calls(work: Callable[[], Any]) -> int:

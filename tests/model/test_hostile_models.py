@@ -10,7 +10,7 @@ from m2t.load import load_mission_folder, load_specification
 from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS
 from m2t.validate import validate_folder, validate_specification
 from mrsfi_runtime.errors import ModelError
-from support_model import FAULTS, MISSION, copy_models, edit
+from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
 
 HOSTILE_NAME = """x"); import os; os.system("touch owned")  #\n'{{ 7 * 7 }}{% raw %}'\t<&>"""
 HOSTILE_XML = (

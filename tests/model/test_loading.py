@@ -7,7 +7,7 @@ import pytest
 from m2t.load import load_mission_folder, load_specification
 from m2t.validate import validate_folder
 from mrsfi_runtime.errors import ModelError
-from support_model import FAULTS, MISSION, copy_models, edit, line_of
+from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
 
 
 def test_comments_and_processing_instructions_are_dropped(tmp_path: Path) -> None:

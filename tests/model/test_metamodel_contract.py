@@ -19,7 +19,7 @@ from m2t.metamodels import (
     read_metamodels,
 )
 from mrsfi_runtime.errors import ModelError
-from support_cli import edit
+from tests.support.cli import edit
 
 NEEDED = [
     (package, class_name, name)

@@ -15,9 +15,9 @@ import pytest
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, metamodel_folder
 from mrsfi_runtime.cli.main import main
 from mrsfi_runtime.errors import ModelError
-from support_cli import ROOT, mrsfi_process
-from support_model import FAULTS, MISSION, copy_models
-from support_mutilation import MUTILATIONS
+from tests.model.mutilation import MUTILATIONS
+from tests.support.cli import ROOT, mrsfi_process
+from tests.support.models.copies import FAULTS, MISSION, copy_models
 
 N_MODELS_EACH = 33
 N_METAMODELS_EACH = 15

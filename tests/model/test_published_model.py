@@ -12,7 +12,7 @@ import pytest
 
 from m2t.constraints.faults import fault_types
 from m2t.load import LoadedModels, load_mission_folder
-from support_model import MODELS
+from tests.support.models.copies import MODELS
 
 ROBOTS = """
 r1 LEN 250 -250 1 5 | s1 GPS_POSITION 2 5; s2 PRESSURE 2 5    | b1 20000; b2 80000 | ms1 5

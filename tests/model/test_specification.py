@@ -8,7 +8,7 @@ from m2t.load import load_specification
 from m2t.specification import SpecificationRow, write_specification
 from m2t.validate import validate_specification
 from mrsfi_runtime.errors import SpecificationError
-from support_model import FAULTS, copy_models, edit
+from tests.support.models.copies import FAULTS, copy_models, edit
 
 ROWS: list[SpecificationRow] = [
     ("f9", 0, 10, {"NEW_X": 1.5, "NEW_Y": -3.0}),

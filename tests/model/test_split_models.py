@@ -11,8 +11,8 @@ from m2t.saving import save, saved
 from m2t.specification import write_specification
 from m2t.validate import validate_folder
 from mrsfi_runtime.errors import ModelError
-from support_model import FAULTS, MISSION, copy_models, edit, line_of
-from support_split import PARTS, Parts, split_folder
+from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
+from tests.support.models.split import PARTS, Parts, split_folder
 
 
 def whole(models: LoadedModels) -> list[bytes]:

@@ -12,7 +12,7 @@ from m2t.metamodels import load_metamodels
 from m2t.saving import save
 from m2t.write.xmi import dumps, java_double, write_atomically
 from mrsfi_runtime.errors import ModelError
-from support_model import FAULTS, MISSION, MODELS, copy_models, edit
+from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
 
 
 def test_committed_models_are_what_the_writer_writes() -> None:

@@ -11,7 +11,7 @@ from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.targets import require_no_overlap, touched
 from mrsfi_runtime.record.trace import TraceDigest
-from support_world import paper_code
+from tests.support.world import paper_code
 
 DURATION = 60
 CODE = paper_code(DURATION)

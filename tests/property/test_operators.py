@@ -18,7 +18,7 @@ from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from mrsfi_runtime.search.steps import STEPS, Step, crept, dropped, filled, widened
 from mrsfi_runtime.search.variation import crossed, mutated
-from support_search import PAPER_FAULTS, paper_mission, paper_space, pool_of, random_pair
+from tests.support.search import PAPER_FAULTS, paper_mission, paper_space, pool_of, random_pair
 
 FAULT_IDS = [fault.id for fault in PAPER_FAULTS]
 LAW = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])

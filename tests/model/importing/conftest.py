@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from m2t.load import LoadedModels, load_mission_folder
-from support_model import MODELS
-from support_published import published
+from tests.support.models.copies import MODELS
+from tests.support.models.published import published
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from m2t.difference import difference
 from m2t.importing.importer import import_published
 from m2t.load import LoadedModels, load_mission_folder
 from mrsfi_runtime.errors import ModelError, UsageError
-from support_model import MODELS, edit, line_of
-from support_published import xmi_id
+from tests.support.models.copies import MODELS, edit, line_of
+from tests.support.models.published import xmi_id
 
 ERRORS = [
     ('sensor="', 'sensor="_nowhere', "ResolvedReference"),

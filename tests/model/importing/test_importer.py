@@ -11,9 +11,9 @@ from m2t.importing.importer import Imported, import_published
 from m2t.load import LoadedModels, load_mission_folder, load_specification
 from m2t.metamodels import features, is_contained, is_reference
 from m2t.validate import validate_folder
-from support_generation import ALL_TASKS, write_mission
-from support_model import MODELS, edit
-from support_published import published, xmi_id
+from tests.support.models.copies import MODELS, edit
+from tests.support.models.generation import ALL_TASKS, write_mission
+from tests.support.models.published import published, xmi_id
 
 
 def figures(root: Any, place: str = "") -> Iterator[tuple[str, Any]]:

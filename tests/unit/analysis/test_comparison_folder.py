@@ -9,7 +9,7 @@ from mrsfi_runtime.analysis.comparison import Comparison, as_json, compare
 from mrsfi_runtime.analysis.comparison_folder import ComparisonFolder
 from mrsfi_runtime.analysis.run_results import RunResult, measure_run
 from mrsfi_runtime.errors import RecordError
-from support_record import generations_of_evaluations, mission
+from tests.support.campaigns import generations_of_evaluations, mission
 
 SUBJECT = {"population": 20, "evaluations": 40, "goals": ["g1", "g3"]}
 

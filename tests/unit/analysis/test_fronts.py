@@ -15,7 +15,7 @@ from mrsfi_runtime.analysis.fronts import (
 )
 from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.errors import UsageError
-from support_record import evaluation, mission
+from tests.support.campaigns import evaluation, mission
 
 MEASURE = Measure.of({}, mission())
 VECTORS = st.integers(1, 4).flatmap(

@@ -12,7 +12,7 @@ from mrsfi_runtime.analysis.report import write_report
 from mrsfi_runtime.cli.tables import critical_table
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
-from support_record import Code, evaluation, mission, pool, statistics
+from tests.support.campaigns import Code, evaluation, mission, pool, statistics
 
 CODE = Code(mission(), pool())
 GOALS = ("g1", "g3")

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 from mrsfi_runtime.analysis.places import goal_places, working_window
 from mrsfi_runtime.model.mission import Coordinates, Goal, Patrol, Stay, Visit
-from support_record import area, mission
+from tests.support.campaigns import area, mission
 
 
 def test_only_areas_that_a_task_reads_are_places() -> None:

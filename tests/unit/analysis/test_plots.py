@@ -12,7 +12,7 @@ from mrsfi_runtime.analysis import plots
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
 from mrsfi_runtime.analysis.patterns import find_patterns
 from mrsfi_runtime.analysis.trend import GenerationFitness, Trend
-from support_record import mission, pool, random_specification
+from tests.support.campaigns import mission, pool, random_specification
 
 TREND = Trend(
     tuple(GenerationFitness(i, 10.0 * i, 5.0, 10.0 * i + 9, 0.0) for i in range(6)), 10.0, 0.0, 1, 0

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 from mrsfi_runtime.analysis.ranking import distinct, top
 from mrsfi_runtime.model.faults import TimedFault
-from support_record import evaluation
+from tests.support.campaigns import evaluation
 
 ONE = (TimedFault("f1", 0, 5), TimedFault("f2", 3, 4, (1.0,)))
 TWO = (TimedFault("f1", 0, 6), TimedFault("f2", 3, 4, (1.0,)))

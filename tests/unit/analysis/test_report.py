@@ -11,7 +11,7 @@ from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.campaign import CampaignStore, Generation
-from support_record import (
+from tests.support.campaigns import (
     Code,
     evaluation,
     generations_of_evaluations,

@@ -11,7 +11,7 @@ from mrsfi_runtime.analysis.fronts import non_dominated
 from mrsfi_runtime.analysis.run_results import RunResult, front_volume, measure_run
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.mission import Mission
-from support_record import evaluation, mission
+from tests.support.campaigns import evaluation, mission
 
 SIX = (0, 0, 0, 0, 0, 0)
 

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.analysis.studio import Drawing, Studio, draw_here
-from support_record import mission
+from tests.support.campaigns import mission
 
 
 def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from websockets.frames import OP_BINARY, OP_TEXT
 
 from mrsfi_runtime.bridge.encodings import PLAIN, Encoding, Outgoing, png, text_frames
-from support_bridge import TYPES, parse_frames, png_text
+from tests.support.bridge import TYPES, parse_frames, png_text
 
 
 def outgoing(type_name, message):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mrsfi_runtime.bridge.protocol import Fragments
 from mrsfi_runtime.bridge.settings import Limits
 from mrsfi_runtime.errors import ProtocolError
-from support_bridge import FLOAT, TEXT, Peer, new_hub
+from tests.support.bridge import FLOAT, TEXT, Peer, new_hub
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from mrsfi_runtime.bridge.settings import Limits
-from support_bridge import FLOAT, POINT, Peer, new_hub
+from tests.support.bridge import FLOAT, POINT, Peer, new_hub
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import pytest
 
 from mrsfi_runtime.bridge.settings import Limits
-from support_bridge import Peer, new_hub
+from tests.support.bridge import Peer, new_hub
 
 ADD = "rospy_tutorials/AddTwoInts"
 

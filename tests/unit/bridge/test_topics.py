@@ -3,7 +3,7 @@
 import pytest
 
 from mrsfi_runtime.bridge.settings import Limits
-from support_bridge import FLOAT, POINT, TEXT, Peer, new_hub
+from tests.support.bridge import FLOAT, POINT, TEXT, Peer, new_hub
 
 
 @pytest.fixture

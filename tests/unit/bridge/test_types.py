@@ -7,7 +7,7 @@ import pytest
 
 from mrsfi_runtime.bridge.type_table import STANDARD, TypeTable
 from mrsfi_runtime.errors import ProtocolError, UsageError
-from support_bridge import TYPES
+from tests.support.bridge import TYPES
 
 
 def define(folder: Path, name: str, text: str, kind: str = "msg") -> Path:

@@ -12,7 +12,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from support_world import ROOT, paper_code
+from tests.support.world import ROOT, paper_code
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
 SPECIFICATIONS = [

@@ -20,8 +20,8 @@ from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
-from support_bus import sides
-from support_world import paper_code
+from tests.support.world import paper_code
+from tests.unit.hosting.bus import sides
 
 CODE = paper_code(60)
 SPEED, GO, TICK = "/r2/speed", "/mission/go", "/mission/tick"

@@ -9,7 +9,7 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.topics import Topic
-from support_world import paper_code
+from tests.support.world import paper_code
 
 CODE, SEED = paper_code(), 4
 CHANNELS = (("command/heading", "geometry_msgs/Vector3"), ("command/speed", "std_msgs/Float64"))

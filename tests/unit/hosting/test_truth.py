@@ -7,7 +7,7 @@ from mrsfi_runtime.hosting.truth import take_true_values, true_values
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.topics import Topic
-from support_world import paper_code
+from tests.support.world import paper_code
 
 CODE = paper_code(10)
 ACTIVE = "/r1/s2/active"

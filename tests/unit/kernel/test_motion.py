@@ -3,7 +3,7 @@
 import pytest
 
 from mrsfi_runtime.kernel.motion import advance, reports_position
-from support_world import robot, state
+from tests.support.world import robot, state
 
 
 def test_a_robot_moves_by_its_speed_along_its_heading():

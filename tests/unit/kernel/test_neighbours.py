@@ -11,7 +11,7 @@ from mrsfi_runtime.kernel.delivery import deliver
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Area, AvoidCollision, Coordinates, Obstacle
-from support_world import mission, robot, state
+from tests.support.world import mission, robot, state
 
 places = st.floats(-150.0, 150.0) | st.sampled_from([0.0, 2.0, 16.0, -1e300, 1e300, 1e6])
 points = st.tuples(places, places)

@@ -18,7 +18,7 @@ from mrsfi_runtime.model.mission import (
     Track,
     Visit,
 )
-from support_world import MEMBERS, robot, state
+from tests.support.world import MEMBERS, robot, state
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
 

@@ -6,7 +6,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from mrsfi_runtime.model.targets import conflicts, require_no_overlap, touched
-from support_world import paper_code
+from tests.support.world import paper_code
 
 CODE = paper_code()
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.record.campaign import CampaignStore
-from support_record import SETTINGS
+from tests.support.campaigns import SETTINGS
 
 
 @pytest.fixture

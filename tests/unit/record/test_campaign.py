@@ -15,7 +15,7 @@ from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.campaign import CampaignStore, FailedEvaluation, Generation
 from mrsfi_runtime.record.encoding import specification_from_text, specification_text
-from support_record import SETTINGS, evaluation, outcome
+from tests.support.campaigns import SETTINGS, evaluation, outcome
 
 STATISTICS = {"n_evaluations": 2, "mean": 0.1 + 0.2, "std": 1e-300, "min": -0.0, "max": 5.0}
 
@@ -187,7 +187,7 @@ from pathlib import Path
 sys.path[:0] = {path!r}
 from mrsfi_runtime.record import database
 from mrsfi_runtime.record.campaign import CampaignStore
-from support_record import evaluation
+from tests.support.campaigns import evaluation
 store = CampaignStore.create(Path({folder!r}), {{}}, {{}})
 for first in range(0, 30, 10):
     store.append([evaluation(i, (i,)) for i in range(first, first + 10)])
@@ -274,7 +274,7 @@ from pathlib import Path
 sys.path[:0] = {path!r}
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.campaign import CampaignStore
-from support_record import evaluation
+from tests.support.campaigns import evaluation
 with CampaignStore.create(Path({folder!r}), {{}}, {{}}) as store:
     store.append([evaluation(0, (0,))])
     size = store.path.stat().st_size

@@ -9,7 +9,7 @@ import pytest
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.campaign import CampaignStore
-from support_record import evaluation
+from tests.support.campaigns import evaluation
 
 NOBODY = 65534
 

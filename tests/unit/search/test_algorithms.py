@@ -11,7 +11,7 @@ from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import Algorithm, GenerationSummary
 from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.specifications import random_specification
-from support_search import paper_space, stand_in_outcome
+from tests.support.search import paper_space, stand_in_outcome
 
 
 def score_of(specification: Specification) -> Score:

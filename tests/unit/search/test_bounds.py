@@ -6,7 +6,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import Fault
 from mrsfi_runtime.model.mission import Area, Coordinates, Message, MessageField
-from support_search import PAPER_FAULTS, paper_mission
+from tests.support.search import PAPER_FAULTS, paper_mission
 
 REACH = (-3000.0, 3000.0)
 DEFAULTS = {

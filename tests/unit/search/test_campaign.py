@@ -14,7 +14,7 @@ from mrsfi_runtime.search.archive import Archive
 from mrsfi_runtime.search.campaign import EvaluateMany, Progress, run_campaign
 from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.specifications import fault_ticks
-from support_search import (
+from tests.support.search import (
     MemoryRecorder,
     evaluate_stand_in,
     outcome_of,

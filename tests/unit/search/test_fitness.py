@@ -10,7 +10,7 @@ from mrsfi_runtime.search.fitness import (
     goal_vector,
 )
 from mrsfi_runtime.search.settings import CampaignSettings
-from support_search import outcome_of, paper_mission
+from tests.support.search import outcome_of, paper_mission
 
 VIOLATIONS = (10, 0, 5, 0, 0, 85)
 

@@ -9,7 +9,7 @@ from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import Algorithm
 from mrsfi_runtime.search.settings import CampaignSettings
-from support_search import paper_space
+from tests.support.search import paper_space
 
 TWO_GOALS = ("g1", "g3")
 ALL_GOALS = ("g1", "g2", "g3", "g4", "g5", "g6")

@@ -6,7 +6,7 @@ import pytest
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual, mate, mutate
-from support_search import paper_space, random_pair
+from tests.support.search import paper_space, random_pair
 
 
 def evaluated_pair() -> tuple[Individual, Individual]:

@@ -7,7 +7,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.search.space import SearchSpace, random_window
 from mrsfi_runtime.search.specifications import fault_ticks, random_specification
-from support_search import paper_mission, paper_space
+from tests.support.search import paper_mission, paper_space
 
 
 def test_free_windows_lie_between_conflicting_faults_only() -> None:

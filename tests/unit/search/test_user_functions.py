@@ -7,7 +7,7 @@ import pytest
 from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.search.campaign import require_settings, run_campaign
 from mrsfi_runtime.search.settings import CampaignSettings
-from support_search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
+from tests.support.search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
 
 MODULE = """
 from mrsfi_runtime.model.faults import TimedFault

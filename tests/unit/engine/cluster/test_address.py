@@ -5,7 +5,7 @@ import pytest
 
 from mrsfi_runtime.engine.cluster.address import require_address
 from mrsfi_runtime.errors import UsageError
-from support_cluster import require_dask
+from tests.support.cluster import require_dask
 
 WITHOUT_DASK = """
 import sys

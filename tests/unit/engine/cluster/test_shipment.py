@@ -4,7 +4,7 @@ from pathlib import Path
 
 from mrsfi_runtime.engine.cluster.shipment import Shipment
 from mrsfi_runtime.mission import load_code
-from support_world import ROOT
+from tests.support.world import ROOT
 
 GENERATED = ROOT / "generated" / "tight_margins"
 

@@ -18,7 +18,7 @@ from pyecore.ecore import (
     EReference,
 )
 
-from support_random_models import ODD_TEXTS
+from tests.support.models.random_models import ODD_TEXTS
 
 _DEFAULTS = {
     ecore.EInt: ("0", "-7", "2147483647"),

@@ -1,7 +1,6 @@
 """Missions for tests of the kernel, written in the runtime's own vocabulary."""
 
 from dataclasses import replace
-from pathlib import Path
 
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.state import State
@@ -18,8 +17,8 @@ from mrsfi_runtime.model.mission import (
     Sensor,
     Task,
 )
+from tests.support.tree import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
 MEMBERS = ("a", "b")
 
 

@@ -16,7 +16,7 @@ from mrsfi_runtime.engine.compiled.compiling import _KERNEL, _register
 from mrsfi_runtime.engine.compiled.layout import state_type, write_state
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, load_module
-from support_cli import ROOT
+from tests.support.cli import ROOT
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
 FILE = "collective_intelligence.py"

@@ -9,7 +9,7 @@ from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.fault_types import FAULT_TYPES
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission
-from support_generation import write_mission
+from tests.support.models.generation import write_mission
 
 _ROBOT = """  <robots ID="r{n}" name="r{n}" speed="{speed}">
     <position x="{x}" y="{y}"/>

@@ -16,7 +16,7 @@ from typing import IO, Any, Self
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from support_cli import command_line
+from tests.support.cli import command_line
 
 MEBI = 1 << 20
 PATIENCE = 20.0

@@ -1,7 +1,7 @@
 """Edits of a flawless model that break its XML, its structure or its references."""
 
-from support_defect import Broken
-from support_model import FAULTS, MISSION
+from tests.support.broken.defect import Broken
+from tests.support.models.copies import FAULTS, MISSION
 
 G2_TASK = '<task xsi:type="mission:StayWithinMissionArea"/>'
 

@@ -3,7 +3,9 @@
 import shutil
 from pathlib import Path
 
-MODELS = Path(__file__).parent.parent / "models" / "uuv_sampling"
+from tests.support.tree import ROOT
+
+MODELS = ROOT / "models" / "uuv_sampling"
 MISSION = "mission.xmi"
 FAULTS = "faults.xmi"
 

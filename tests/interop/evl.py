@@ -11,8 +11,8 @@ from typing import Any
 from m2t.diagnostics import CONSTRAINTS, Diagnostic
 from m2t.fixes import FIXES, mend
 from m2t.load import Inspection, inspect_folder, inspect_specification
-from support_interop import ROOT, Note, difference, harness
-from support_model import FAULTS, MISSION
+from tests.interop.eclipse import ROOT, Note, difference, harness
+from tests.support.models.copies import FAULTS, MISSION
 
 EVL = ROOT / "metamodels"
 TWINS = frozenset(name for name, constraint in CONSTRAINTS.items() if constraint.evl)

@@ -27,7 +27,7 @@ from m2t.metamodels import (
     load_metamodels,
     reference_type,
 )
-from support_model import FAULTS, MISSION
+from tests.support.models.copies import FAULTS, MISSION
 
 _TYPE = "{http://www.w3.org/2001/XMLSchema-instance}type"
 _ODD_TEXTS = ("", "1x", "it's", "back\\slash", "\N{SNOWMAN}", "\xa0\u2028\ufeff", "no such word")

@@ -8,7 +8,7 @@ from typing import Any
 from m2t.constraints.faults import fault_types
 from m2t.load import LoadedFile, LoadedModels, load_mission_folder
 from m2t.saving import saved
-from support_model import copy_models
+from tests.support.models.copies import copy_models
 
 Parts = Callable[[LoadedModels], Mapping[str, tuple[Any, ...]]]
 

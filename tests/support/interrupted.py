@@ -11,7 +11,7 @@ from pathlib import Path
 from time import monotonic, sleep
 
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
-from support_cli import ROOT
+from tests.support.cli import ROOT
 
 MISSION = "tight_margins"
 """The mission of 200 ticks: an evaluation takes some ten milliseconds."""

@@ -1,6 +1,6 @@
 """Flights over rosbridge for tests, and a relay that delays and tampers with what passes.
 
-Run ``python tests/support_rosbridge.py CLIENT FORM MISSION DURATION SEED …`` to fly one random
+Run ``python -m tests.support.rosbridge CLIENT FORM MISSION DURATION SEED …`` to fly one random
 specification per seed in a process of its own: a process has one kind of client only.
 """
 
@@ -29,8 +29,8 @@ from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
+from tests.support.tree import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
 FLIGHT_SEED = 11
 
 _SILENT = logging.getLogger("tests.relay")
@@ -82,8 +82,9 @@ def digests_apart(
     form = "bundles" if is_bundled else "messages"
     words = [client, form, mission, str(duration), url, *map(str, seeds)]
     done = subprocess.run(
-        [sys.executable, "-W", "error", __file__, *words],
+        [sys.executable, "-W", "error", "-m", __name__, *words],
         check=False,
+        cwd=ROOT,
         capture_output=True,
         encoding="utf-8",
         timeout=240,

@@ -1,7 +1,7 @@
 """Edits of a flawless model that give a number outside its range."""
 
-from support_defect import Broken
-from support_model import FAULTS, MISSION
+from tests.support.broken.defect import Broken
+from tests.support.models.copies import FAULTS, MISSION
 
 G2_TASK = '<task xsi:type="mission:StayWithinMissionArea"/>'
 G2_VISIT = '<task xsi:type="mission:Visit" deadline="{}"><coordinates/></task>'

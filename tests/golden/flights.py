@@ -1,11 +1,10 @@
 """The flights whose traces are committed, and how they are recorded.
 
-Run ``python tests/support_golden.py`` to record them anew, on purpose only: a changed digest
+Run ``python -m tests.golden.flights`` to record them anew, on purpose only: a changed digest
 means that a mission now flies differently.
 """
 
 import json
-from pathlib import Path
 from random import Random
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
@@ -13,8 +12,8 @@ from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
+from tests.support.tree import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
 RECORD = ROOT / "tests" / "golden" / "flights.json"
 MISSIONS = ("uuv_sampling", "tight_margins")
 N_FLIGHTS = 4

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from mrsfi_runtime.cli.main import main
-from support_missing import skip
+from tests.support.missing import skip
+from tests.support.tree import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
 MISSION = "uuv_sampling"
 SMALL = ("--population", "4", "--generations", "2", "--workers", "1")
 """Options of a campaign that takes a second."""

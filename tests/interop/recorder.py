@@ -1,4 +1,4 @@
-"""Keep a copy of every model that tests judge: a plugin, ``pytest -p support_recorder``.
+"""Keep a copy of every model that tests judge: a plugin, ``pytest -p tests.interop.recorder``.
 
 The folder that MRSFI_RECORDED names receives one folder for each different model, and an index
 of what was judged. Only models are kept that break nothing but constraints which are stated in

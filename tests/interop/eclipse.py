@@ -12,12 +12,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from support_missing import skip
+from tests.support.missing import skip
+from tests.support.tree import ROOT
 
 Note: TypeAlias = Callable[..., None]
 """Takes figures for the end of the run: the name of a part, then counts such as ``files=6``."""
 
-ROOT = Path(__file__).parent.parent
 METAMODELS = tuple(str(ROOT / "metamodels" / name) for name in ("mission.ecore", "faults.ecore"))
 
 NO_PROJECTS: Mapping[str, Path] = MappingProxyType({})

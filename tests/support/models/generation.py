@@ -5,7 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from tests.support.tree import ROOT
+
 MODELS = ROOT / "models" / "uuv_sampling"
 GENERATED = ROOT / "generated" / "uuv_sampling"
 FILES = (

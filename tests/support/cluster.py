@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
 
-from support_missing import skip
+from tests.support.missing import skip
 
 _LOOPBACK = ("--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0")
 _QUICKLY = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}

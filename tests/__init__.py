@@ -1,0 +1,1 @@
+"""Tests of the whole, by rooms, and in ``support`` what several rooms share."""

@@ -1,0 +1,1 @@
+"""Broken models: one edit of a flawless model for every constraint."""

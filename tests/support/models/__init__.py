@@ -1,0 +1,1 @@
+"""Models to test with: copies, models of other shapes, and models drawn at random."""
