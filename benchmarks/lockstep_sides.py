@@ -19,7 +19,7 @@ import roslibpy
 
 from benchmarks.prepared import PreparedTicks
 from benchmarks.relay import Relay
-from mrsfi_runtime.bridge.embedded import EmbeddedBridge, LocalClient
+from mrsfi_bridge.embedded import EmbeddedBridge, LocalClient
 
 ROBOTS = ("r1", "r2", "r3")
 TOPICS = tuple(

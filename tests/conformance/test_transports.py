@@ -10,8 +10,8 @@ from queue import Empty, SimpleQueue
 
 import pytest
 
-from mrsfi_runtime.bridge.embedded import EmbeddedBridge
-from mrsfi_runtime.bridge.settings import Settings
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.settings import ServerSettings
 from mrsfi_runtime.errors import TransportClosed, TransportError, UsageError
 from mrsfi_runtime.hosting.embedded import EmbeddedTransport
 from mrsfi_runtime.transport.local_bus import LocalBus
@@ -206,7 +206,7 @@ def test_a_lost_connection_stays_lost_when_the_server_comes_back():
         transport.watch(lost.put)
         port = int(bridge.url.rpartition(":")[2])
     lost.get(timeout=10)
-    with EmbeddedBridge(Settings(port=port)) as again:
+    with EmbeddedBridge(ServerSettings(port=port)) as again:
         fresh = RosbridgeTransport(again.url, CLIENT)
         publish = fresh.advertise(SPEED)
         arrived = SimpleQueue()
@@ -241,7 +241,7 @@ def test_a_url_where_nobody_listens_is_told_without_its_token():
 
 
 def test_a_server_that_asks_for_a_token_lets_in_who_shows_it():
-    with EmbeddedBridge(Settings(token="0123456789abcdef")) as bridge:
+    with EmbeddedBridge(ServerSettings(token="0123456789abcdef")) as bridge:
         with pytest.raises(TransportError, match="expected a rosbridge server"):
             RosbridgeTransport(bridge.url, CLIENT)
         transport = RosbridgeTransport(f"{bridge.url}/?token=0123456789abcdef", CLIENT)

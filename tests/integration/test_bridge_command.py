@@ -1,26 +1,40 @@
-"""``mrsfi bridge`` as a process."""
+"""``mrsfi bridge`` and ``python -m mrsfi_bridge`` as processes."""
 
 import json
 import os
 import signal
 import socket
 import subprocess
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from queue import SimpleQueue
 
 import pytest
 from websockets.sync.client import connect
 
+from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.topics import Topic
 from tests.support.cli import command_line, mrsfi
 
 PATIENCE_S = 30.0
+TOGETHER = (*command_line("bridge"), "--port", "0")
+_ALONE = """
+import runpy, sys
+sys.modules["mrsfi_runtime"] = sys.modules["m2t"] = None  # importing them is an error
+runpy.run_module("mrsfi_bridge", run_name="__main__", alter_sys=True)
+"""
+ALONE = (sys.executable, "-c", _ALONE, "--port", "0")
+BOTH = pytest.mark.parametrize("command", [TOGETHER, ALONE], ids=["mrsfi", "alone"])
 
 
 @contextmanager
-def running(*arguments: str, cwd: Path) -> Iterator[subprocess.Popen[str]]:
+def running(
+    *arguments: str, cwd: Path, command: Sequence[str] = TOGETHER
+) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(
-        command_line("bridge", "--port", "0", *arguments),
+        [*command, *arguments],
         cwd=cwd,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -37,9 +51,10 @@ def url_of(process: subprocess.Popen[str]) -> str:
     return process.stdout.readline().strip()
 
 
+@BOTH
 @pytest.mark.parametrize(("sign", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 0)])
-def test_it_prints_its_url_serves_and_ends_when_told(tmp_path, sign, code):
-    with running(cwd=tmp_path) as process, connect(url_of(process)) as connection:
+def test_it_prints_its_url_serves_and_ends_when_told(tmp_path, command, sign, code):
+    with running(cwd=tmp_path, command=command) as process, connect(url_of(process)) as connection:
         connection.send("{")
         connection.send(json.dumps({"op": "call_service", "service": "/rosapi/get_time"}))
         answer = json.loads(connection.recv(PATIENCE_S))
@@ -77,15 +92,19 @@ def test_a_wrong_definition_ends_it_before_it_listens(tmp_path):
     assert done.stdout == ""
 
 
-def test_a_port_in_use_ends_it_with_8(tmp_path):
+@BOTH
+def test_a_port_in_use_ends_it_with_8(tmp_path, command):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
 
-        done = mrsfi("bridge", "--port", str(port), cwd=tmp_path, expected=8)
+        done = run(*command, "--port", str(port), cwd=tmp_path)
 
+    assert done.returncode == 8
     assert f"127.0.0.1:{port}: cannot listen" in done.stderr
+    assert "Traceback" not in done.stderr
 
 
+@BOTH
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -96,18 +115,46 @@ def test_a_port_in_use_ends_it_with_8(tmp_path):
         ("--types", "nowhere"),
     ],
 )
-def test_wrong_usage_ends_it_with_2(tmp_path, arguments):
-    done = mrsfi("bridge", *arguments, cwd=tmp_path, expected=2)
+def test_wrong_usage_ends_it_with_2(tmp_path, command, arguments):
+    done = run(*command, *arguments, cwd=tmp_path)
 
+    assert done.returncode == 2
     assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+
+
+def run(*command: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command, cwd=cwd, capture_output=True, encoding="utf-8", timeout=PATIENCE_S, check=False
+    )
+
+
+def test_both_ways_to_run_it_have_the_same_help(tmp_path):
+    together, alone = (run(*command, "--help", cwd=tmp_path) for command in (TOGETHER, ALONE))
+
+    assert together.returncode == alone.returncode == 0
+    assert "\n    mrsfi bridge --port 0 " in together.stdout
+    assert alone.stdout == together.stdout.replace("mrsfi bridge", "python -m mrsfi_bridge")
+
+
+def test_roslibpy_talks_to_it_where_the_runtime_cannot_be_imported(tmp_path):
+    heard, depth = SimpleQueue(), Topic("/depth", "std_msgs/Float64")
+    with running(cwd=tmp_path, command=ALONE) as process:
+        client = RosbridgeTransport(url_of(process), "asyncio")
+        try:
+            client.subscribe(depth, heard.put)
+            client.advertise(depth)({"data": 4.5})
+
+            assert heard.get(timeout=PATIENCE_S) == {"data": 4.5}
+        finally:
+            client.close()
 
 
 def test_a_public_server_takes_its_token_from_the_environment(tmp_path):
     token = "0123456789abcdef"
     environment = {**os.environ, "MRSFI_BRIDGE_TOKEN": token}
-    command = command_line("bridge", "--host", "0.0.0.0", "--public", "--port", "0")
     with subprocess.Popen(
-        command,
+        [*TOGETHER, "--host", "0.0.0.0", "--public"],
         cwd=tmp_path,
         env=environment,
         stdout=subprocess.PIPE,

@@ -8,9 +8,9 @@ from queue import Queue
 import pytest
 from websockets.sync.client import connect
 
-from mrsfi_runtime.bridge.embedded import EmbeddedBridge, LocalClient
-from mrsfi_runtime.bridge.settings import Settings
-from mrsfi_runtime.errors import ProtocolError, TransportClosed, TransportError, UsageError
+from mrsfi_bridge.embedded import EmbeddedBridge, LocalClient
+from mrsfi_bridge.errors import ListenError, NotRunningError, ProtocolError, SettingsError
+from mrsfi_bridge.settings import ServerSettings
 from tests.support.bridge import FLOAT, parse_frames
 
 PATIENCE_S = 20.0
@@ -183,16 +183,16 @@ def test_wrong_use_is_an_error_of_the_one_who_uses_it(server, wrong, reason):
 def test_a_port_in_use_is_told_where_the_server_is_started():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        bridge = EmbeddedBridge(Settings(port=port))
+        bridge = EmbeddedBridge(ServerSettings(port=port))
 
-        with pytest.raises(TransportError, match=f"127.0.0.1:{port}: cannot listen: .*choose"):
+        with pytest.raises(ListenError, match=f"127.0.0.1:{port}: cannot listen: .*choose"):
             bridge.start()
         bridge.close()
 
 
 def test_settings_that_open_the_server_are_refused_where_it_is_started():
-    with pytest.raises(UsageError, match="add --public"):
-        EmbeddedBridge(Settings("0.0.0.0")).start()
+    with pytest.raises(SettingsError, match="add --public"):
+        EmbeddedBridge(ServerSettings("0.0.0.0")).start()
 
 
 def test_closing_twice_is_once_and_leaves_no_thread():
@@ -204,9 +204,9 @@ def test_closing_twice_is_once_and_leaves_no_thread():
     bridge.close()
 
     assert threading.active_count() == n_threads
-    with pytest.raises(TransportClosed, match="does not run"):
+    with pytest.raises(NotRunningError, match="does not run"):
         bridge.call_soon(print)
-    with pytest.raises(TransportClosed, match="does not run"):
+    with pytest.raises(NotRunningError, match="does not run"):
         bridge.local_client()
 
 

@@ -14,8 +14,8 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from mrsfi_runtime.bridge.embedded import EmbeddedBridge
-from mrsfi_runtime.bridge.settings import Limits, Settings
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.settings import Limits, ServerSettings
 from tests.support.bridge import FLOAT, TEXT, parse_frames
 
 PATIENCE_S = 20.0
@@ -25,7 +25,7 @@ TOKEN = "0123456789abcdef"
 
 @contextmanager
 def bridge(limits: Limits | None = None, **settings: Any) -> Iterator[EmbeddedBridge]:
-    with EmbeddedBridge(Settings(limits=limits or Limits(), **settings)) as server:
+    with EmbeddedBridge(ServerSettings(limits=limits or Limits(), **settings)) as server:
         yield server
     assert server.failed.error is None
 

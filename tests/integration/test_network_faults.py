@@ -16,8 +16,8 @@ from websockets.asyncio.client import ClientConnection
 from websockets.asyncio.client import connect as connect_async
 from websockets.exceptions import InvalidStatus
 
-from mrsfi_runtime.bridge.embedded import EmbeddedBridge
-from mrsfi_runtime.bridge.settings import Limits, Settings
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.settings import Limits, ServerSettings
 from tests.integration.network import (
     MEBI,
     Client,
@@ -261,7 +261,7 @@ def test_a_type_conflict_is_told_to_the_second_and_the_first_goes_on() -> None:
 def test_a_half_open_provider_is_found_out_and_its_callers_are_answered(note: Note) -> None:
     limits = Limits(ping_s=0.4, pong_s=0.6)
 
-    with EmbeddedBridge(Settings(limits=limits)) as server:
+    with EmbeddedBridge(ServerSettings(limits=limits)) as server:
         silent = raw_socket(server.url)
         send_operation(
             silent, "advertise_service", service="/sum", type="rospy_tutorials/AddTwoInts"

@@ -12,13 +12,13 @@ from PIL import Image
 from websockets.frames import OP_TEXT, Frame
 from websockets.streams import StreamReader
 
-from mrsfi_runtime.bridge.broker import Broker
-from mrsfi_runtime.bridge.rosapi import provide_rosapi
-from mrsfi_runtime.bridge.services import Services
-from mrsfi_runtime.bridge.session import Hub, Session
-from mrsfi_runtime.bridge.settings import Limits
-from mrsfi_runtime.bridge.type_table import TypeTable
-from mrsfi_runtime.bridge.uses import Budget
+from mrsfi_bridge.broker import Broker
+from mrsfi_bridge.rosapi import provide_rosapi
+from mrsfi_bridge.services import Services
+from mrsfi_bridge.session import Hub, Session
+from mrsfi_bridge.settings import Limits
+from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.uses import Budget
 
 TYPES = TypeTable()
 FLOAT = "std_msgs/Float64"

@@ -14,14 +14,16 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Thread
 
-from mrsfi_runtime.bridge.embedded import EmbeddedBridge
-from mrsfi_runtime.bridge.settings import Settings
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.errors import BridgeError
+from mrsfi_bridge.settings import ServerSettings
 from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.hosting.bundle import BundlingTransport
 from mrsfi_runtime.hosting.embedded import EmbeddedTransport
 from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.hosting.simulation_host import SimulationHost
 from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.rosbridge import Client, RosbridgeTransport
 from mrsfi_runtime.transport.topics import Transport
 
@@ -82,12 +84,15 @@ def _transport(url: str | None, client: Client) -> Iterator[tuple[Transport, str
             joined.close()
         return
     token = secrets.token_urlsafe()  # other users of this machine are no part of the mission
-    with EmbeddedBridge(Settings(token=token)) as bridge:
-        embedded = EmbeddedTransport(bridge)
-        try:
-            yield embedded, f"{bridge.url}/?token={token}"
-        finally:
-            embedded.close()
+    try:
+        with EmbeddedBridge(ServerSettings(token=token)) as bridge:
+            embedded = EmbeddedTransport(bridge)
+            try:
+                yield embedded, f"{bridge.url}/?token={token}"
+            finally:
+                embedded.close()
+    except BridgeError as error:
+        raise as_ours(error) from error
 
 
 def request(directory: Path, url: str | None, client: Client, patience: Patience) -> bytes:

@@ -8,8 +8,10 @@ from collections.abc import Callable
 from threading import Event, get_ident
 from typing import Any, TypeVar
 
-from mrsfi_runtime.bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.errors import BridgeError
 from mrsfi_runtime.errors import TransportClosed
+from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.topics import (
     FailureListener,
     Payload,
@@ -46,10 +48,13 @@ class EmbeddedTransport:
         self._run(lambda: client.advertise(name, topic.type))
 
         def publish(payload: Payload) -> None:
-            if get_ident() == self._thread:
-                client.publish(name, payload)
-            else:
+            if get_ident() != self._thread:
                 self._run(lambda: client.publish(name, payload))
+                return
+            try:
+                client.publish(name, payload)
+            except BridgeError as error:
+                raise as_ours(error) from error
 
         return publish
 
@@ -101,6 +106,12 @@ class EmbeddedTransport:
         """Run a function in the bridge's thread and return what it returns."""
         if self._lost is not None:
             raise self._lost
+        try:
+            return self._run_there(function)
+        except BridgeError as error:
+            raise as_ours(error) from error
+
+    def _run_there(self, function: Callable[[], T]) -> T:
         if get_ident() == self._thread:
             return function()
         done = Event()

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.bridge.protocol import Fragments
-from mrsfi_runtime.bridge.settings import Limits
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.protocol import Fragments
+from mrsfi_bridge.settings import Limits
 from tests.support.bridge import FLOAT, TEXT, Peer, new_hub
 
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from mrsfi_runtime.bridge.settings import Limits
+from mrsfi_bridge.settings import Limits
 from tests.support.bridge import FLOAT, POINT, Peer, new_hub
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mrsfi_runtime.bridge.settings import Limits
+from mrsfi_bridge.settings import Limits
 from tests.support.bridge import Peer, new_hub
 
 ADD = "rospy_tutorials/AddTwoInts"

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.bridge.type_table import STANDARD, TypeTable
-from mrsfi_runtime.errors import ProtocolError, UsageError
+from mrsfi_bridge.errors import ProtocolError, SettingsError
+from mrsfi_bridge.type_table import STANDARD, TypeTable
 from tests.support.bridge import TYPES
 
 
@@ -148,10 +148,10 @@ def test_definitions_of_the_user_come_first_and_may_name_standard_types(tmp_path
 def test_a_wrong_definition_is_refused_with_file_and_line(tmp_path, text, kind, reason):
     define(tmp_path, "a/T", text, kind)
 
-    with pytest.raises(UsageError, match=reason):
+    with pytest.raises(SettingsError, match=reason):
         TypeTable([tmp_path]).check()
 
 
 def test_a_folder_without_definitions_is_refused(tmp_path):
-    with pytest.raises(UsageError, match=r"no definitions; expected .*/PACKAGE/msg/TYPE\.msg"):
+    with pytest.raises(SettingsError, match=r"no definitions; expected .*/PACKAGE/msg/TYPE\.msg"):
         TypeTable([tmp_path]).check()

@@ -12,7 +12,7 @@ from typing import Self
 
 import mrsfi_runtime
 
-_ELSEWHERE = frozenset({"analysis", "bridge", "cli", "search"})
+_ELSEWHERE = frozenset({"analysis", "cli", "search"})
 """Rooms of mrsfi whose source no evaluation on a worker depends on."""
 
 

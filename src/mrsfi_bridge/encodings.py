@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
-from mrsfi_runtime.bridge.structures import Structure
-from mrsfi_runtime.bridge.wire import cbor, packed, tagged
+from mrsfi_bridge.structures import Structure
+from mrsfi_bridge.wire import cbor, packed, tagged
 
 COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
 

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
-from mrsfi_runtime.bridge.definitions import (
+from mrsfi_bridge.definitions import (
     FLOATS,
     INTEGER_BITS,
     SCALAR,
@@ -20,7 +20,7 @@ from mrsfi_runtime.bridge.definitions import (
     Definition,
     Field,
 )
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.errors import ProtocolError
 
 Convert: TypeAlias = Callable[[Any], Any]
 """Returns the normal form of a value, or raises ``FieldError``."""

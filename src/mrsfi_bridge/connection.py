@@ -14,10 +14,10 @@ from websockets.http11 import Request
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
-from mrsfi_runtime.bridge.encodings import text_frames
-from mrsfi_runtime.bridge.origins import accepted_origins
-from mrsfi_runtime.bridge.session import LOGGER, Hub, Session
-from mrsfi_runtime.bridge.settings import Settings
+from mrsfi_bridge.encodings import text_frames
+from mrsfi_bridge.origins import accepted_origins
+from mrsfi_bridge.session import LOGGER, Hub, Session
+from mrsfi_bridge.settings import ServerSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +34,7 @@ _FEW_BYTES = 1 << 16
 class Room(Protocol):
     """What a connection needs of its server."""
 
-    settings: Settings
+    settings: ServerSettings
     hub: Hub
 
     def enter(self, connection: "Connection") -> bool:

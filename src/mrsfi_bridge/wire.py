@@ -12,8 +12,8 @@ from typing import Any
 
 import cbor2
 
-from mrsfi_runtime.bridge.definitions import SCALAR, TIMES, VARIABLE, Field
-from mrsfi_runtime.bridge.structures import BYTE_ARRAYS, Structure
+from mrsfi_bridge.definitions import SCALAR, TIMES, VARIABLE, Field
+from mrsfi_bridge.structures import BYTE_ARRAYS, Structure
 
 _FORMATS = {
     "bool": "?",

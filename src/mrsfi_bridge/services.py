@@ -4,9 +4,9 @@ from collections.abc import Callable, Hashable
 from itertools import count
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
-from mrsfi_runtime.bridge.names import check_name
-from mrsfi_runtime.bridge.type_table import ServiceType, TypeTable
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.names import check_name
+from mrsfi_bridge.type_table import ServiceType, TypeTable
 
 Ask: TypeAlias = Callable[[str, dict[str, Any]], None]
 """Passes a call on to its provider: identifier of the call, and the request."""

@@ -3,8 +3,8 @@
 import ipaddress
 from dataclasses import dataclass, field
 
-from mrsfi_runtime.bridge.type_table import TypeTable
-from mrsfi_runtime.errors import UsageError
+from mrsfi_bridge.errors import SettingsError
+from mrsfi_bridge.type_table import TypeTable
 
 _MEBI = 1 << 20
 _SHORTEST_TOKEN = 16
@@ -59,7 +59,7 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class ServerSettings:
     """Address of a server and who may use it.
 
     Parameters
@@ -91,7 +91,7 @@ class Settings:
 
         Raises
         ------
-        UsageError
+        SettingsError
             If they would.
         """
         if not is_loopback(self.host):
@@ -100,13 +100,13 @@ class Settings:
                     f"{self.host} is an address that other machines may reach: "
                     "add --public and --token, or bind 127.0.0.1"
                 )
-                raise UsageError(message)
+                raise SettingsError(message)
             if self.token is None:
                 message = "a public server needs a token that its clients must show: add --token"
-                raise UsageError(message)
+                raise SettingsError(message)
         if self.token is not None and not _is_token(self.token):
             message = f"a token has at least {_SHORTEST_TOKEN} letters, digits, '-' or '_'"
-            raise UsageError(message)
+            raise SettingsError(message)
 
 
 def is_loopback(host: str) -> bool:

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Hashable
 from typing import Any, TypeAlias
 
-from mrsfi_runtime.bridge.encodings import PLAIN, Outgoing
-from mrsfi_runtime.bridge.names import check_name
-from mrsfi_runtime.bridge.structures import Structure
-from mrsfi_runtime.bridge.type_table import TypeTable
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.encodings import PLAIN, Outgoing
+from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.names import check_name
+from mrsfi_bridge.structures import Structure
+from mrsfi_bridge.type_table import TypeTable
 
 Receive: TypeAlias = Callable[[Outgoing], None]
 """Takes a message for a subscriber."""

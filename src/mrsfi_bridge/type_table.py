@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from mrsfi_runtime.bridge.definitions import parse_message, parse_service
-from mrsfi_runtime.bridge.structures import Structure
-from mrsfi_runtime.errors import ProtocolError, UsageError
+from mrsfi_bridge.definitions import parse_message, parse_service
+from mrsfi_bridge.errors import ProtocolError, SettingsError
+from mrsfi_bridge.structures import Structure
 
 STANDARD = Path(__file__).parent / "types"
 """Definitions that come with the server."""
@@ -51,7 +51,7 @@ class TypeTable:
         ------
         ProtocolError
             If the type is unknown.
-        UsageError
+        SettingsError
             If its definition is wrong.
         """
         known = self._structures.get(name)
@@ -66,7 +66,7 @@ class TypeTable:
         ------
         ProtocolError
             If the type is unknown.
-        UsageError
+        SettingsError
             If its definition is wrong.
         """
         known = self._services.get(name)
@@ -79,7 +79,7 @@ class TypeTable:
 
         Raises
         ------
-        UsageError
+        SettingsError
             If a folder has no definitions, or one of them is wrong.
         """
         n_read = 0
@@ -87,7 +87,7 @@ class TypeTable:
             names = tuple(_names(folder))
             if not names:
                 message = f"{folder}: no definitions; expected {folder}/PACKAGE/msg/TYPE.msg"
-                raise UsageError(message)
+                raise SettingsError(message)
             for kind, name in names:
                 self._check_one(folder, kind, name)
             n_read += len(names)
@@ -98,14 +98,14 @@ class TypeTable:
             _ = self.message(name) if kind == "msg" else self.service(name)
         except ProtocolError as error:
             message = f"{folder}: {name}: {error}"
-            raise UsageError(message) from error
+            raise SettingsError(message) from error
 
     def _message(self, name: str) -> Structure:
         if name in self._structures:
             return self._structures[name]
         if name in self._open:
             message = f"type {name} contains itself: {' in '.join((name, *reversed(self._open)))}"
-            raise UsageError(message)
+            raise SettingsError(message)
         path = self._find(name, "msg")
         self._open.append(name)
         try:
@@ -160,4 +160,4 @@ def _text(path: Path) -> str:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         message = f"{path}: cannot be read: {error}"
-        raise UsageError(message) from error
+        raise SettingsError(message) from error

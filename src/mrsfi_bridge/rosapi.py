@@ -9,15 +9,15 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from typing import Any, TypeAlias
 
-from mrsfi_runtime.bridge.definitions import SCALAR, TIMES, Definition, Field
-from mrsfi_runtime.bridge.encodings import json_text
-from mrsfi_runtime.bridge.names import absolute
-from mrsfi_runtime.bridge.parameters import Parameters
-from mrsfi_runtime.bridge.services import OWN
-from mrsfi_runtime.bridge.session import Hub
-from mrsfi_runtime.bridge.structures import Structure, now
-from mrsfi_runtime.bridge.type_table import full_name
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.definitions import SCALAR, TIMES, Definition, Field
+from mrsfi_bridge.encodings import json_text
+from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.names import absolute
+from mrsfi_bridge.parameters import Parameters
+from mrsfi_bridge.services import OWN
+from mrsfi_bridge.session import Hub
+from mrsfi_bridge.structures import Structure, now
+from mrsfi_bridge.type_table import full_name
 
 Fields: TypeAlias = dict[str, Any]
 

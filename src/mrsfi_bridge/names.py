@@ -1,6 +1,6 @@
 """Names of topics, services and parameters."""
 
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.errors import ProtocolError
 
 _LONGEST = 256
 

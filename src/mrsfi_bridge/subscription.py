@@ -4,10 +4,10 @@ from collections import deque
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
-from mrsfi_runtime.bridge.encodings import COMPRESSIONS, PLAIN, Encoding, Outgoing
-from mrsfi_runtime.bridge.services import Scheduler, Timer
-from mrsfi_runtime.bridge.uses import Budget
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.encodings import COMPRESSIONS, PLAIN, Encoding, Outgoing
+from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.services import Scheduler, Timer
+from mrsfi_bridge.uses import Budget
 
 _LONGEST_QUEUE = 10_000
 _LONGEST_THROTTLE_MS = 1e9

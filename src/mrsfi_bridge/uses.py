@@ -2,7 +2,7 @@
 
 from typing import Generic, TypeVar
 
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.errors import ProtocolError
 
 V = TypeVar("V")
 

@@ -5,16 +5,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from mrsfi_runtime.bridge.broker import Broker
-from mrsfi_runtime.bridge.encodings import text_frames
-from mrsfi_runtime.bridge.names import absolute
-from mrsfi_runtime.bridge.protocol import Fragments, Operation, check_operation, operations
-from mrsfi_runtime.bridge.services import Scheduler, Services
-from mrsfi_runtime.bridge.settings import Limits
-from mrsfi_runtime.bridge.subscription import Subscription, Wish, settled, wanted_encoding, wish
-from mrsfi_runtime.bridge.type_table import TypeTable
-from mrsfi_runtime.bridge.uses import Budget, Uses
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.broker import Broker
+from mrsfi_bridge.encodings import text_frames
+from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.names import absolute
+from mrsfi_bridge.protocol import Fragments, Operation, check_operation, operations
+from mrsfi_bridge.services import Scheduler, Services
+from mrsfi_bridge.settings import Limits
+from mrsfi_bridge.subscription import Subscription, Wish, settled, wanted_encoding, wish
+from mrsfi_bridge.type_table import TypeTable
+from mrsfi_bridge.uses import Budget, Uses
 
 LOGGER = logging.getLogger("mrsfi.bridge")
 

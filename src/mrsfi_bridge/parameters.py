@@ -4,8 +4,8 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from mrsfi_runtime.bridge.names import absolute, check_name
-from mrsfi_runtime.errors import ProtocolError
+from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.names import absolute, check_name
 
 _DEEPEST = 32
 _TOTAL_BYTES = 1 << 24

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from mrsfi_runtime.errors import UsageError
+from mrsfi_bridge.errors import SettingsError
 
 SCALAR = -1
 """Array length of a field that is no array."""
@@ -91,7 +91,7 @@ def parse_message(name: str, text: str, path: Path) -> Definition:
 
     Raises
     ------
-    UsageError
+    SettingsError
         If a line is neither field nor constant, or a field occurs twice.
     """
     return _parse(name, text.splitlines(), path, first_line=1)
@@ -102,14 +102,14 @@ def parse_service(name: str, text: str, path: Path) -> tuple[Definition, Definit
 
     Raises
     ------
-    UsageError
+    SettingsError
         If the line ``---`` is missing or doubled, or a part is wrong.
     """
     lines = text.splitlines()
     borders = [number for number, line in enumerate(lines) if line.strip() == "---"]
     if len(borders) != 1:
         message = f"{path}: {len(borders)} lines '---', expected one between request and response"
-        raise UsageError(message)
+        raise SettingsError(message)
     border = borders[0]
     return (
         _parse(f"{name}Request", lines[:border], path, first_line=1),
@@ -129,7 +129,7 @@ def _parse(name: str, lines: list[str], path: Path, first_line: int) -> Definiti
             constants.append(found)
         elif found.name in fields:
             message = f"{path}:{number}: field '{found.name}' occurs twice; rename one"
-            raise UsageError(message)
+            raise SettingsError(message)
         else:
             fields[found.name] = found
     return Definition(name, tuple(fields.values()), tuple(constants))
@@ -141,7 +141,7 @@ def _parse_line(line: str, package: str, place: str) -> Field | Constant:
     match = _LINE.fullmatch(line.strip() if is_text else line.partition("#")[0].strip())
     if match is None:
         message = f"{place}: '{line.strip()}', expected 'type name' or 'type NAME=value'"
-        raise UsageError(message)
+        raise SettingsError(message)
     type_name, length, name, value = match.group("type", "length", "name", "value")
     if value is not None:
         return Constant(name, value.strip())

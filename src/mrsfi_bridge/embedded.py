@@ -7,16 +7,16 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
-from mrsfi_runtime.bridge.encodings import Outgoing
-from mrsfi_runtime.bridge.server import BridgeServer
-from mrsfi_runtime.bridge.session import Hub
-from mrsfi_runtime.bridge.settings import Settings
-from mrsfi_runtime.errors import TransportClosed
+from mrsfi_bridge.encodings import Outgoing
+from mrsfi_bridge.errors import NotRunningError
+from mrsfi_bridge.server import BridgeServer
+from mrsfi_bridge.session import Hub
+from mrsfi_bridge.settings import ServerSettings
 
 _JOIN_S = 10.0
 
 
-class Failure:
+class FirstError:
     """The first error that arose in the server's thread: ``error``, once ``event`` is set."""
 
     def __init__(self) -> None:
@@ -51,7 +51,7 @@ class LocalClient:
         Where errors of callbacks go.
     """
 
-    def __init__(self, hub: Hub, failed: Failure) -> None:
+    def __init__(self, hub: Hub, failed: FirstError) -> None:
         self._hub = hub
         self._failed = failed
         self._callbacks: dict[str, list[Callable[[dict[str, Any]], None]]] = {}
@@ -147,8 +147,8 @@ class EmbeddedBridge:
         The first error that arose in the server's thread.
     """
 
-    def __init__(self, settings: Settings | None = None) -> None:
-        self._settings = settings or Settings()
+    def __init__(self, settings: ServerSettings | None = None) -> None:
+        self._settings = settings or ServerSettings()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._server: BridgeServer | None = None
         self._stop: asyncio.Event | None = None
@@ -156,16 +156,16 @@ class EmbeddedBridge:
         self._refusal: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="mrsfi-bridge", daemon=True)
         self.url = ""
-        self.failed = Failure()
+        self.failed = FirstError()
 
     def start(self) -> None:
         """Start the thread; return once the server listens.
 
         Raises
         ------
-        TransportError
+        ListenError
             If the address cannot be bound.
-        UsageError
+        SettingsError
             If the settings would open the server to strangers.
         """
         self._thread.start()
@@ -179,11 +179,11 @@ class EmbeddedBridge:
 
         Raises
         ------
-        TransportClosed
+        NotRunningError
             If the server does not run.
         """
         if self._server is None:
-            raise TransportClosed("the embedded server does not run; start it first")
+            raise NotRunningError("the embedded server does not run; start it first")
         return LocalClient(self._server.hub, self.failed)
 
     def call_soon(self, function: Callable[[], None]) -> None:
@@ -191,15 +191,15 @@ class EmbeddedBridge:
 
         Raises
         ------
-        TransportClosed
+        NotRunningError
             If the server does not run.
         """
         if self._loop is None:
-            raise TransportClosed("the embedded server does not run")
+            raise NotRunningError("the embedded server does not run")
         try:
             self._loop.call_soon_threadsafe(self._call, function)
         except RuntimeError as error:
-            raise TransportClosed(f"the embedded server ended: {self.failed.error}") from error
+            raise NotRunningError(f"the embedded server ended: {self.failed.error}") from error
 
     def close(self) -> None:
         """End the server and its thread; a second time does nothing."""

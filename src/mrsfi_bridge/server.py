@@ -6,14 +6,14 @@ from functools import partial
 
 from websockets.frames import CloseCode
 
-from mrsfi_runtime.bridge.broker import Broker
-from mrsfi_runtime.bridge.connection import Connection
-from mrsfi_runtime.bridge.rosapi import provide_rosapi
-from mrsfi_runtime.bridge.services import Services
-from mrsfi_runtime.bridge.session import LOGGER, Counts, Hub
-from mrsfi_runtime.bridge.settings import Settings
-from mrsfi_runtime.bridge.uses import Budget
-from mrsfi_runtime.errors import TransportError
+from mrsfi_bridge.broker import Broker
+from mrsfi_bridge.connection import Connection
+from mrsfi_bridge.errors import ListenError
+from mrsfi_bridge.rosapi import provide_rosapi
+from mrsfi_bridge.services import Services
+from mrsfi_bridge.session import LOGGER, Counts, Hub
+from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.uses import Budget
 
 _BACKLOG = 512
 _CHECKS_S = 0.25
@@ -31,11 +31,11 @@ class BridgeServer:
 
     Raises
     ------
-    UsageError
+    SettingsError
         If the settings would open the server to strangers.
     """
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: ServerSettings) -> None:
         settings.check()
         self.settings = settings
         self._loop = asyncio.get_running_loop()
@@ -64,7 +64,7 @@ class BridgeServer:
 
         Raises
         ------
-        TransportError
+        ListenError
             If the address cannot be bound.
         """
         host, port = self.settings.host, self.settings.port
@@ -74,7 +74,7 @@ class BridgeServer:
             )
         except OSError as error:
             message = f"{host}:{port}: cannot listen: {error.strerror}; choose another port"
-            raise TransportError(message) from error
+            raise ListenError(message) from error
         bound = self._server.sockets[0].getsockname()
         name = (
             f"[{host}]"
@@ -158,7 +158,7 @@ class BridgeServer:
         self._checks = self._loop.call_later(_CHECKS_S, self._check)
 
 
-def _hub(settings: Settings, loop: asyncio.AbstractEventLoop) -> Hub:
+def _hub(settings: ServerSettings, loop: asyncio.AbstractEventLoop) -> Hub:
     limits = settings.limits
     broker = Broker(settings.types, limits.topics, limits.latched_bytes)
     services = Services(settings.types, loop, limits.service_s, limits.services, limits.uses)

@@ -1,0 +1,198 @@
+"""The server's command line: options, settings, log, signals.
+
+``mrsfi bridge`` and ``python -m mrsfi_bridge`` are this command under two names.
+"""
+
+import asyncio
+import logging
+import signal
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from mrsfi_bridge.server import BridgeServer
+from mrsfi_bridge.session import LOGGER
+from mrsfi_bridge.settings import Limits, ServerSettings
+from mrsfi_bridge.type_table import TypeTable
+
+_DEFAULT = Limits()
+_MEBI = 1 << 20
+
+_HELP = """Run a rosbridge server, for simulators and collective intelligences that meet on it.
+
+It speaks the rosbridge v2 protocol of ROS 1 and needs no ROS: roslibpy, roslib.js and every
+other rosbridge client can connect. Its URL is printed to standard output, its log goes to
+standard error. It runs until it is interrupted (exit code 130) or terminated (0).
+
+\b
+Examples:
+  {program}
+  {program} --port 0                    any free port; read it from standard output
+  {program} --types my_robots/          definitions in my_robots/PACKAGE/msg/TYPE.msg
+  {program} --origin http://ui.example  a web page that may connect
+  MRSFI_BRIDGE_TOKEN=… {program} --host 0.0.0.0 --public
+
+It binds 127.0.0.1. Any other address needs --public and a token, which clients show in the
+URL, ws://HOST:9090/?token=…, or as header `Authorization: Bearer …`. The connection is not
+encrypted.
+"""
+
+_OPTIONS = (
+    click.option("--host", default="127.0.0.1", show_default=True, help="Address to bind."),
+    click.option(
+        "--port",
+        type=click.IntRange(0, 65535),
+        default=9090,
+        show_default=True,
+        help="Port to bind; 0 takes any free one.",
+    ),
+    click.option("--public", "is_public", is_flag=True, help="Let other machines connect."),
+    click.option(
+        "--token",
+        envvar="MRSFI_BRIDGE_TOKEN",
+        help="What clients must show; also MRSFI_BRIDGE_TOKEN.",
+    ),
+    click.option(
+        "--origin", "origins", multiple=True, help="Origin of web pages that may connect."
+    ),
+    click.option(
+        "--types",
+        "folders",
+        multiple=True,
+        type=click.Path(path_type=Path, exists=True, file_okay=False),
+        help="Folder with message and service definitions of your own.",
+    ),
+    click.option(
+        "--max-clients",
+        type=click.IntRange(1, 10_000),
+        default=_DEFAULT.clients,
+        show_default=True,
+        help="Clients at a time.",
+    ),
+    click.option(
+        "--max-frame",
+        type=click.IntRange(1, 1024),
+        default=_DEFAULT.frame_bytes // _MEBI,
+        show_default=True,
+        help="Longest message in MiB.",
+    ),
+    click.option(
+        "--max-queue",
+        type=click.IntRange(1, 4096),
+        default=_DEFAULT.queue_bytes // _MEBI,
+        show_default=True,
+        help="What may wait for a slow client, in MiB.",
+    ),
+    click.option(
+        "--max-memory",
+        type=click.IntRange(1, 65536),
+        default=_DEFAULT.total_bytes // _MEBI,
+        show_default=True,
+        help="What may wait for all clients, in MiB.",
+    ),
+    click.option(
+        "--max-topics",
+        type=click.IntRange(1, 1_000_000),
+        default=_DEFAULT.topics,
+        show_default=True,
+        help="Topics at a time.",
+    ),
+    click.option(
+        "--service-timeout",
+        type=click.FloatRange(0, min_open=True),
+        default=_DEFAULT.service_s,
+        show_default=True,
+        help="Seconds that a service has for its answer.",
+    ),
+)
+
+
+def bridge_command(program: str, run: Callable[[ServerSettings], None]) -> click.Command:
+    """Return the command that runs a server.
+
+    Parameters
+    ----------
+    program
+        What the user types for it; its last word is the command's name.
+    run
+        What to do with the settings; it is ``serve``, or calls it.
+    """
+
+    def callback(  # noqa: PLR0913 - one parameter per option
+        host: str,
+        port: int,
+        *,
+        is_public: bool,
+        token: str | None,
+        origins: tuple[str, ...],
+        folders: tuple[Path, ...],
+        max_clients: int,
+        max_frame: int,
+        max_queue: int,
+        max_memory: int,
+        max_topics: int,
+        service_timeout: float,
+    ) -> None:
+        limits = replace(
+            _DEFAULT,
+            clients=max_clients,
+            frame_bytes=max_frame * _MEBI,
+            queue_bytes=max_queue * _MEBI,
+            total_bytes=max_memory * _MEBI,
+            topics=max_topics,
+            service_s=service_timeout,
+        )
+        run(ServerSettings(host, port, is_public, token, origins, TypeTable(folders), limits))
+
+    for option in reversed(_OPTIONS):
+        callback = option(callback)
+    name = program.rpartition(" ")[2]
+    return click.command(
+        name=name,
+        help=_HELP.format(program=program),
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )(callback)
+
+
+def serve(settings: ServerSettings) -> None:
+    """Run a server until the process is told to end; its URL goes to standard output.
+
+    Raises
+    ------
+    SettingsError
+        If the settings would open the server to strangers, or a definition is wrong.
+    ListenError
+        If the address cannot be bound.
+    """
+    settings.check()
+    settings.types.check()
+    logging.basicConfig(
+        stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
+    )
+    asyncio.run(_serve(settings))
+
+
+async def _serve(settings: ServerSettings) -> None:
+    server = BridgeServer(settings)
+    await server.start()
+    click.echo(server.url)
+    sys.stdout.flush()
+    ended = asyncio.Event()
+    with suppress(NotImplementedError):  # Windows has no handlers, and ends the process itself
+        asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ended.set)
+    try:
+        await ended.wait()
+    finally:
+        await server.close()
+        counts = server.counts
+        LOGGER.info(
+            "ended: %d clients, %d operations received, %d messages sent, %d dropped",
+            counts.clients,
+            counts.received,
+            counts.sent,
+            counts.dropped,
+        )

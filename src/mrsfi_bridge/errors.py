@@ -1,0 +1,42 @@
+"""Every error of the server, and the exit code it ends a command with.
+
+::
+
+    BridgeError              1  a defect of the server
+    ├── SettingsError        2  settings or definitions that make no sense
+    ├── ListenError          8  an address that cannot be bound
+    ├── NotRunningError           8  an embedded server that was not started, or has ended
+    └── ProtocolError        8  what a client says is not allowed
+"""
+
+from typing import ClassVar
+
+
+class BridgeError(Exception):
+    """Base of all errors of the server."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class SettingsError(BridgeError):
+    """A setting or a definition makes no sense."""
+
+    exit_code = 2
+
+
+class ListenError(BridgeError):
+    """The server's address cannot be bound."""
+
+    exit_code = 8
+
+
+class NotRunningError(BridgeError):
+    """The embedded server was not started, or has ended."""
+
+    exit_code = 8
+
+
+class ProtocolError(BridgeError):
+    """A client says what the protocol, its type or its limits do not allow."""
+
+    exit_code = 8

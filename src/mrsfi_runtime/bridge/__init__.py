@@ -1,1 +1,0 @@
-"""The embedded rosbridge server: protocol, topics, services, rosapi, sockets."""
