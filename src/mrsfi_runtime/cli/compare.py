@@ -7,15 +7,7 @@ from time import monotonic
 
 import click
 
-from mrsfi_runtime.analysis.comparison import Comparison, as_json, compare
-from mrsfi_runtime.analysis.comparison_folder import ComparisonFolder
 from mrsfi_runtime.cli.campaigns import RUNS
-from mrsfi_runtime.cli.comparison_runs import (
-    Progress,
-    common_settings,
-    only_comparison,
-    runs_of,
-)
 from mrsfi_runtime.cli.comparison_tables import legend, quartile_table, rank_test_table
 from mrsfi_runtime.cli.console import print_json, print_table, tell
 from mrsfi_runtime.cli.engines import BOTH, EngineOptions, engine_options
@@ -33,6 +25,14 @@ from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.search.campaign import require_settings
 from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.study.comparison import Comparison, as_json, compare
+from mrsfi_runtime.study.folder import ComparisonFolder
+from mrsfi_runtime.study.runs import (
+    FinishedRun,
+    common_settings,
+    only_comparison,
+    runs_of,
+)
 
 _HELP = """Compare search algorithms on MISSION: several seeds, as many evaluations for each.
 
@@ -61,14 +61,14 @@ class _Teller:
     _began: float = field(default_factory=monotonic)
     _n_new: int = 0
 
-    def __call__(self, progress: Progress) -> None:
-        run = progress.run
-        place = f"run {progress.number}/{progress.n_runs}  {run.algorithm} seed {run.seed}"
-        if not progress.is_new:
+    def __call__(self, finished: FinishedRun) -> None:
+        run = finished.result
+        place = f"run {finished.number}/{finished.n_runs}  {run.algorithm} seed {run.seed}"
+        if not finished.is_new:
             tell(f"{place}  was finished already")
             return
         self._n_new += 1
-        rest = progress.n_runs - progress.number
+        rest = finished.n_runs - finished.number
         left = round((monotonic() - self._began) / self._n_new * rest)
         tell(
             f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
@@ -135,7 +135,7 @@ def command(  # noqa: PLR0913 - one for each option
     folders = find_mission(mission, generated)
     settings = _settings(folders, case, algorithms, evaluations)
     path = RUNS / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
-    with only_comparison(path, folders) as folder:
+    with only_comparison(path, folders.models, folders.generated) as folder:
         comparison = _compared(folder, settings, seeds, flown_by, workers)
         content = {
             "mission": folders.name,

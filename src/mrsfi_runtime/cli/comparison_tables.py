@@ -5,9 +5,9 @@ from math import isinf
 from rich.table import Table
 from rich.text import Text
 
-from mrsfi_runtime.analysis.comparison import Comparison
-from mrsfi_runtime.analysis.run_results import MOST_OBJECTIVES
 from mrsfi_runtime.cli.tables import plain_table
+from mrsfi_runtime.study.comparison import Comparison
+from mrsfi_runtime.study.run_results import MOST_OBJECTIVES
 
 
 def quartile_table(comparison: Comparison) -> Table:

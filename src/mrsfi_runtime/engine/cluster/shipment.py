@@ -12,7 +12,7 @@ from typing import Self
 
 import mrsfi_runtime
 
-_ELSEWHERE = frozenset({"analysis", "cli", "search"})
+_ELSEWHERE = frozenset({"analysis", "cli", "search", "study"})
 """Rooms of mrsfi whose source no evaluation on a worker depends on."""
 
 

@@ -6,10 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter
 
-from mrsfi_runtime.analysis.comparison import Comparison, Measure
 from mrsfi_runtime.analysis.plots import INK, PAPER, SERIES, drawing, legend_below, whole_numbers
-from mrsfi_runtime.analysis.rank_tests import Quartiles, quartiles
-from mrsfi_runtime.analysis.run_results import RunResult
+from mrsfi_runtime.study.comparison import Comparison, Measure
+from mrsfi_runtime.study.rank_tests import Quartiles, quartiles
+from mrsfi_runtime.study.run_results import RunResult
 
 _N_PLACES = 200  # at which the course of a search is drawn
 

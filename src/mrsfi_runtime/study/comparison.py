@@ -13,14 +13,14 @@ from itertools import combinations
 from math import isfinite
 from typing import Any
 
-from mrsfi_runtime.analysis.rank_tests import (
+from mrsfi_runtime.study.rank_tests import (
     Quartiles,
     RankTest,
     compare_ranks,
     holm,
     quartiles,
 )
-from mrsfi_runtime.analysis.run_results import RunResult, reached
+from mrsfi_runtime.study.run_results import RunResult, reached
 
 SCHEMA = 1
 """Version of ``comparison.json``."""

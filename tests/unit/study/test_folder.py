@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.analysis import comparison_folder
-from mrsfi_runtime.analysis.comparison import Comparison, as_json, compare
-from mrsfi_runtime.analysis.comparison_folder import ComparisonFolder
-from mrsfi_runtime.analysis.run_results import RunResult, measure_run
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.study import folder as study_folder
+from mrsfi_runtime.study.comparison import Comparison, as_json, compare
+from mrsfi_runtime.study.folder import ComparisonFolder
+from mrsfi_runtime.study.run_results import RunResult, measure_run
 from tests.support.campaigns import generations_of_evaluations, mission
 
 SUBJECT = {"population": 20, "evaluations": 40, "goals": ["g1", "g3"]}
@@ -100,7 +100,7 @@ def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(
     def full(_: int) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(comparison_folder.os, "fsync", full)
+    monkeypatch.setattr(study_folder.os, "fsync", full)
     with pytest.raises(RecordError, match="No space left on device"):
         folder.keep(run, SUBJECT | {"evaluations": 50})
 

@@ -10,9 +10,6 @@ from time import monotonic
 from typing import Any
 
 import mrsfi_runtime
-from mrsfi_runtime.analysis.comparison_folder import ComparisonFolder
-from mrsfi_runtime.analysis.run_results import RunResult, measure_run
-from mrsfi_runtime.cli.missions import MissionFolders
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -21,24 +18,26 @@ from mrsfi_runtime.record.lock import only_writer
 from mrsfi_runtime.search.campaign import run_campaign
 from mrsfi_runtime.search.ledger import EvaluateMany
 from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.study.folder import ComparisonFolder
+from mrsfi_runtime.study.run_results import RunResult, measure_run
 
 _VARIED = ("algorithm", "seed")
-_DECISIVE = ("model", "kernel", "hosting", "search")
+_DECISIVE = ("model", "kernel", "hosting", "record", "search")
 """Rooms of mrsfi whose source decides what a search finds."""
 
 
 @dataclass(frozen=True, slots=True)
-class Progress:
-    """A run is finished, just now or before."""
+class FinishedRun:
+    """A run, and which of how many; it was finished just now or before."""
 
     number: int
     n_runs: int
-    run: RunResult
+    result: RunResult
     is_new: bool
 
 
 @contextmanager
-def only_comparison(path: Path, folders: MissionFolders) -> Iterator[ComparisonFolder]:
+def only_comparison(path: Path, models: Path, generated: Path) -> Iterator[ComparisonFolder]:
     """Be the writer of a comparison while the body runs, and make its folder if it is new.
 
     The folder keeps a copy of the models and of the generated code that its runs fly.
@@ -53,23 +52,24 @@ def only_comparison(path: Path, folders: MissionFolders) -> Iterator[ComparisonF
         copies = CampaignFolder.reserve(path)
     with only_writer(copies):
         if not folder.runs.is_dir():
-            copies.fill(folders.models, folders.generated)
+            copies.fill(models, generated)
             folder.runs.mkdir()
-        _require_same_files(copies, folders)
+        _require_same_files(models, copies.model)
+        _require_same_files(generated, copies.generated)
         folder.tidy()
         yield folder
 
 
-def _require_same_files(copies: CampaignFolder, folders: MissionFolders) -> None:
-    for source, copy in ((folders.models, copies.model), (folders.generated, copies.generated)):
-        for name in sorted({*_hashes(source), *_hashes(copy)}):
-            if _hashes(source).get(name) != _hashes(copy).get(name):
-                message = (
-                    f"{copy / name}: the comparison's own copy differs from {source / name}; "
-                    "expected the mission that its runs flew; compare in another folder with "
-                    "--out, or remove this one"
-                )
-                raise RecordError(message)
+def _require_same_files(source: Path, copy: Path) -> None:
+    expected, found = _hashes(source), _hashes(copy)
+    for name in sorted({*expected, *found}):
+        if expected.get(name) != found.get(name):
+            message = (
+                f"{copy / name}: the comparison's own copy differs from {source / name}; "
+                "expected the mission that its runs flew; compare in another folder with "
+                "--out, or remove this one"
+            )
+            raise RecordError(message)
 
 
 def _hashes(folder: Path) -> dict[str, str]:
@@ -123,7 +123,7 @@ def runs_of(
     n_seeds: int,
     code: MissionCode,
     evaluators: Sequence[EvaluateMany],
-    on_run: Callable[[Progress], None],
+    on_run: Callable[[FinishedRun], None],
 ) -> list[RunResult]:
     """Return the result of every algorithm with every seed; make and keep those that are missing.
 
@@ -156,7 +156,7 @@ def runs_of(
                 run = _flown(folder, replace(one, seed=seed), code, evaluators)
                 folder.keep(run, subjects[name])
             found.append(run)
-            on_run(Progress(len(found), n_runs, run, is_new))
+            on_run(FinishedRun(len(found), n_runs, run, is_new))
     return found
 
 

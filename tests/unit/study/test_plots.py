@@ -3,9 +3,10 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from mrsfi_runtime.analysis import comparison_plots, plots
-from mrsfi_runtime.analysis.comparison import Comparison, compare
-from mrsfi_runtime.analysis.run_results import RunResult
+from mrsfi_runtime.analysis import plots
+from mrsfi_runtime.study import plots as study_plots
+from mrsfi_runtime.study.comparison import Comparison, compare
+from mrsfi_runtime.study.run_results import RunResult
 
 
 def run(algorithm: str, seed: int, best: float, volume: float | None = 0.2) -> RunResult:
@@ -56,7 +57,7 @@ WORDS = {
 
 @pytest.mark.parametrize("name", WORDS)
 def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name: str, tmp_path: Path) -> None:
-    figure = dict(comparison_plots.illustrate(compared()))[name]
+    figure = dict(study_plots.illustrate(compared()))[name]
 
     _, svg = plots.save(figure, tmp_path / name)
 
@@ -71,7 +72,7 @@ def test_the_same_comparison_gives_the_same_bytes(tmp_path: Path) -> None:
     first, second = (
         [
             path.read_bytes()
-            for name, figure in comparison_plots.illustrate(compared())
+            for name, figure in study_plots.illustrate(compared())
             for path in plots.save(figure, tmp_path / f"{name}{number}")
         ]
         for number in (1, 2)
@@ -81,7 +82,7 @@ def test_the_same_comparison_gives_the_same_bytes(tmp_path: Path) -> None:
 
 
 def test_without_a_hypervolume_the_fitness_stands_alone() -> None:
-    figure = comparison_plots.results(compared(volume=None))
+    figure = study_plots.results(compared(volume=None))
 
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["Best fitness"]
 
@@ -90,7 +91,7 @@ def test_where_no_run_broke_a_goal_no_goals_are_drawn() -> None:
     calm = run("paper", 1, 0.0)
     nothing = RunResult(**{**calm.as_json(), "at_once": (None,), "together": (None,)})
 
-    names = [name for name, _ in comparison_plots.illustrate(compare(("paper",), [nothing]))]
+    names = [name for name, _ in study_plots.illustrate(compare(("paper",), [nothing]))]
 
     assert names == ["results", "course"]
 
@@ -98,7 +99,7 @@ def test_where_no_run_broke_a_goal_no_goals_are_drawn() -> None:
 def test_the_course_ends_at_the_median_of_the_best() -> None:
     comparison = compared()
 
-    (axes,) = comparison_plots.course(comparison).axes
+    (axes,) = study_plots.course(comparison).axes
 
     ends = {line.get_label(): line.get_ydata()[-1] for line in axes.get_lines()}
     expected = comparison.quartiles["fitness"]

@@ -4,9 +4,9 @@ from math import inf
 
 import pytest
 
-from mrsfi_runtime.analysis.comparison import Comparison, as_json, compare
-from mrsfi_runtime.analysis.rank_tests import Quartiles, holm
-from mrsfi_runtime.analysis.run_results import RunResult
+from mrsfi_runtime.study.comparison import Comparison, as_json, compare
+from mrsfi_runtime.study.rank_tests import Quartiles, holm
+from mrsfi_runtime.study.run_results import RunResult
 
 
 def run(algorithm: str, seed: int, best: float, **others: object) -> RunResult:

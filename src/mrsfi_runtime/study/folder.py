@@ -16,11 +16,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from mrsfi_runtime.analysis import comparison_plots, plots
-from mrsfi_runtime.analysis.comparison import Comparison, finite
-from mrsfi_runtime.analysis.run_results import RunResult
+from mrsfi_runtime.analysis.plots import save
 from mrsfi_runtime.analysis.tables import Rows
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.study.comparison import Comparison, finite
+from mrsfi_runtime.study.plots import illustrate
+from mrsfi_runtime.study.run_results import RunResult
 
 SCHEMA = 1
 """Version of the file of a run."""
@@ -117,8 +118,8 @@ class ComparisonFolder:
     def _write_figures(self, comparison: Comparison) -> None:
         self.figures.mkdir(exist_ok=True)
         with self.scratch() as new:
-            for name, figure in comparison_plots.illustrate(comparison):
-                for drawn in plots.save(figure, new / name):
+            for name, figure in illustrate(comparison):
+                for drawn in save(figure, new / name):
                     drawn.replace(self.figures / drawn.name)
 
     @contextmanager

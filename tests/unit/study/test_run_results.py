@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.analysis.fronts import non_dominated
-from mrsfi_runtime.analysis.run_results import RunResult, front_volume, measure_run
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.study.run_results import RunResult, front_volume, measure_run
 from tests.support.campaigns import evaluation, mission
 
 SIX = (0, 0, 0, 0, 0, 0)

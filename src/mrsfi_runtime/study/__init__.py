@@ -1,0 +1,1 @@
+"""Comparison of search algorithms over many seeds: runs, rank tests, figures, folder."""
