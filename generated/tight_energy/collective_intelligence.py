@@ -2,7 +2,16 @@
 # Edit inside protected regions only.
 """The collective intelligence: one check and one reaction per goal, in model order."""
 
-from mrsfi_runtime.api import State, kernel, reactions, tasks
+from mrsfi_runtime.api import (
+    State,
+    commands,
+    forecast,
+    geometry,
+    goal_tasks,
+    guidance,
+    kernel,
+    randomness,
+)
 
 # protected region imports on begin
 # protected region imports end
@@ -37,7 +46,7 @@ def check_clear(ci: State) -> bool:
     Members: e1, e2, e3.
     """
     # protected region clear.check on begin
-    return tasks.avoid_collision_violated(ci, CLEAR)
+    return goal_tasks.avoid_collision.violated(ci, CLEAR)
     # protected region clear.check end
 
 
@@ -48,7 +57,7 @@ def react_clear(ci: State) -> None:
     Members: e1, e2, e3.
     """
     # protected region clear.react on begin
-    reactions.avoid_collision(ci, CLEAR)
+    goal_tasks.avoid_collision.react(ci, CLEAR)
     # protected region clear.react end
 
 
@@ -59,7 +68,7 @@ def check_within(ci: State) -> bool:
     Members: e1, e2, e3.
     """
     # protected region within.check on begin
-    return tasks.stay_within_mission_area_violated(ci, WITHIN)
+    return goal_tasks.stay_within_mission_area.violated(ci, WITHIN)
     # protected region within.check end
 
 
@@ -70,7 +79,7 @@ def react_within(ci: State) -> None:
     Members: e1, e2, e3.
     """
     # protected region within.react on begin
-    reactions.stay_within_mission_area(ci, WITHIN)
+    goal_tasks.stay_within_mission_area.react(ci, WITHIN)
     # protected region within.react end
 
 
@@ -81,7 +90,7 @@ def check_energy(ci: State) -> bool:
     Members: e1, e2, e3.
     """
     # protected region energy.check on begin
-    return tasks.sufficient_energy_violated(ci, ENERGY)
+    return goal_tasks.sufficient_energy.violated(ci, ENERGY)
     # protected region energy.check end
 
 
@@ -92,7 +101,7 @@ def react_energy(ci: State) -> None:
     Members: e1, e2, e3.
     """
     # protected region energy.react on begin
-    reactions.sufficient_energy(ci, ENERGY)
+    goal_tasks.sufficient_energy.react(ci, ENERGY)
     # protected region energy.react end
 
 
@@ -103,7 +112,7 @@ def check_temperatures(ci: State) -> bool:
     Members: e1.
     """
     # protected region temperatures.check on begin
-    return tasks.gather_samples_violated(ci, TEMPERATURES)
+    return goal_tasks.gather_samples.violated(ci, TEMPERATURES)
     # protected region temperatures.check end
 
 
@@ -114,7 +123,7 @@ def react_temperatures(ci: State) -> None:
     Members: e1.
     """
     # protected region temperatures.react on begin
-    reactions.gather_samples(ci, TEMPERATURES)
+    goal_tasks.gather_samples.react(ci, TEMPERATURES)
     # protected region temperatures.react end
 
 
@@ -125,7 +134,7 @@ def check_depths(ci: State) -> bool:
     Members: e2.
     """
     # protected region depths.check on begin
-    return tasks.gather_samples_violated(ci, DEPTHS)
+    return goal_tasks.gather_samples.violated(ci, DEPTHS)
     # protected region depths.check end
 
 
@@ -136,7 +145,7 @@ def react_depths(ci: State) -> None:
     Members: e2.
     """
     # protected region depths.react on begin
-    reactions.gather_samples(ci, DEPTHS)
+    goal_tasks.gather_samples.react(ci, DEPTHS)
     # protected region depths.react end
 
 
@@ -147,7 +156,7 @@ def check_rounds(ci: State) -> bool:
     Members: e3.
     """
     # protected region rounds.check on begin
-    return tasks.patrol_violated(ci, ROUNDS)
+    return goal_tasks.patrol.violated(ci, ROUNDS)
     # protected region rounds.check end
 
 
@@ -158,7 +167,7 @@ def react_rounds(ci: State) -> None:
     Members: e3.
     """
     # protected region rounds.react on begin
-    reactions.patrol(ci, ROUNDS)
+    goal_tasks.patrol.react(ci, ROUNDS)
     # protected region rounds.react end
 
 

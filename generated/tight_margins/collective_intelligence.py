@@ -2,10 +2,18 @@
 # Edit inside protected regions only.
 """The collective intelligence: one check and one reaction per goal, in model order."""
 
-from mrsfi_runtime.api import State, kernel, reactions, tasks
+from mrsfi_runtime.api import (
+    State,
+    commands,
+    forecast,
+    geometry,
+    goal_tasks,
+    guidance,
+    kernel,
+    randomness,
+)
 
 # protected region imports on begin
-from mrsfi_runtime.api import commands
 # protected region imports end
 
 CLEAR = 0
@@ -38,7 +46,7 @@ def check_clear(ci: State) -> bool:
     Members: p1, p2, p3.
     """
     # protected region clear.check on begin
-    return tasks.avoid_collision_violated(ci, CLEAR)
+    return goal_tasks.avoid_collision.violated(ci, CLEAR)
     # protected region clear.check end
 
 
@@ -49,7 +57,7 @@ def react_clear(ci: State) -> None:
     Members: p1, p2, p3.
     """
     # protected region clear.react on begin
-    reactions.avoid_collision(ci, CLEAR)
+    goal_tasks.avoid_collision.react(ci, CLEAR)
     # protected region clear.react end
 
 
@@ -60,7 +68,7 @@ def check_within(ci: State) -> bool:
     Members: p1, p2, p3.
     """
     # protected region within.check on begin
-    return tasks.stay_within_mission_area_violated(ci, WITHIN)
+    return goal_tasks.stay_within_mission_area.violated(ci, WITHIN)
     # protected region within.check end
 
 
@@ -71,7 +79,7 @@ def react_within(ci: State) -> None:
     Members: p1, p2, p3.
     """
     # protected region within.react on begin
-    reactions.stay_within_mission_area(ci, WITHIN)
+    goal_tasks.stay_within_mission_area.react(ci, WITHIN)
     # protected region within.react end
 
 
@@ -82,7 +90,7 @@ def check_energy(ci: State) -> bool:
     Members: p1, p2.
     """
     # protected region energy.check on begin
-    return tasks.sufficient_energy_violated(ci, ENERGY)
+    return goal_tasks.sufficient_energy.violated(ci, ENERGY)
     # protected region energy.check end
 
 
@@ -94,10 +102,10 @@ def react_energy(ci: State) -> None:
     """
     # protected region energy.react on begin
     # Hurry: up to half as fast again, as long as two per cent of the energy stay in reserve.
-    left = max(tasks.ticks_left(ci), 1)
+    left = max(forecast.ticks_left(ci), 1)
     for index in (P1, P2):
         robot = ci.robots[index]
-        spare = 0.98 * robot.energy / left - tasks.sensor_power(ci, index)
+        spare = 0.98 * robot.energy / left - forecast.sensor_power(ci, index)
         affordable = max(spare / robot.energy_per_distance, 0.0)
         wanted = min(1.5 * robot.nominal_speed, affordable)
         commands.set_speed(ci, index, ci.commands[index].speed + wanted - robot.speed)
@@ -111,7 +119,7 @@ def check_depths(ci: State) -> bool:
     Members: p1.
     """
     # protected region depths.check on begin
-    return tasks.gather_samples_violated(ci, DEPTHS)
+    return goal_tasks.gather_samples.violated(ci, DEPTHS)
     # protected region depths.check end
 
 
@@ -122,7 +130,7 @@ def react_depths(ci: State) -> None:
     Members: p1.
     """
     # protected region depths.react on begin
-    reactions.gather_samples(ci, DEPTHS)
+    goal_tasks.gather_samples.react(ci, DEPTHS)
     # protected region depths.react end
 
 
@@ -133,7 +141,7 @@ def check_pressures(ci: State) -> bool:
     Members: p2.
     """
     # protected region pressures.check on begin
-    return tasks.gather_samples_violated(ci, PRESSURES)
+    return goal_tasks.gather_samples.violated(ci, PRESSURES)
     # protected region pressures.check end
 
 
@@ -144,7 +152,7 @@ def react_pressures(ci: State) -> None:
     Members: p2.
     """
     # protected region pressures.react on begin
-    reactions.gather_samples(ci, PRESSURES)
+    goal_tasks.gather_samples.react(ci, PRESSURES)
     # protected region pressures.react end
 
 
@@ -155,7 +163,7 @@ def check_buoy(ci: State) -> bool:
     Members: p3.
     """
     # protected region buoy.check on begin
-    return tasks.visit_violated(ci, BUOY)
+    return goal_tasks.visit.violated(ci, BUOY)
     # protected region buoy.check end
 
 
@@ -166,7 +174,7 @@ def react_buoy(ci: State) -> None:
     Members: p3.
     """
     # protected region buoy.react on begin
-    reactions.visit(ci, BUOY)
+    goal_tasks.visit.react(ci, BUOY)
     # protected region buoy.react end
 
 
@@ -177,7 +185,7 @@ def check_moor(ci: State) -> bool:
     Members: p3.
     """
     # protected region moor.check on begin
-    return tasks.stay_violated(ci, MOOR)
+    return goal_tasks.stay.violated(ci, MOOR)
     # protected region moor.check end
 
 
@@ -188,7 +196,7 @@ def react_moor(ci: State) -> None:
     Members: p3.
     """
     # protected region moor.react on begin
-    reactions.stay(ci, MOOR)
+    goal_tasks.stay.react(ci, MOOR)
     # protected region moor.react end
 
 

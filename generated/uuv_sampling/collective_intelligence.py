@@ -2,7 +2,16 @@
 # Edit inside protected regions only.
 """The collective intelligence: one check and one reaction per goal, in model order."""
 
-from mrsfi_runtime.api import State, kernel, reactions, tasks
+from mrsfi_runtime.api import (
+    State,
+    commands,
+    forecast,
+    geometry,
+    goal_tasks,
+    guidance,
+    kernel,
+    randomness,
+)
 
 # protected region imports on begin
 # protected region imports end
@@ -43,7 +52,7 @@ def check_g1(ci: State) -> bool:
     Members: r2, r3, r1.
     """
     # protected region g1.check on begin
-    return tasks.avoid_collision_violated(ci, G1)
+    return goal_tasks.avoid_collision.violated(ci, G1)
     # protected region g1.check end
 
 
@@ -54,7 +63,7 @@ def react_g1(ci: State) -> None:
     Members: r2, r3, r1.
     """
     # protected region g1.react on begin
-    reactions.avoid_collision(ci, G1)
+    goal_tasks.avoid_collision.react(ci, G1)
     # protected region g1.react end
 
 
@@ -65,7 +74,7 @@ def check_g2(ci: State) -> bool:
     Members: r2, r3, r1.
     """
     # protected region g2.check on begin
-    return tasks.stay_within_mission_area_violated(ci, G2)
+    return goal_tasks.stay_within_mission_area.violated(ci, G2)
     # protected region g2.check end
 
 
@@ -76,7 +85,7 @@ def react_g2(ci: State) -> None:
     Members: r2, r3, r1.
     """
     # protected region g2.react on begin
-    reactions.stay_within_mission_area(ci, G2)
+    goal_tasks.stay_within_mission_area.react(ci, G2)
     # protected region g2.react end
 
 
@@ -87,7 +96,7 @@ def check_g3(ci: State) -> bool:
     Members: r2, r3, r1.
     """
     # protected region g3.check on begin
-    return tasks.sufficient_energy_violated(ci, G3)
+    return goal_tasks.sufficient_energy.violated(ci, G3)
     # protected region g3.check end
 
 
@@ -98,7 +107,7 @@ def react_g3(ci: State) -> None:
     Members: r2, r3, r1.
     """
     # protected region g3.react on begin
-    reactions.sufficient_energy(ci, G3)
+    goal_tasks.sufficient_energy.react(ci, G3)
     # protected region g3.react end
 
 
@@ -109,7 +118,7 @@ def check_g4(ci: State) -> bool:
     Members: r2.
     """
     # protected region g4.check on begin
-    return tasks.gather_samples_violated(ci, G4)
+    return goal_tasks.gather_samples.violated(ci, G4)
     # protected region g4.check end
 
 
@@ -120,7 +129,7 @@ def react_g4(ci: State) -> None:
     Members: r2.
     """
     # protected region g4.react on begin
-    reactions.gather_samples(ci, G4)
+    goal_tasks.gather_samples.react(ci, G4)
     # protected region g4.react end
 
 
@@ -131,7 +140,7 @@ def check_g5(ci: State) -> bool:
     Members: r3.
     """
     # protected region g5.check on begin
-    return tasks.gather_samples_violated(ci, G5)
+    return goal_tasks.gather_samples.violated(ci, G5)
     # protected region g5.check end
 
 
@@ -142,7 +151,7 @@ def react_g5(ci: State) -> None:
     Members: r3.
     """
     # protected region g5.react on begin
-    reactions.gather_samples(ci, G5)
+    goal_tasks.gather_samples.react(ci, G5)
     # protected region g5.react end
 
 
@@ -153,7 +162,7 @@ def check_g6(ci: State) -> bool:
     Members: r1.
     """
     # protected region g6.check on begin
-    return tasks.gather_samples_violated(ci, G6)
+    return goal_tasks.gather_samples.violated(ci, G6)
     # protected region g6.check end
 
 
@@ -164,7 +173,7 @@ def react_g6(ci: State) -> None:
     Members: r1.
     """
     # protected region g6.react on begin
-    reactions.gather_samples(ci, G6)
+    goal_tasks.gather_samples.react(ci, G6)
     # protected region g6.react end
 
 

@@ -1,35 +1,36 @@
 """The names that generated code may import, and nothing else."""
 
 from mrsfi_runtime.hosting.truth import true_values
-from mrsfi_runtime.kernel import commands, randomness, reactions, tasks
+from mrsfi_runtime.kernel import commands, forecast, geometry, guidance, randomness
 from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
+from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
+from mrsfi_runtime.kernel.goal_tasks.fixed_distance_between_robots import FixedDistanceBetweenRobots
+from mrsfi_runtime.kernel.goal_tasks.gather_samples import GatherSamples
+from mrsfi_runtime.kernel.goal_tasks.patrol import Patrol
+from mrsfi_runtime.kernel.goal_tasks.stay import Stay
+from mrsfi_runtime.kernel.goal_tasks.stay_within_mission_area import StayWithinMissionArea
+from mrsfi_runtime.kernel.goal_tasks.sufficient_energy import SufficientEnergy
+from mrsfi_runtime.kernel.goal_tasks.track import Track
+from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.motion import advance, reports_position
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import (
     Area,
-    AvoidCollision,
     Battery,
     Coordinates,
-    FixedDistanceBetweenRobots,
-    GatherSamples,
     Goal,
     Message,
     MessageField,
     Mission,
     MotionSource,
     Obstacle,
-    Patrol,
     Property,
     Robot,
     Sensor,
     Server,
-    Stay,
-    StayWithinMissionArea,
-    SufficientEnergy,
-    Track,
-    Visit,
 )
 from mrsfi_runtime.transport.topics import Payload, Publisher, Topic, Transport
 
@@ -65,11 +66,13 @@ __all__ = [
     "Visit",
     "advance",
     "commands",
+    "forecast",
+    "geometry",
+    "goal_tasks",
+    "guidance",
     "initial_state",
     "kernel",
     "randomness",
-    "reactions",
     "reports_position",
-    "tasks",
     "true_values",
 ]

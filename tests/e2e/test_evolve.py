@@ -103,7 +103,7 @@ def test_a_folder_in_use_ends_with_9_and_stays_as_it_is(flown: Path) -> None:
 def test_a_mission_whose_regions_fail_ends_with_6(place: Path) -> None:
     edit(
         place / "generated" / MISSION / "collective_intelligence.py",
-        "return tasks.avoid_collision_violated(ci, G1)",
+        "return goal_tasks.avoid_collision.violated(ci, G1)",
         "return 1 // (ci.mission.tick - 7) == 0",
     )
 

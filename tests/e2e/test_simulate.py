@@ -70,7 +70,7 @@ def test_stale_generated_code_is_not_flown(place: Path) -> None:
 def test_a_region_that_fails_ends_with_6_and_names_the_tick(place: Path) -> None:
     edit(
         place / "generated" / MISSION / "collective_intelligence.py",
-        "return tasks.avoid_collision_violated(ci, G1)",
+        "return goal_tasks.avoid_collision.violated(ci, G1)",
         "return 1 // (ci.mission.tick - 7) == 0",
     )
 

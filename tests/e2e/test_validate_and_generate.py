@@ -111,8 +111,8 @@ def test_deleting_a_goal_with_hand_written_code_ends_with_4_and_keeps_the_file(p
     code = place / "generated" / MISSION / "collective_intelligence.py"
     edit(
         code,
-        "return tasks.gather_samples_violated(ci, G6)",
-        "return ci.mission.tick > 900 and tasks.gather_samples_violated(ci, G6)",
+        "return goal_tasks.gather_samples.violated(ci, G6)",
+        "return ci.mission.tick > 900 and goal_tasks.gather_samples.violated(ci, G6)",
     )
     mission = place / "models" / MISSION / "mission.xmi"
     text = mission.read_text(encoding="utf-8")

@@ -2,7 +2,7 @@ from pathlib import Path
 
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
 
-BODY = "return tasks.avoid_collision_violated(ci, G1)"
+BODY = "return goal_tasks.avoid_collision.violated(ci, G1)"
 OWN = "return ci.robots[R1].speed ** 2 > 9000.0"
 
 

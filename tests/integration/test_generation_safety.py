@@ -28,7 +28,7 @@ def target(tmp_path, models):
 
 
 def write_code(target, goal="g4"):
-    default = f"    return tasks.gather_samples_violated(ci, {goal.upper()})\n"
+    default = f"    return goal_tasks.gather_samples.violated(ci, {goal.upper()})\n"
     edit(target / COLLECTIVE, default, CODE)
 
 
@@ -82,7 +82,7 @@ def test_code_survives_reordering_goals(models, target):
 
     code = load_code(target)
     assert body(target, "g4.check") == CODE
-    assert body(target, "g1.check") == "    return tasks.avoid_collision_violated(ci, G1)\n"
+    assert body(target, "g1.check") == "    return goal_tasks.avoid_collision.violated(ci, G1)\n"
     assert [goal.id for goal in code.mission.goals] == ["g4", "g1", "g2", "g3", "g5", "g6"]
     assert code.checks[0].__name__ == "check_g4"
 
@@ -134,7 +134,7 @@ def test_helpers_and_imports_survive(models, target):
         "# protected region helpers on begin\ndef half(x: float) -> float:\n"
         '    """Return the half."""\n    return math.fabs(x) / 2\n\n\n',
     )
-    edit(path, "tasks.gather_samples_violated(ci, G4)", "half(ci.mission.tick) > 1")
+    edit(path, "goal_tasks.gather_samples.violated(ci, G4)", "half(ci.mission.tick) > 1")
     before = path.read_text()
 
     generate(models, target)
@@ -149,7 +149,7 @@ def test_formatter_run_over_hand_written_code_edits_nothing_outside_regions(mode
     edit(path, begin.format("imports"), begin.format("imports") + "import math\n")
     helper = "def half(x: float) -> float:\n    return math.fabs( x )/2\n"
     edit(path, begin.format("helpers"), begin.format("helpers") + helper)
-    edit(path, "tasks.gather_samples_violated(ci, G4)", "(half( ci.mission.tick )>1)")
+    edit(path, "goal_tasks.gather_samples.violated(ci, G4)", "(half( ci.mission.tick )>1)")
 
     run_module("ruff", "format", "--config", ROOT / "pyproject.toml", target)
 

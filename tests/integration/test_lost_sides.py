@@ -113,7 +113,7 @@ def test_a_region_that_raises_ends_its_run_with_6_and_the_server_goes_on(tmp_pat
     workspace(tmp_path)
     edit(
         tmp_path / "generated" / MISSION / "collective_intelligence.py",
-        "    return tasks.sufficient_energy_violated(ci, ENERGY)\n",
+        "    return goal_tasks.sufficient_energy.violated(ci, ENERGY)\n",
         "    return 1 // (60 - ci.mission.tick) == 7\n",
     )
     words = ("simulate", MISSION, "--engine", "rosbridge")

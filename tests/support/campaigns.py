@@ -5,21 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
+from mrsfi_runtime.api import AvoidCollision, GatherSamples, StayWithinMissionArea, SufficientEnergy
 from mrsfi_runtime.model.fault_types import FAULT_TYPES
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
-from mrsfi_runtime.model.mission import (
-    Area,
-    AvoidCollision,
-    Coordinates,
-    GatherSamples,
-    Goal,
-    Mission,
-    Obstacle,
-    Robot,
-    Sensor,
-    StayWithinMissionArea,
-    SufficientEnergy,
-)
+from mrsfi_runtime.model.mission import Area, Coordinates, Goal, Mission, Obstacle, Robot, Sensor
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
 

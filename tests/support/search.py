@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from random import Random
 
+from mrsfi_runtime.api import AvoidCollision, GatherSamples, StayWithinMissionArea, SufficientEnergy
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification
 from mrsfi_runtime.model.mission import (
     Area,
-    AvoidCollision,
     Battery,
     Coordinates,
-    GatherSamples,
     Goal,
     Message,
     MessageField,
@@ -20,8 +19,6 @@ from mrsfi_runtime.model.mission import (
     Robot,
     Sensor,
     Server,
-    StayWithinMissionArea,
-    SufficientEnergy,
 )
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation

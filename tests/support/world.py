@@ -10,12 +10,12 @@ from mrsfi_runtime.model.mission import (
     Battery,
     Coordinates,
     Goal,
+    GoalTask,
     Mission,
     MotionSource,
     Obstacle,
     Robot,
     Sensor,
-    Task,
 )
 from tests.support.tree import ROOT
 
@@ -47,7 +47,7 @@ def robot(name: str, x: float, y: float, *, speed: float = 4.0, energy: float = 
 
 
 def mission(
-    *tasks: Task,
+    *tasks: GoalTask,
     robots: tuple[Robot, ...] | None = None,
     obstacles: tuple[Obstacle, ...] = (),
     duration: int = 100,
@@ -72,7 +72,7 @@ def mission(
 
 
 def state(
-    *tasks: Task,
+    *tasks: GoalTask,
     robots: tuple[Robot, ...] | None = None,
     obstacles: tuple[Obstacle, ...] = (),
     duration: int = 100,

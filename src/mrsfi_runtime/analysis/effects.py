@@ -4,21 +4,22 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.kernel.forecast import energy_reserve, sample_reserve
+from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
+from mrsfi_runtime.kernel.goal_tasks.gather_samples import GatherSamples
+from mrsfi_runtime.kernel.goal_tasks.sufficient_energy import SufficientEnergy
+from mrsfi_runtime.kernel.goal_tasks.table import TASKS
 from mrsfi_runtime.kernel.state import GoalState, State
-from mrsfi_runtime.kernel.tasks import (
-    AVOID_COLLISION,
-    GATHER_SAMPLES,
-    ROBOT_RADIUS,
-    SUFFICIENT_ENERGY,
-    distance,
-    energy_reserve,
-    sample_reserve,
-)
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, TimedFault
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import Target, touched
+
+_AVOID_COLLISION = TASKS.index(AvoidCollision)
+_SUFFICIENT_ENERGY = TASKS.index(SufficientEnergy)
+_GATHER_SAMPLES = TASKS.index(GatherSamples)
 
 
 @dataclass(slots=True)
@@ -46,13 +47,13 @@ class Reserves:
         del world, true, believed
         for goal in belief.goals:
             members = range(goal.first_member, goal.first_member + goal.n_members)
-            if goal.task == SUFFICIENT_ENERGY:
+            if goal.task == _SUFFICIENT_ENERGY:
                 for m in members:
                     reserve = energy_reserve(belief, belief.members[m].robot)
                     self.energy = min(self.energy, reserve)
-            elif goal.task == GATHER_SAMPLES and goal.count < goal.target:
+            elif goal.task == _GATHER_SAMPLES and goal.count < goal.target:
                 self.samples = min(self.samples, sample_reserve(belief, goal))
-            elif goal.task == AVOID_COLLISION:
+            elif goal.task == _AVOID_COLLISION:
                 self.gap = min([self.gap, *_gaps(belief, goal)])
 
 

@@ -1,17 +1,8 @@
 """Where in the mission things are: the goals' areas, and the window that shows them all."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mrsfi_runtime.model.mission import (
-    Coordinates,
-    GatherSamples,
-    Goal,
-    Mission,
-    Patrol,
-    Stay,
-    Visit,
-)
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Goal, Mission
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,21 +21,10 @@ def goal_places(mission: Mission) -> tuple[GoalPlace, ...]:
     Goals whose area plays no part in their task have none.
     """
     return tuple(
-        GoalPlace(goal, center.x, center.y, radius)
+        GoalPlace(goal, area.center.x, area.center.y, area.radius + goal.terms.tolerance)
         for goal in mission.goals
-        for center, radius in _discs(goal)
+        if (area := goal.terms.area) is not None
     )
-
-
-def _discs(goal: Goal) -> Iterator[tuple[Coordinates, float]]:
-    task = goal.task
-    if isinstance(task, GatherSamples):
-        if goal.area is not None:
-            yield goal.area.center, goal.area.radius
-    elif isinstance(task, Patrol | Stay):
-        yield task.area.center, task.area.radius
-    elif isinstance(task, Visit):
-        yield task.coordinates, task.tolerance
 
 
 def working_window(mission: Mission) -> tuple[float, float, float]:
@@ -56,7 +36,7 @@ def working_window(mission: Mission) -> tuple[float, float, float]:
         Centre x, centre y and half width, in distance units.
     """
     discs = [(place.x, place.y, place.radius) for place in goal_places(mission)]
-    discs += [(robot.position.x, robot.position.y, 1.0) for robot in mission.robots]
+    discs += [(robot.position.x, robot.position.y, ROBOT_RADIUS) for robot in mission.robots]
     discs += [
         (obstacle.area.center.x, obstacle.area.center.y, obstacle.area.radius)
         for obstacle in mission.obstacles

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from mrsfi_runtime.analysis.measure import Measure, ticks
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import GatherSamples, Goal, Mission
+from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
 
@@ -39,9 +39,8 @@ def goal_table(mission: Mission, outcome: Outcome) -> Table:
 
 
 def _samples(goal: Goal, n_samples: int) -> str:
-    if isinstance(goal.task, GatherSamples):
-        return f"{n_samples} of {goal.task.target_sample_number}"
-    return "-"
+    terms = goal.terms
+    return "-" if terms.sensor is None else f"{n_samples} of {terms.target}"
 
 
 def fault_table(pool: FaultPool, specification: Specification, outcome: Outcome) -> Table:

@@ -11,8 +11,8 @@ from typing import TypeAlias
 
 from mrsfi_runtime.hosting.ci_host import CiHost
 from mrsfi_runtime.hosting.sides import Check, SimInterface, Simulation
+from mrsfi_runtime.kernel.goal_tasks.progress import progress
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tasks import progress
 
 Observer: TypeAlias = Callable[[State, State, Sequence[bool], Sequence[bool]], None]
 """Called at the end of every tick with the true state, the belief, and for each goal whether

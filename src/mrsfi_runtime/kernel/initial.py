@@ -1,15 +1,13 @@
 """Lays a mission out as the records that the kernel works on."""
 
-from collections.abc import Mapping
-from types import MappingProxyType
-
-from mrsfi_runtime.kernel import tasks
 from mrsfi_runtime.kernel.commands import SPEED_LIMIT
 from mrsfi_runtime.kernel.directions import DIRECTIONS, N_DIRECTIONS
+from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
+from mrsfi_runtime.kernel.goal_tasks.clearance import LOOK_AHEAD, MARGIN
+from mrsfi_runtime.kernel.goal_tasks.table import TASKS
 from mrsfi_runtime.kernel.neighbours import n_buckets, stride
 from mrsfi_runtime.kernel.obstacles import SIDE, Survey, drawn
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
-from mrsfi_runtime.kernel.reactions import LOOK_AHEAD, MARGIN
 from mrsfi_runtime.kernel.state import (
     ChartedState,
     CommandState,
@@ -25,36 +23,7 @@ from mrsfi_runtime.kernel.state import (
     State,
     SwitchState,
 )
-from mrsfi_runtime.model.mission import (
-    Area,
-    AvoidCollision,
-    Coordinates,
-    FixedDistanceBetweenRobots,
-    GatherSamples,
-    Goal,
-    Mission,
-    Patrol,
-    Stay,
-    StayWithinMissionArea,
-    SufficientEnergy,
-    Task,
-    Track,
-    Visit,
-)
-
-TASK_NUMBERS: Mapping[type[Task], int] = MappingProxyType(
-    {
-        AvoidCollision: tasks.AVOID_COLLISION,
-        StayWithinMissionArea: tasks.STAY_WITHIN,
-        SufficientEnergy: tasks.SUFFICIENT_ENERGY,
-        GatherSamples: tasks.GATHER_SAMPLES,
-        Patrol: tasks.PATROL,
-        Visit: tasks.VISIT,
-        Track: tasks.TRACK,
-        Stay: tasks.STAY,
-        FixedDistanceBetweenRobots: tasks.FIXED_DISTANCE,
-    }
-)
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission
 
 CHANCE_PRECISION = 2**32
 
@@ -175,7 +144,7 @@ def initial_state(mission: Mission, seed: int) -> State:
     for goal in mission.goals:
         _add_goal(state, mission, goal)
     _draw_map(state, mission)
-    _make_room(state)
+    _make_room(state, mission)
     return state
 
 
@@ -186,16 +155,18 @@ def _draw_map(state: State, mission: Mission) -> None:
     survey = Survey(
         left=(float(area.center.x) - area.radius, float(area.center.y) - area.radius),
         cells_per_unit=SIDE / max(2.0 * area.radius, 1.0),
-        reach=MARGIN + LOOK_AHEAD * fastest + tasks.ROBOT_RADIUS,
+        reach=MARGIN + LOOK_AHEAD * fastest + ROBOT_RADIUS,
         obstacles=tuple((each.model_x, each.model_y, each.radius) for each in state.obstacles),
     )
     state.map = MapState(*survey.left, survey.cells_per_unit, survey.reach, 0)
     state.cells, state.mapped = drawn(survey)
 
 
-def _make_room(state: State) -> None:
+def _make_room(state: State, mission: Mission) -> None:
     """Make room for the grid of the AvoidCollision goal with the most robots."""
-    wanted = [goal.n_members for goal in state.goals if goal.task == tasks.AVOID_COLLISION]
+    wanted = [
+        len(goal.terms.robots) for goal in mission.goals if isinstance(goal.task, AvoidCollision)
+    ]
     buckets = n_buckets(max(wanted, default=0))
     if buckets:
         state.grid = GridState(1.0, buckets, stride(buckets))
@@ -210,28 +181,26 @@ def _obstacle(area: Area) -> ObstacleState:
 
 
 def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
-    task = goal.task
-    members, hazards, waypoints = _lists(goal)
-    area = _task_area(goal)
-    sensor = mission.sensor_index[task.sensor] if isinstance(task, GatherSamples) else -1
+    terms = goal.terms
+    area = terms.area or goal.area or Area(goal.id, Coordinates(), 0.0)
     state.goals.append(
         GoalState(
-            task=TASK_NUMBERS[type(task)],
+            task=TASKS.index(type(goal.task)),
             x=float(area.center.x),
             y=float(area.center.y),
             radius=float(area.radius),
             first_member=len(state.members),
-            n_members=len(members),
+            n_members=len(terms.robots),
             first_hazard=len(state.hazards),
-            n_hazards=len(hazards),
+            n_hazards=len(terms.obstacles),
             first_waypoint=len(state.waypoints),
-            n_waypoints=len(waypoints),
-            sensor=sensor,
-            target=getattr(task, "target_sample_number", 0),
-            tolerance=float(getattr(task, "tolerance", 0.0)),
-            distance=float(getattr(task, "fixed_distance", 0.0)),
-            period=getattr(task, "period", 0),
-            deadline=getattr(task, "deadline", 0),
+            n_waypoints=len(terms.waypoints),
+            sensor=-1 if terms.sensor is None else mission.sensor_index[terms.sensor],
+            target=terms.target,
+            tolerance=float(terms.tolerance),
+            distance=float(terms.distance),
+            period=terms.period,
+            deadline=terms.deadline,
             count=0,
             seen=0,
             sampled_x=0.0,
@@ -240,27 +209,7 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
     )
     state.members.extend(
         MemberState(robot=mission.robot_index[robot], since=-1, reached=0, waypoint=0)
-        for robot in members
+        for robot in terms.robots
     )
-    state.hazards.extend(mission.obstacle_index[hazard] for hazard in hazards)
-    state.waypoints.extend(PointState(float(point.x), float(point.y)) for point in waypoints)
-
-
-def _lists(goal: Goal) -> tuple[tuple[str, ...], tuple[str, ...], tuple[Coordinates, ...]]:
-    """Return the members, obstacles and waypoints that a goal's task is about."""
-    task = goal.task
-    if isinstance(task, AvoidCollision):
-        return task.robots, task.obstacles, ()
-    if isinstance(task, Track):
-        return goal.members, (), task.trajectory
-    return goal.members, (), ()
-
-
-def _task_area(goal: Goal) -> Area:
-    """Return the disc that a goal's task is about; a point has radius 0."""
-    task = goal.task
-    if isinstance(task, Patrol | Stay):
-        return task.area
-    if isinstance(task, Visit):
-        return Area(goal.id, task.coordinates, 0.0)
-    return goal.area or Area(goal.id, Coordinates(), 0.0)
+    state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
+    state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.waypoints)

@@ -9,9 +9,9 @@ from mrsfi_runtime.kernel.commands import release
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.delivery import deliver
 from mrsfi_runtime.kernel.effects import falsify
+from mrsfi_runtime.kernel.goal_tasks.progress import progress
 from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tasks import progress
 
 
 @kernel

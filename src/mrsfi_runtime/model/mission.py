@@ -10,9 +10,11 @@ Source paper, section III-B a).
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
 
 from mrsfi_runtime.model.fault_types import Field
+
+ROBOT_RADIUS = 1.0
+"""Robots are discs of this radius, in distance units."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,82 +132,46 @@ class Message:
 
 
 @dataclass(frozen=True, slots=True)
-class AvoidCollision:
-    """Keep robots (by ID) clear of each other and of obstacles (by ID)."""
+class Terms:
+    """What a task is about, in words that all tasks share.
+
+    Attributes
+    ----------
+    robots, obstacles
+        Whom it is about, by ID.
+    area
+        The disc that it is about; a point has radius 0.
+    waypoints
+        Points of a path.
+    sensor
+        ID of the sensor whose samples it counts.
+    target
+        Number of samples.
+    tolerance, distance
+        Distances.
+    period, deadline
+        Ticks.
+    """
 
     robots: tuple[str, ...]
     obstacles: tuple[str, ...] = ()
+    area: Area | None = None
+    waypoints: tuple[Coordinates, ...] = ()
+    sensor: str | None = None
+    target: int = 0
+    tolerance: float = 0.0
+    distance: float = 0.0
+    period: int = 0
+    deadline: int = 0
 
 
 @dataclass(frozen=True, slots=True)
-class StayWithinMissionArea:
-    """Keep every member inside the mission area."""
+class GoalTask:
+    """What the members of a goal have to do; ``kernel.goal_tasks`` has a subclass for each kind."""
 
-
-@dataclass(frozen=True, slots=True)
-class SufficientEnergy:
-    """Keep enough energy in every member to complete the mission."""
-
-
-@dataclass(frozen=True, slots=True)
-class GatherSamples:
-    """Gather samples with one sensor (by ID) inside the goal's area."""
-
-    target_sample_number: int
-    sensor: str
-
-
-@dataclass(frozen=True, slots=True)
-class Patrol:
-    """Have every member inside the area at least once in each period of ticks."""
-
-    area: Area
-    period: int
-
-
-@dataclass(frozen=True, slots=True)
-class Visit:
-    """Have every member within tolerance of a point no later than the deadline tick."""
-
-    coordinates: Coordinates
-    tolerance: float
-    deadline: int
-
-
-@dataclass(frozen=True, slots=True)
-class Track:
-    """Have every member follow a trajectory within tolerance."""
-
-    trajectory: tuple[Coordinates, ...]
-    tolerance: float
-
-
-@dataclass(frozen=True, slots=True)
-class Stay:
-    """Keep every member inside the area from its first entry on."""
-
-    area: Area
-
-
-@dataclass(frozen=True, slots=True)
-class FixedDistanceBetweenRobots:
-    """Keep every pair of members at a fixed distance within tolerance."""
-
-    fixed_distance: float
-    tolerance: float
-
-
-Task: TypeAlias = (
-    AvoidCollision
-    | StayWithinMissionArea
-    | SufficientEnergy
-    | GatherSamples
-    | Patrol
-    | Visit
-    | Track
-    | Stay
-    | FixedDistanceBetweenRobots
-)
+    def terms(self, goal: "Goal") -> Terms:
+        """Return what the task is about as that of a goal: by default, the goal's members."""
+        return Terms(goal.members)
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,10 +181,15 @@ class Goal:
     id: str
     name: str
     members: tuple[str, ...]
-    task: Task
+    task: GoalTask
     area: Area | None = None
     messages: tuple[Message, ...] = ()
     dependent_goals: tuple[str, ...] = ()
+
+    @property
+    def terms(self) -> Terms:
+        """What its task is about."""
+        return self.task.terms(self)
 
 
 @dataclass(frozen=True)

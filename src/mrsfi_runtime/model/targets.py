@@ -15,7 +15,7 @@ from typing import TypeAlias
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
-from mrsfi_runtime.model.mission import GatherSamples, Mission
+from mrsfi_runtime.model.mission import Mission
 
 Target: TypeAlias = tuple[Field, int]
 """A property and the index of the robot, sensor or obstacle that has it."""
@@ -69,9 +69,9 @@ def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     }
     affected = fault.kind.affected
     if affected in (Field.RATE, Field.COST):
-        task = goal.task
-        if isinstance(task, GatherSamples) and task.sensor in sensors:
-            return ((affected, sensors[task.sensor]),)
+        counted = goal.terms.sensor
+        if counted in sensors:
+            return ((affected, sensors[counted]),)
         return tuple((affected, index) for index in sensors.values())
     carried: list[Target] = []
     for entry in message.body:

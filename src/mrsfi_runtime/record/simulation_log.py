@@ -10,9 +10,9 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import TextIO
 
+from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.tasks import ROBOT_RADIUS, distance
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 
 
 class SimulationLog:

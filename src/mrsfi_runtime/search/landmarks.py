@@ -7,10 +7,11 @@ inside an obstacle is a point that chance hardly ever hits.
 
 from collections.abc import Iterable, Iterator
 
+from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.fault_types import Field, Mode
 from mrsfi_runtime.model.faults import Fault
-from mrsfi_runtime.model.mission import Coordinates, Mission, Visit
+from mrsfi_runtime.model.mission import Coordinates, Mission
 
 _PLACES = (Field.POSITION, Field.OBSTACLE)
 _OUTSIDE = 1.2  # mission radii: surely outside, within the default bounds

@@ -1,7 +1,8 @@
 from dataclasses import replace
 
 from mrsfi_runtime.analysis.places import goal_places, working_window
-from mrsfi_runtime.model.mission import Coordinates, Goal, Patrol, Stay, Visit
+from mrsfi_runtime.api import Patrol, Stay, Visit
+from mrsfi_runtime.model.mission import Coordinates, Goal
 from tests.support.campaigns import area, mission
 
 

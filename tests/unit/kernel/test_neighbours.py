@@ -6,11 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mrsfi_runtime.kernel import neighbours, obstacles, reactions, tasks
+from mrsfi_runtime.api import AvoidCollision
+from mrsfi_runtime.kernel import geometry, guidance, neighbours, obstacles
 from mrsfi_runtime.kernel.delivery import deliver
+from mrsfi_runtime.kernel.goal_tasks import avoid_collision, clearance
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.mission import Area, AvoidCollision, Coordinates, Obstacle
+from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle
 from tests.support.world import mission, robot, state
 
 places = st.floats(-150.0, 150.0) | st.sampled_from([0.0, 2.0, 16.0, -1e300, 1e300, 1e6])
@@ -52,30 +54,30 @@ def overlapping(view):
     for h in view.hazards:
         stone = view.obstacles[h]
         pairs += [(*each, stone.x, stone.y, stone.radius + 1.0) for each in robots]
-    return any(tasks.overlap(bx - ax, by - ay, reach) for ax, ay, bx, by, reach in pairs)
+    return any(geometry.overlap(bx - ax, by - ay, reach) for ax, ay, bx, by, reach in pairs)
 
 
 def least_gap(ci, index, x, y, limit):
     """Return the clearance of a heading, by looking at all robots and obstacles."""
     own = ci.robots[index]
-    step = reactions.pace(ci, index)
+    step = guidance.pace(ci, index)
     least = limit
     for h in ci.hazards:
         stone = ci.obstacles[h]
-        away = reactions.closest(stone.x - own.x, stone.y - own.y, -step * x, -step * y)
+        away = clearance.closest(stone.x - own.x, stone.y - own.y, -step * x, -step * y)
         least = min(least, away - stone.radius - 1.0)
     for other, each in enumerate(ci.robots):
         if other != index:
-            pace, command = reactions.pace(ci, other), ci.commands[other]
+            pace, command = guidance.pace(ci, other), ci.commands[other]
             vx, vy = pace * command.heading_x - step * x, pace * command.heading_y - step * y
-            least = min(least, reactions.closest(each.x - own.x, each.y - own.y, vx, vy) - 2.0)
+            least = min(least, clearance.closest(each.x - own.x, each.y - own.y, vx, vy) - 2.0)
     return least
 
 
 @given(fleets(most=60))
 @settings(max_examples=150)
 def test_discs_overlap_exactly_where_some_pair_does(view):
-    assert tasks.avoid_collision_violated(view, 0) is overlapping(view)
+    assert avoid_collision.violated(view, 0) is overlapping(view)
 
 
 @given(fleets(most=60), st.floats(0.5, 500.0), st.floats(0.5, 300.0))
@@ -98,12 +100,12 @@ def test_gathering_finds_every_member_within_reach_once(view, size, reach):
 def test_the_clearance_of_a_heading_is_the_least_of_all_gaps(ci, limit, degrees):
     goal = ci.goals[0]
     heading = ci.directions[degrees]
-    farthest = max(10 * reactions.pace(ci, index) for index in range(len(ci.robots)))
+    farthest = max(10 * guidance.pace(ci, index) for index in range(len(ci.robots)))
     neighbours.chart(ci, goal, 2.0 * (farthest + 10.0))
 
     for index in range(len(ci.robots)):
-        near = neighbours.gather(ci, goal, index, reactions.sight(ci, index, limit, farthest))
-        found = reactions.clearance(ci, goal, index, near, heading.x, heading.y, limit)
+        near = neighbours.gather(ci, goal, index, clearance.sight(ci, index, limit, farthest))
+        found = clearance.clearance(ci, goal, index, near, heading.x, heading.y, limit)
         assert found == least_gap(ci, index, heading.x, heading.y, limit)
 
 

@@ -4,20 +4,18 @@ import math
 
 import pytest
 
-from mrsfi_runtime.kernel import reactions
-from mrsfi_runtime.kernel.commands import set_speed, steer, switch_sensor
-from mrsfi_runtime.model.mission import (
-    Area,
+from mrsfi_runtime.api import (
     AvoidCollision,
-    Coordinates,
     FixedDistanceBetweenRobots,
     GatherSamples,
-    Obstacle,
     StayWithinMissionArea,
     SufficientEnergy,
     Track,
     Visit,
 )
+from mrsfi_runtime.kernel.commands import set_speed, steer, switch_sensor
+from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
+from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle
 from tests.support.world import MEMBERS, robot, state
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
@@ -57,7 +55,7 @@ def test_a_robot_turns_away_from_an_obstacle_ahead():
     ci = state(AvoidCollision(("a",), ("rock",)), obstacles=(rock,))
     ci.commands[0].heading_x, ci.commands[0].heading_y = 1.0, 0.0
 
-    reactions.avoid_collision(ci, 0)
+    goal_tasks.avoid_collision.react(ci, 0)
 
     assert 90 < heading(ci, 0) < 270
 
@@ -67,7 +65,7 @@ def test_a_robot_with_a_clear_way_keeps_its_heading():
     ci.commands[0].heading_x, ci.commands[0].heading_y = 0.0, 1.0
     ci.commands[1].heading_x, ci.commands[1].heading_y = 0.0, 1.0
 
-    reactions.avoid_collision(ci, 0)
+    goal_tasks.avoid_collision.react(ci, 0)
 
     assert (heading(ci, 0), heading(ci, 1)) == (90, 90)
 
@@ -78,7 +76,7 @@ def test_robots_on_collision_course_part():
     ci.commands[0].heading_x, ci.commands[0].heading_y = 1.0, 0.0
     ci.commands[1].heading_x, ci.commands[1].heading_y = -1.0, 0.0
 
-    reactions.avoid_collision(ci, 0)
+    goal_tasks.avoid_collision.react(ci, 0)
 
     assert heading(ci, 0) != 0
 
@@ -88,7 +86,7 @@ def test_a_robot_about_to_leave_the_mission_area_turns_to_its_centre():
     ci.robots[0].x = 995.0
     ci.commands[0].heading_x, ci.commands[0].heading_y = 1.0, 0.0
 
-    reactions.stay_within_mission_area(ci, 0)
+    goal_tasks.stay_within_mission_area.react(ci, 0)
 
     assert heading(ci, 0) == 180
 
@@ -100,7 +98,7 @@ def test_speed_is_regulated_over_the_reported_speed(believed, expected):
     ci = state(SufficientEnergy())
     ci.robots[0].speed = believed
 
-    reactions.sufficient_energy(ci, 0)
+    goal_tasks.sufficient_energy.react(ci, 0)
 
     assert ci.commands[0].speed == expected
 
@@ -110,7 +108,7 @@ def test_with_too_little_energy_a_robot_wants_only_what_it_affords():
     ci.robots[0].speed = 4.0
     ci.robots[0].energy = 10 * (2 * 3.0 * 2 + 1.5 * 5.0)
 
-    reactions.sufficient_energy(ci, 0)
+    goal_tasks.sufficient_energy.react(ci, 0)
 
     assert ci.commands[0].speed == pytest.approx(1.5)
 
@@ -120,14 +118,14 @@ def test_gathering_heads_for_the_area_and_switches_the_sensor_by_need():
     ci.robots[0].y = -200.0
     ci.switches[1].active = 0
 
-    reactions.gather_samples(ci, 0)
+    goal_tasks.gather_samples.react(ci, 0)
 
     assert heading(ci, 0) == 90
     assert ci.switches[1].active == 1
 
     ci.goals[0].count = 5
     ci.switches[1].claimed = 0
-    reactions.gather_samples(ci, 0)
+    goal_tasks.gather_samples.react(ci, 0)
     assert ci.switches[1].active == 0
 
 
@@ -137,7 +135,7 @@ def test_a_roaming_robot_stays_inside_its_area():
     for tick in range(500):
         ci.mission.tick = tick
         command.heading_claimed = 0
-        reactions.gather_samples(ci, 0)
+        goal_tasks.gather_samples.react(ci, 0)
         me.x += command.heading_x * command.speed
         me.y += command.heading_y * command.speed
         assert math.hypot(me.x, me.y) <= 50.0, tick
@@ -146,7 +144,7 @@ def test_a_roaming_robot_stays_inside_its_area():
 def test_a_visit_ends_exactly_at_the_point():
     ci = state(Visit(Coordinates(3.0, 0.0), 0.5, 10), robots=(robot("a", 0.0, 0.0),))
 
-    reactions.visit(ci, 0)
+    goal_tasks.visit.react(ci, 0)
 
     assert (heading(ci, 0), ci.commands[0].speed) == (0, 3.0)
 
@@ -156,7 +154,7 @@ def test_tracking_heads_for_the_next_waypoint():
     ci = state(Track(path, 5.0), robots=(robot("a", 0.0, 0.0),))
     ci.members[0].waypoint = 1
 
-    reactions.track(ci, 0)
+    goal_tasks.track.react(ci, 0)
 
     assert heading(ci, 0) == 90
 
@@ -165,6 +163,6 @@ def test_tracking_heads_for_the_next_waypoint():
 def test_a_follower_closes_or_opens_the_gap(distance, expected):
     ci = state(FixedDistanceBetweenRobots(distance, 2.0))
 
-    reactions.fixed_distance_between_robots(ci, 0)
+    goal_tasks.fixed_distance_between_robots.react(ci, 0)
 
     assert heading(ci, 1) == expected

@@ -11,10 +11,11 @@ from numba.extending import register_jitable
 from mrsfi_runtime.engine.compiled.driver import driver_text, load_driver, source_hash
 from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
 from mrsfi_runtime.engine.compiled.regions import CompilationError, explain
-from mrsfi_runtime.kernel import delivery, effects, motion, tasks, tick
+from mrsfi_runtime.kernel import delivery, effects, motion, tick
+from mrsfi_runtime.kernel.goal_tasks import progress
 from mrsfi_runtime.mission import MissionCode
 
-_KERNEL = (delivery, effects, motion, tasks, tick)
+_KERNEL = (delivery, effects, motion, progress, tick)
 """Modules that the flight calls; what they call is reached from them."""
 
 _typeof: Any = numba.typeof

@@ -28,7 +28,8 @@ N_KEPT = 64
 _TEXT = '''"""Compiled flight of a mission."""
 
 import {collective} as ci
-from mrsfi_runtime.kernel import delivery, effects, motion, tasks
+from mrsfi_runtime.kernel import delivery, effects, motion
+from mrsfi_runtime.kernel.goal_tasks import progress
 from mrsfi_runtime.kernel import tick as ticks
 from numba import njit
 
@@ -74,7 +75,7 @@ def fly(world, belief, inbox, plan, result, trace, at):
         world.mission.tick = tick
         motion.advance(world)
         delivery.send(world, inbox)
-        tasks.progress(world)
+        progress.progress(world)
 {true_checks}
         ticks.perceive(belief, inbox, plan, tick)
 {believed_checks}
@@ -163,7 +164,7 @@ def source_hash(texts: Sequence[str]) -> str:
     """Return a key of the kernel's sources and of further texts."""
     sha = hashlib.sha256(sys.version.encode())
     folder = Path(str(kernel.__file__)).parent
-    for path in sorted(folder.glob("*.py")):
+    for path in sorted(folder.rglob("*.py")):
         sha.update(path.read_bytes())
     for text in texts:
         sha.update(b"\0")

@@ -1,0 +1,43 @@
+"""What is left of a mission, and what its robots will spend and gather until its end."""
+
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.state import GoalState, State
+
+
+@kernel
+def ticks_left(view: State) -> int:
+    """Return how many ticks follow the present one."""
+    return view.mission.duration - 1 - view.mission.tick
+
+
+@kernel
+def sensor_power(view: State, index: int) -> float:
+    """Return the energy that a robot's active sensors spend in a tick, as far as is known."""
+    robot = view.robots[index]
+    power = 0.0
+    for k in range(robot.first_sensor, robot.first_sensor + robot.n_sensors):
+        sensor = view.sensors[k]
+        if sensor.active == 1:
+            power += sensor.rate * sensor.cost
+    return power
+
+
+@kernel
+def energy_reserve(view: State, index: int) -> float:
+    """Return the energy that a robot has beyond its forecast need; negative if it lacks some.
+
+    The forecast takes its speed, sensor rates and costs as known now for all ticks left.
+    """
+    robot = view.robots[index]
+    power = robot.speed * robot.energy_per_distance + sensor_power(view, index)
+    return robot.energy - ticks_left(view) * power
+
+
+@kernel
+def sample_reserve(view: State, goal: GoalState) -> float:
+    """Return the samples that a goal's forecast has beyond its target; negative if it lacks some.
+
+    The forecast is one valid sample a tick, scaled by believed over nominal rate.
+    """
+    sensor = view.sensors[goal.sensor]
+    return goal.count + ticks_left(view) * (sensor.rate / sensor.nominal_rate) - goal.target

@@ -1,0 +1,38 @@
+"""Distances and discs in the plane."""
+
+import math
+
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.state import GoalState
+
+
+@kernel
+def distance(x: float, y: float, to_x: float, to_y: float) -> float:
+    """Return the distance of two points in the plane."""
+    dx = to_x - x
+    dy = to_y - y
+    return math.sqrt(dx * dx + dy * dy)
+
+
+@kernel
+def inside(x: float, y: float, goal: GoalState) -> bool:
+    """Return whether a point is inside a goal's area."""
+    dx = x - goal.x
+    dy = y - goal.y
+    return dx * dx + dy * dy <= goal.radius * goal.radius
+
+
+@kernel
+def overlap(dx: float, dy: float, reach: float) -> bool:
+    """Return whether two discs overlap whose radii add up to ``reach``."""
+    return dx * dx + dy * dy < reach * reach
+
+
+@kernel
+def off_segment(x: float, y: float, end_x: float, end_y: float) -> float:
+    """Return the distance of a point from the segment between the origin and an end."""
+    length = end_x * end_x + end_y * end_y
+    share = 0.0
+    if length > 0.0:
+        share = min(max((x * end_x + y * end_y) / length, 0.0), 1.0)
+    return distance(x, y, share * end_x, share * end_y)

@@ -1,0 +1,57 @@
+"""FixedDistanceBetweenRobots: every pair of members keeps a distance."""
+
+import math
+from dataclasses import dataclass
+
+from mrsfi_runtime.kernel.commands import steer
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.mission import Goal, GoalTask, Terms
+
+
+@dataclass(frozen=True, slots=True)
+class FixedDistanceBetweenRobots(GoalTask):
+    """Keep every pair of members at a fixed distance within tolerance."""
+
+    fixed_distance: float
+    tolerance: float
+
+    def terms(self, goal: Goal) -> Terms:
+        """Return the distance and the tolerance."""
+        return Terms(goal.members, distance=self.fixed_distance, tolerance=self.tolerance)
+
+
+@kernel
+def violated(view: State, g: int) -> bool:
+    """Return whether a pair of members differs from the distance by more than the tolerance."""
+    goal = view.goals[g]
+    last = goal.first_member + goal.n_members
+    for m in range(goal.first_member, last):
+        robot = view.robots[view.members[m].robot]
+        for other in range(m + 1, last):
+            second = view.robots[view.members[other].robot]
+            gap = distance(robot.x, robot.y, second.x, second.y)
+            if abs(gap - goal.distance) > goal.tolerance:
+                return True
+    return False
+
+
+@kernel
+def react(ci: State, g: int) -> None:
+    """Let every later member close or open the gap to the one before it, else fly beside it."""
+    goal = ci.goals[g]
+    for m in range(goal.first_member + 1, goal.first_member + goal.n_members):
+        first = ci.members[m - 1].robot
+        index = ci.members[m].robot
+        leader = ci.robots[first]
+        robot = ci.robots[index]
+        dx = leader.x - robot.x
+        dy = leader.y - robot.y
+        gap = math.sqrt(dx * dx + dy * dy)
+        if gap - goal.distance > 0.5 * goal.tolerance:
+            steer(ci, index, dx, dy)
+        elif goal.distance - gap > 0.5 * goal.tolerance:
+            steer(ci, index, -dx, -dy)
+        else:
+            steer(ci, index, ci.commands[first].heading_x, ci.commands[first].heading_y)

@@ -1,0 +1,66 @@
+"""GatherSamples: a sensor takes a number of samples inside the goal's area."""
+
+from dataclasses import dataclass
+
+from mrsfi_runtime.kernel.commands import switch_sensor
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.forecast import sample_reserve
+from mrsfi_runtime.kernel.geometry import inside
+from mrsfi_runtime.kernel.guidance import roam
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.mission import Goal, GoalTask, Terms
+
+
+@dataclass(frozen=True, slots=True)
+class GatherSamples(GoalTask):
+    """Gather samples with one sensor (by ID) inside the goal's area."""
+
+    target_sample_number: int
+    sensor: str
+
+    def terms(self, goal: Goal) -> Terms:
+        """Return the sensor, how many samples it is to take, and where."""
+        target = self.target_sample_number
+        return Terms(goal.members, area=goal.area, sensor=self.sensor, target=target)
+
+
+@kernel
+def progress(view: State, g: int) -> None:
+    """Count new samples: taken inside the area, and not where the sample before was taken."""
+    goal = view.goals[g]
+    sensor = view.sensors[goal.sensor]
+    robot = view.robots[sensor.robot]
+    new = sensor.count - goal.seen
+    goal.seen = sensor.count
+    if new <= 0 or not inside(robot.x, robot.y, goal):
+        return
+    if goal.count == 0 or robot.x != goal.sampled_x or robot.y != goal.sampled_y:
+        goal.count += new
+        goal.sampled_x = robot.x
+        goal.sampled_y = robot.y
+
+
+@kernel
+def violated(view: State, g: int) -> bool:
+    """Return whether a goal below its target is in danger of missing it.
+
+    It is while its sensor is inactive, or its robot outside the goal's area, or when the
+    forecast falls short.
+    """
+    goal = view.goals[g]
+    if goal.count >= goal.target:
+        return False
+    sensor = view.sensors[goal.sensor]
+    robot = view.robots[sensor.robot]
+    if sensor.active == 0 or not inside(robot.x, robot.y, goal):
+        return True
+    return sample_reserve(view, goal) < 0.0
+
+
+@kernel
+def react(ci: State, g: int) -> None:
+    """Keep the goal's robot roaming inside its area, its sensor on until the target is reached."""
+    goal = ci.goals[g]
+    sensor = ci.sensors[goal.sensor]
+    switch_sensor(ci, goal.sensor, 1 if goal.count < goal.target else 0)
+    roam(ci, goal, sensor.robot)

@@ -1,0 +1,43 @@
+"""Patrol: every member is inside an area at least once in each period."""
+
+from dataclasses import dataclass
+
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
+from mrsfi_runtime.kernel.guidance import roam_together
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.mission import Area, Goal, GoalTask, Terms
+
+
+@dataclass(frozen=True, slots=True)
+class Patrol(GoalTask):
+    """Have every member inside the area at least once in each period of ticks."""
+
+    area: Area
+    period: int
+
+    def terms(self, goal: Goal) -> Terms:
+        """Return the area and the period."""
+        return Terms(goal.members, area=self.area, period=self.period)
+
+
+@kernel
+def progress(view: State, g: int) -> None:
+    """Note which members are inside the area."""
+    note_presence(view, g)
+
+
+@kernel
+def violated(view: State, g: int) -> bool:
+    """Return whether a member has not been inside the area for one period."""
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if view.mission.tick - view.members[m].since >= goal.period:
+            return True
+    return False
+
+
+@kernel
+def react(ci: State, g: int) -> None:
+    """Head for the area from outside, roam inside it."""
+    roam_together(ci, ci.goals[g])

@@ -1,0 +1,18 @@
+"""Which members have been in the area of a goal, or at its point, and when."""
+
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.state import State
+
+
+@kernel
+def note_presence(view: State, g: int) -> None:
+    """Note which members are inside the goal's area, or within tolerance of its point."""
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        member = view.members[m]
+        robot = view.robots[member.robot]
+        reach = goal.radius + goal.tolerance
+        if distance(robot.x, robot.y, goal.x, goal.y) <= reach:
+            member.since = view.mission.tick
+            member.reached = 1

@@ -1,0 +1,45 @@
+"""StayWithinMissionArea: every member stays inside the mission area."""
+
+from dataclasses import dataclass
+
+from mrsfi_runtime.kernel.commands import steer
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.guidance import pace
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.mission import GoalTask
+
+
+@dataclass(frozen=True, slots=True)
+class StayWithinMissionArea(GoalTask):
+    """Keep every member inside the mission area."""
+
+
+@kernel
+def violated(view: State, g: int) -> bool:
+    """Return whether a member is farther from the mission's centre than its radius."""
+    goal = view.goals[g]
+    mission = view.mission
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        robot = view.robots[view.members[m].robot]
+        dx = robot.x - mission.x
+        dy = robot.y - mission.y
+        if dx * dx + dy * dy > mission.radius * mission.radius:
+            return True
+    return False
+
+
+@kernel
+def react(ci: State, g: int) -> None:
+    """Turn every member that is outside the mission area, or about to leave it, to its centre."""
+    goal = ci.goals[g]
+    mission = ci.mission
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = ci.members[m].robot
+        robot = ci.robots[index]
+        command = ci.commands[index]
+        step = 2.0 * pace(ci, index)
+        x = robot.x + step * command.heading_x
+        y = robot.y + step * command.heading_y
+        if distance(x, y, mission.x, mission.y) > mission.radius:
+            steer(ci, index, mission.x - robot.x, mission.y - robot.y)

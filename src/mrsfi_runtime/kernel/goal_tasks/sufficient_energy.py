@@ -1,0 +1,44 @@
+"""SufficientEnergy: every member has the energy to complete the mission."""
+
+from dataclasses import dataclass
+
+from mrsfi_runtime.kernel.commands import set_speed
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.forecast import energy_reserve, sensor_power, ticks_left
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.mission import GoalTask
+
+
+@dataclass(frozen=True, slots=True)
+class SufficientEnergy(GoalTask):
+    """Keep enough energy in every member to complete the mission."""
+
+
+@kernel
+def violated(view: State, g: int) -> bool:
+    """Return whether a member is exhausted, or its energy below the forecast need."""
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = view.members[m].robot
+        if view.robots[index].energy <= 0.0 or energy_reserve(view, index) < 0.0:
+            return True
+    return False
+
+
+@kernel
+def react(ci: State, g: int) -> None:
+    """Regulate every member's speed to its nominal one, or to what its energy affords.
+
+    The loop is closed over the reported speed (command + wanted − believed), so that a false
+    report moves a real robot.
+    """
+    goal = ci.goals[g]
+    left = ticks_left(ci)
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = ci.members[m].robot
+        robot = ci.robots[index]
+        wanted = robot.nominal_speed
+        if left > 0 and robot.energy_per_distance > 0.0:
+            spare = robot.energy / left - sensor_power(ci, index)
+            wanted = min(wanted, max(spare / robot.energy_per_distance, 0.0))
+        set_speed(ci, index, ci.commands[index].speed + wanted - robot.speed)

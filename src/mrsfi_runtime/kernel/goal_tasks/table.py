@@ -1,0 +1,40 @@
+"""The goal tasks, in an order that states and digests know."""
+
+from mrsfi_runtime.kernel.goal_tasks import (
+    avoid_collision,
+    fixed_distance_between_robots,
+    gather_samples,
+    patrol,
+    stay,
+    stay_within_mission_area,
+    sufficient_energy,
+    track,
+    visit,
+)
+from mrsfi_runtime.model.mission import GoalTask
+
+__all__ = [
+    "TASKS",
+    "avoid_collision",
+    "fixed_distance_between_robots",
+    "gather_samples",
+    "patrol",
+    "stay",
+    "stay_within_mission_area",
+    "sufficient_energy",
+    "track",
+    "visit",
+]
+
+TASKS: tuple[type[GoalTask], ...] = (
+    avoid_collision.AvoidCollision,
+    stay_within_mission_area.StayWithinMissionArea,
+    sufficient_energy.SufficientEnergy,
+    gather_samples.GatherSamples,
+    patrol.Patrol,
+    visit.Visit,
+    track.Track,
+    stay.Stay,
+    fixed_distance_between_robots.FixedDistanceBetweenRobots,
+)
+"""All tasks; where one stands is its number in ``GoalState.task``."""

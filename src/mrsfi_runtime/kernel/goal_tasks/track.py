@@ -1,0 +1,70 @@
+"""Track: every member follows a trajectory."""
+
+from dataclasses import dataclass
+
+from mrsfi_runtime.kernel.commands import set_speed
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.geometry import distance, off_segment
+from mrsfi_runtime.kernel.guidance import approach
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.mission import Coordinates, Goal, GoalTask, Terms
+
+
+@dataclass(frozen=True, slots=True)
+class Track(GoalTask):
+    """Have every member follow a trajectory within tolerance."""
+
+    trajectory: tuple[Coordinates, ...]
+    tolerance: float
+
+    def terms(self, goal: Goal) -> Terms:
+        """Return the trajectory and the tolerance."""
+        return Terms(goal.members, waypoints=self.trajectory, tolerance=self.tolerance)
+
+
+@kernel
+def progress(view: State, g: int) -> None:
+    """Advance every member's next waypoint past those it is within tolerance of."""
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        member = view.members[m]
+        robot = view.robots[member.robot]
+        while member.waypoint < goal.n_waypoints:
+            point = view.waypoints[goal.first_waypoint + member.waypoint]
+            if distance(robot.x, robot.y, point.x, point.y) > goal.tolerance:
+                break
+            member.waypoint += 1
+
+
+@kernel
+def violated(view: State, g: int) -> bool:
+    """Return whether a member is off its current segment by more than the tolerance.
+
+    Before the first waypoint and after the last there is no current segment.
+    """
+    goal = view.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        member = view.members[m]
+        if 0 < member.waypoint < goal.n_waypoints:
+            robot = view.robots[member.robot]
+            start = view.waypoints[goal.first_waypoint + member.waypoint - 1]
+            end = view.waypoints[goal.first_waypoint + member.waypoint]
+            off = off_segment(
+                robot.x - start.x, robot.y - start.y, end.x - start.x, end.y - start.y
+            )
+            if off > goal.tolerance:
+                return True
+    return False
+
+
+@kernel
+def react(ci: State, g: int) -> None:
+    """Head for every member's next waypoint, the last step no longer than needed."""
+    goal = ci.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        member = ci.members[m]
+        if member.waypoint < goal.n_waypoints:
+            point = ci.waypoints[goal.first_waypoint + member.waypoint]
+            approach(ci, member.robot, point.x, point.y)
+        else:
+            set_speed(ci, member.robot, ci.robots[member.robot].nominal_speed)

@@ -1,0 +1,54 @@
+"""Visit: every member reaches a point no later than a deadline."""
+
+from dataclasses import dataclass
+
+from mrsfi_runtime.kernel.commands import set_speed
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
+from mrsfi_runtime.kernel.guidance import approach
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.mission import Area, Coordinates, Goal, GoalTask, Terms
+
+
+@dataclass(frozen=True, slots=True)
+class Visit(GoalTask):
+    """Have every member within tolerance of a point no later than the deadline tick."""
+
+    coordinates: Coordinates
+    tolerance: float
+    deadline: int
+
+    def terms(self, goal: Goal) -> Terms:
+        """Return the point, the tolerance and the deadline."""
+        point = Area(goal.id, self.coordinates, 0.0)
+        return Terms(goal.members, area=point, tolerance=self.tolerance, deadline=self.deadline)
+
+
+@kernel
+def progress(view: State, g: int) -> None:
+    """Note which members are within tolerance of the point."""
+    note_presence(view, g)
+
+
+@kernel
+def violated(view: State, g: int) -> bool:
+    """Return whether a member has not been at the point by the deadline."""
+    goal = view.goals[g]
+    if view.mission.tick < goal.deadline:
+        return False
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if view.members[m].reached == 0:
+            return True
+    return False
+
+
+@kernel
+def react(ci: State, g: int) -> None:
+    """Head for the point until it has been reached, the last step no longer than needed."""
+    goal = ci.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        member = ci.members[m]
+        if member.reached == 0:
+            approach(ci, member.robot, goal.x, goal.y)
+        else:
+            set_speed(ci, member.robot, ci.robots[member.robot].nominal_speed)
