@@ -163,6 +163,7 @@ class Slot:
 
     feature: Any
     name: str
+    type: Any
     many: bool
     lower_bound: int
     is_contained: bool
@@ -177,6 +178,7 @@ def slots(metaclass: Any) -> Mapping[str, Slot]:
         str(feature.name): Slot(
             feature,
             str(feature.name),
+            _resolved(feature.eType),
             bool(feature.many),
             int(feature.lowerBound),
             is_contained(feature),

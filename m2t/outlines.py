@@ -143,7 +143,7 @@ def _insert_parts(node: Node, metaclass: Any, files: ModelFiles) -> None:
             continue
         inserted, kind = child, reference_type(feature)
         if "href" in child.attributes:
-            part = find_part(child, feature, metaclass.ePackage, files, Report())
+            part = find_part(child, kind, metaclass.ePackage, files, Report())
             if part is None:
                 continue
             inserted, kind = part

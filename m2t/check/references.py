@@ -9,7 +9,7 @@ from urllib.parse import unquote
 
 from m2t.check.structure import ModelTree, Reference
 from m2t.diagnostics import shown
-from m2t.metamodels import conforms, reference_type
+from m2t.metamodels import conforms
 from m2t.read.model_files import ModelFile, local_path, resolved_path
 from m2t.read.nodes import Node, Report
 
@@ -71,24 +71,23 @@ class _Resolver:
 
     def resolve(self, reference: Reference) -> None:
         """Find the nodes of one reference."""
-        feature = reference.feature
-        if not feature.many and len(reference.targets) > 1:
+        slot = reference.slot
+        if not slot.many and len(reference.targets) > 1:
             self._report.add(
                 reference.node,
                 "SingleValue",
-                f"has {len(reference.targets)} {feature.name}; expected one; delete the others",
+                f"has {len(reference.targets)} {slot.name}; expected one; delete the others",
             )
             return
         elements = (self._element(reference, target) for target in reference.targets)
         found = tuple(element for element in elements if element is not None)
-        known = self._named.setdefault((reference.source, feature.name), set())
+        known = self._named.setdefault((reference.source, slot.name), set())
         for element in found:
-            if element in known and feature.many:
+            if element in known and slot.many:
                 self._report.add(
                     reference.node,
                     "UniqueReference",
-                    f"names {_named(element)} twice in {feature.name}; expected each once; "
-                    "delete one",
+                    f"names {_named(element)} twice in {slot.name}; expected each once; delete one",
                 )
             known.add(element)
         self._tree.resolved.append((reference, found))
@@ -103,13 +102,13 @@ class _Resolver:
             self._report.add(
                 reference.node,
                 "LocalReference",
-                f"refers to {shown(target)} as {reference.feature.name}; expected {wanted}, or "
+                f"refers to {shown(target)} as {reference.slot.name}; expected {wanted}, or "
                 "one of a file that is part of the mission; correct the reference",
             )
         if place is None:
             return None
         element = find(place.file, unquote(target.rpartition("#")[2]))
-        wanted_class = reference_type(reference.feature)
+        wanted_class = reference.slot.type
         if element is None or not conforms(element.metaclass, wanted_class):
             self._report_element(reference, target, element, self._known(place.tree, wanted_class))
             return None
@@ -118,8 +117,8 @@ class _Resolver:
     def _report_element(
         self, reference: Reference, target: str, element: Node | None, known: str
     ) -> None:
-        what = f"refers to {shown(target)} as {reference.feature.name}, which"
-        wanted = reference_type(reference.feature).name
+        what = f"refers to {shown(target)} as {reference.slot.name}, which"
+        wanted = reference.slot.type.name
         if element is None:
             self._report.add(
                 reference.node,

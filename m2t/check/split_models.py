@@ -8,13 +8,13 @@ from typing import Any
 from urllib.parse import unquote
 
 from m2t.diagnostics import shown
-from m2t.metamodels import conforms, reference_type
+from m2t.metamodels import conforms
 from m2t.read.model_files import XSI, ModelFile, ModelFiles, contained_path
 from m2t.read.nodes import Node, Report
 
 
 def find_part(
-    child: Node, feature: Any, package: Any, files: ModelFiles, report: Report
+    child: Node, declared: Any, package: Any, files: ModelFiles, report: Report
 ) -> tuple[Node, Any] | None:
     """Return the root of another file that an element with an href stands for.
 
@@ -22,8 +22,8 @@ def find_part(
     ----------
     child
         The element with the href.
-    feature
-        The containment that it is given for.
+    declared
+        Class of the containment that it is given for.
     package
         The metamodel.
     files
@@ -55,7 +55,7 @@ def find_part(
         report.add(child, "ContainedElement", finding)
         return None
     file.claimed.add(root)
-    metaclass = _metaclass(child, root, feature, package, report)
+    metaclass = _metaclass(child, root, declared, package, report)
     return None if metaclass is None else (root, metaclass)
 
 
@@ -104,9 +104,8 @@ def _file(child: Node, document: str, files: ModelFiles, report: Report) -> Mode
     return file
 
 
-def _metaclass(child: Node, root: Node, feature: Any, package: Any, report: Report) -> Any:
+def _metaclass(child: Node, root: Node, declared: Any, package: Any, report: Report) -> Any:
     """Return the class of a part if the feature may hold it; ``None`` after a report."""
-    declared = reference_type(feature)
     kinds = list(concrete_classes(package, declared))
     found = package.getEClassifier(root.tag) if root.namespace == package.nsURI else None
     named = child.qualified.get((XSI, "type"))

@@ -12,7 +12,7 @@ from typing import Any
 from m2t.check.attribute_values import BadValueError, require_value
 from m2t.check.split_models import concrete_classes, find_part, named_class
 from m2t.diagnostics import shown
-from m2t.metamodels import Slot, conforms, reference_type, slots
+from m2t.metamodels import Slot, conforms, slots
 from m2t.read.model_files import XMI, XSI, ModelFile, ModelFiles, is_root_attribute
 from m2t.read.nodes import Node, Report
 
@@ -28,7 +28,7 @@ class Reference:
     """
 
     source: Node
-    feature: Any
+    slot: Slot
     node: Node
     targets: tuple[str, ...]
 
@@ -150,7 +150,7 @@ class _Checker:
         if slot.is_reference:
             targets = tuple(text.split())
             element.given[name] += len(targets)
-            reference = Reference(element.node, slot.feature, element.node, targets)
+            reference = Reference(element.node, slot, element.node, targets)
             self.tree.references.append(reference)
             return
         element.given[name] += 1
@@ -217,28 +217,28 @@ class _Checker:
             return child
         element.given[child.tag] += 1
         if slot.is_contained:
-            return self._contain(slot.feature, child)
+            return self._contain(slot, child)
         if slot.is_reference:
-            self._refer(element.node, slot.feature, child)
+            self._refer(element.node, slot, child)
         else:
             self._value(element, slot, child.text)
         return child
 
-    def _contain(self, feature: Any, child: Node) -> Node:
+    def _contain(self, slot: Slot, child: Node) -> Node:
         if "href" in child.attributes:
-            found = find_part(child, feature, self._package, self.tree.files, self._report)
+            found = find_part(child, slot.type, self._package, self.tree.files, self._report)
             if found is None:
                 return child
             part, metaclass = found
             part.tag, part.namespace, part.parent = child.tag, "", child.parent
             self.element(part, metaclass)
             return part
-        metaclass = self._concrete_type(feature, child)
+        metaclass = self._concrete_type(slot.type, child)
         if metaclass is not None:
             self.element(child, metaclass)
         return child
 
-    def _refer(self, source: Node, feature: Any, child: Node) -> None:
+    def _refer(self, source: Node, slot: Slot, child: Node) -> None:
         target = child.attributes.get("href")
         if target is None or set(child.attributes) != {"href"} or child.children:
             finding = (
@@ -247,11 +247,10 @@ class _Checker:
             )
             self._report.add(child, "ContainedElement", finding)
             return
-        self.tree.references.append(Reference(source, feature, child, (target,)))
+        self.tree.references.append(Reference(source, slot, child, (target,)))
 
-    def _concrete_type(self, feature: Any, child: Node) -> Any:
+    def _concrete_type(self, declared: Any, child: Node) -> Any:
         """Return the class of a contained element; ``None`` after a report."""
-        declared = reference_type(feature)
         text = child.qualified.get((XSI, "type"))
         metaclass = declared if text is None else named_class(self._package, child, text)
         if metaclass is not None and not metaclass.abstract and conforms(metaclass, declared):
