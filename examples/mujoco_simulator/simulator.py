@@ -142,8 +142,9 @@ class Side:
     _setup: tuple[int, int] | None = None
     _run: int | None = None
     _tick: int = 0
-    _announced: int | None = None
-    _n_received: int = 0
+    _is_told: bool = False
+    _n_announced: int = 0
+    _n_obeyed: int = 0
     _n_sent: int = 0
     _told: dict[str, bool] = field(default_factory=dict)
 
@@ -210,7 +211,7 @@ class Side:
 
         def count(message: Message) -> None:
             callback(message)
-            self._n_received += 1
+            self._n_obeyed += 1
             self._fly_when_complete()
 
         self._subscribe(name, type_name, count)
@@ -225,8 +226,8 @@ class Side:
             return True
         self._run, seed = self._setup
         self.world.reset(seed)
-        self._tick = self._n_received = self._n_sent = 0
-        self._announced = None
+        self._tick = self._n_announced = self._n_obeyed = self._n_sent = 0
+        self._is_told = False
         self._told.clear()
         response.update(success=True, message=f"run {self._run}")
         return True
@@ -239,25 +240,25 @@ class Side:
     def _on_go(self, message: Message) -> None:
         run, tick, n_commands = message["data"]
         if run != self._run:  # a run that is over
-            self._n_received = 0
             return
         if tick != self._tick:
             raise ValueError(f"told to fly tick {tick}; expected tick {self._tick}")
-        self._announced = n_commands
+        self._is_told = True
+        self._n_announced += n_commands
         self._fly_when_complete()
 
     def _fly_when_complete(self) -> None:
         """Fly the tick once all its commands came: servers may deliver some after the go."""
-        if self._announced is None or self._n_received < self._announced:
+        if not self._is_told or self._n_obeyed < self._n_announced:
             return
-        if self._n_received > self._announced:
-            raise ValueError(f"{self._n_received} commands came; expected {self._announced}")
-        self._announced, self._n_received = None, 0
+        if self._n_obeyed > self._n_announced:
+            raise ValueError(f"{self._n_obeyed} commands came; expected {self._n_announced}")
+        self._is_told = False
         self.world.step()
         for robot in self.world.robots:
             self._tell(robot)
         self._send("/clock", clock={"secs": self._tick, "nsecs": 0})
-        self._send("/mission/tick", data=[self._run, self._tick, self._n_sent])
+        self._send("/mission/tick", data=[self._run, self._tick, self._n_sent, self._n_obeyed])
         self._tick, self._n_sent = self._tick + 1, 0
 
     def _tell(self, robot: Robot) -> None:

@@ -3,12 +3,19 @@
 A process has one kind of roslibpy client, so the last test runs the others again for Twisted.
 """
 
+import asyncio
+import json
 import os
+import socket
 import subprocess
 import sys
+import threading
+from contextlib import contextmanager
 from queue import Empty, SimpleQueue
+from time import monotonic
 
 import pytest
+from websockets.asyncio.server import serve
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings
@@ -217,6 +224,53 @@ def test_a_lost_connection_stays_lost_when_the_server_comes_back():
             arrived.get(timeout=2.0)
         fresh.close()
     transport.close()
+
+
+@pytest.mark.skipif(not hasattr(socket, "TCP_QUICKACK"), reason="Linux only")
+def test_a_server_that_waits_for_acknowledgements_is_not_kept_waiting():
+    n_rounds, delayed_s = 40, 0.04  # what Linux waits before it acknowledges
+
+    async def answer_in_two_writes(connection):
+        opened = connection.transport.get_extra_info("socket")
+        opened.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 0)
+        async for frame in connection:
+            if json.loads(frame)["op"] == "publish":
+                for name in (ENERGY.name, SPEED.name):
+                    await connection.send(json.dumps({"op": "publish", "topic": name, "msg": {}}))
+                    await asyncio.sleep(0)
+
+    with served(answer_in_two_writes) as url:
+        transport = RosbridgeTransport(url, CLIENT)
+        arrived = SimpleQueue()
+        transport.subscribe(SPEED, arrived.put)
+        publish = transport.advertise(NUMBERS)
+        begin = monotonic()
+        for _ in range(n_rounds):
+            publish({"data": []})
+            arrived.get(timeout=10)
+        elapsed = monotonic() - begin
+        transport.close()
+
+    assert elapsed < n_rounds * delayed_s / 2
+
+
+@contextmanager
+def served(handler):
+    """Serve websockets in a thread and yield the URL."""
+    urls, ended = SimpleQueue(), threading.Event()
+
+    async def run():
+        async with serve(handler, "127.0.0.1", 0, compression=None) as server:
+            urls.put(f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}")
+            await asyncio.to_thread(ended.wait)
+
+    thread = threading.Thread(target=lambda: asyncio.run(run()))
+    thread.start()
+    try:
+        yield urls.get(timeout=10)
+    finally:
+        ended.set()
+        thread.join()
 
 
 @pytest.mark.parametrize(

@@ -184,8 +184,10 @@ def wait_for_tick(url: str, run: int, tick: int) -> None:
     """Wait until the runs on a server have come so far."""
     with Client(url) as client:
         client.send("subscribe", topic="/mission/tick", type="std_msgs/Int64MultiArray")
-        while client.receive()["msg"]["data"][:2] < [run, tick]:
-            pass
+        while True:
+            flown, at, *_ = client.receive()["msg"]["data"]
+            if (flown % 1_000_000, at) >= (run, tick):
+                return
 
 
 def child_of(process: subprocess.Popen[str]) -> int:

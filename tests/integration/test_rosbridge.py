@@ -31,6 +31,7 @@ from tests.support.rosbridge import (
     digests_apart,
     is_running,
     nth,
+    numbers,
     reference_digests,
     specification,
     swapped,
@@ -156,8 +157,16 @@ def test_workers_cannot_share_one_server():
         (nth("/mission/tick", 17, lambda f: [f, f]), "tick 18: the simulation announced tick 17"),
         (nth("/mission/tick", 17, lambda _: []), "tick 17: the simulation was silent for 3 s"),
         (
-            nth("/mission/tick", 17, lambda f: [f.replace("17", "19")]),
+            nth("/mission/tick", 17, numbers(lambda run, _tick, *counts: [run, 19, *counts])),
             "tick 17: the simulation announced tick 19; expected tick 17",
+        ),
+        (
+            nth("/mission/tick", 0, numbers(lambda *found: found[:3])),
+            r"tick 0: /mission/tick carried .* expected 4 integers: .*docs/bus\.md",
+        ),
+        (
+            nth("/mission/tick", 17, numbers(lambda *found: [*found[:3], found[3] - 1])),
+            r"tick 17: the simulation flew with \d+ commands; \d+ were sent .*docs/bus\.md",
         ),
     ],
 )

@@ -1,7 +1,6 @@
 """The paper's mission on MuJoCo: somebody else's simulator behind the topics, the CI unchanged."""
 
 import importlib.util
-import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -24,9 +23,9 @@ from tests.support.cli import (
     workspace,
 )
 from tests.support.missing import skip
+from tests.support.page_simulator import page_simulator
 from tests.support.rosbridge import process
 
-PAGE = ROOT / "docs" / "bus.md"
 EXAMPLE = ROOT / "examples" / "mujoco_simulator"
 SIMULATOR = EXAMPLE / "simulator.py"
 AREA, ENERGY, SAMPLES = "StayWithinMissionArea", "SufficientEnergy", "GatherSamples"
@@ -181,17 +180,11 @@ def test_its_world_is_that_of_the_model() -> None:
 
 
 def test_the_minimal_simulator_of_the_page_flies(place: Path) -> None:
-    found = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    assert found is not None
-    program = place / "minimal.py"
-
     with process("bridge", "--port", "0") as server:
         url = server.stdout.readline().strip()
-        program.write_text(found[1].replace("ws://127.0.0.1:9090", url), encoding="utf-8")
-        with subprocess.Popen([sys.executable, program]) as running:
+        with page_simulator(place, url):
             options = ("--engine", "rosbridge", "--url", url, "--side", "ci")
             flight = mrsfi_json("simulate", MISSION, *options, cwd=place)
-            running.kill()
 
     assert of_task(flight, SAMPLES, "samples") == [1000, 1000, 1000]
     assert of_task(flight, AREA, "true") == of_task(flight, ENERGY, "true") == [0]

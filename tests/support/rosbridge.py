@@ -96,7 +96,7 @@ def digests_apart(
 
 
 class Relay:
-    """A websocket relay in a thread: order is kept, unless the tamper breaks it.
+    """A websocket relay in a thread: order is kept, unless tamper or scatter break it.
 
     Parameters
     ----------
@@ -106,6 +106,9 @@ class Relay:
         What becomes of the frames in either direction.
     jitter
         Greatest delay of a frame in seconds; the delays are random.
+    scatter
+        Greatest delay of a message in seconds, with order kept within its topic only, as
+        the genuine rosbridge server does.
     """
 
     def __init__(
@@ -115,11 +118,13 @@ class Relay:
         to_server: Tamper | None = None,
         to_client: Tamper | None = None,
         jitter: float = 0.0,
+        scatter: float = 0.0,
     ) -> None:
         self._upstream = upstream
         self._to_server = to_server or (lambda frame: [frame])
         self._to_client = to_client or (lambda frame: [frame])
         self._jitter = jitter
+        self._scatter = scatter
         self._random = Random(1)
         self._ready = threading.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -152,27 +157,53 @@ class Relay:
             )
 
     async def _pump(self, source, sink, tamper: Tamper) -> None:
-        """Pass frames on, each after its delay, in order."""
-        queue: asyncio.Queue[tuple[float, str] | None] = asyncio.Queue()
-        loop = asyncio.get_running_loop()
-
-        async def send() -> None:
-            while (item := await queue.get()) is not None:
-                due, frame = item
-                if due > loop.time():
-                    await asyncio.sleep(due - loop.time())
-                await sink.send(frame)
-
-        sender = asyncio.create_task(send())
+        """Pass frames on, each after its delay, in order or in that of its topic."""
+        lanes: dict[str, Lane] = {}
         with suppress(ConnectionClosed):
             async for frame in source:
                 for passed in tamper(frame):
-                    delay = self._random.uniform(0.0, self._jitter)
-                    queue.put_nowait((loop.time() + delay, passed))
-        queue.put_nowait(None)
-        with suppress(ConnectionClosed):
-            await sender
+                    topic = _topic(passed) if self._scatter else ""
+                    if topic not in lanes:
+                        lanes[topic] = Lane(sink)
+                    lanes[topic].put(
+                        passed, self._random.uniform(0.0, self._scatter or self._jitter)
+                    )
+        for lane in lanes.values():
+            await lane.end()
         await sink.close()
+
+
+class Lane:
+    """Frames on their way to a connection, in order, each after its delay."""
+
+    def __init__(self, sink) -> None:
+        self._sink = sink
+        self._queue: asyncio.Queue[tuple[float, str] | None] = asyncio.Queue()
+        self._loop = asyncio.get_running_loop()
+        self._task = asyncio.create_task(self._send())
+
+    def put(self, frame: str, delay: float) -> None:
+        """Have a frame sent so many seconds later, or after those before it."""
+        self._queue.put_nowait((self._loop.time() + delay, frame))
+
+    async def end(self) -> None:
+        """Wait until all is sent."""
+        self._queue.put_nowait(None)
+        with suppress(ConnectionClosed):
+            await self._task
+
+    async def _send(self) -> None:
+        while (item := await self._queue.get()) is not None:
+            due, frame = item
+            if due > self._loop.time():
+                await asyncio.sleep(due - self._loop.time())
+            await self._sink.send(frame)
+
+
+def _topic(frame: str) -> str:
+    """Return the topic that a frame carries a message of; all others count as one."""
+    message = json.loads(frame)
+    return message["topic"] if message["op"] == "publish" else ""
 
 
 def nth(topic: str, n: int, change: Tamper) -> Tamper:
@@ -187,6 +218,17 @@ def nth(topic: str, n: int, change: Tamper) -> Tamper:
         return change(frame) if len(seen) == n + 1 else [frame]
 
     return tamper
+
+
+def numbers(change: Callable[..., Sequence[int]]) -> Tamper:
+    """Return what becomes of a message of numbers, given how they change."""
+
+    def renumbered(frame: str) -> list[str]:
+        message = json.loads(frame)
+        message["msg"]["data"] = list(change(*message["msg"]["data"]))
+        return [json.dumps(message)]
+
+    return renumbered
 
 
 def swapped(topic: str, n: int) -> Tamper:

@@ -4,6 +4,7 @@ The simulation is somewhere behind the topics. The CI takes its step when the la
 of a tick has come, in the thread of the transport's callbacks, and the main thread watches.
 """
 
+import secrets
 from contextlib import suppress
 from functools import partial
 from time import monotonic, sleep
@@ -21,9 +22,11 @@ from mrsfi_runtime.hosting.mission_topics import (
     FAILURE,
     GO,
     RESET,
+    RUNS_OF_A_SESSION,
     SETUP,
     STOP,
     TICK,
+    Tick,
     numbers,
 )
 from mrsfi_runtime.hosting.progress import Patience, Progress
@@ -33,6 +36,7 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport
 
+_SESSIONS = 10**9  # so that a run's number fits into a double, as some clients keep numbers
 _RETRY = 0.1
 _ATTEMPT = 2.0
 
@@ -75,7 +79,9 @@ class BusLockstep:
         self._counted = CountedTransport(transport, self._ledger, self._proceed)
         self._truth: dict[int, Payload] = {}
         self._n_truths = len(truth)
-        self._run = 0
+        self._session = secrets.randbelow(_SESSIONS) * RUNS_OF_A_SESSION
+        self._n_runs = 0
+        self._n_commands = 0
         self._flight: Flight | None = None
         self._is_thinking = False
         self._setup = transport.advertise(SETUP)
@@ -129,15 +135,20 @@ class BusLockstep:
             self._call(STOP, self._patience.tick)
             self._flight = None
         except TransportError as error:
-            message = f"run {self._run}, {self._where()}: {error}"
+            message = f"run {self._n_runs}, {self._where()}: {error}"
             raise type(error)(message) from error
         finally:
             self._end()
         return flight
 
+    @property
+    def _run(self) -> int:
+        """Return the number of the run on the bus."""
+        return self._session + self._n_runs
+
     def _prepare(self, seed: int) -> None:
         """Reset the simulation, again and again until it answers for this run."""
-        self._run += 1
+        self._n_runs += 1
         deadline = monotonic() + self._patience.handshake
         while True:
             self._setup({"data": [self._run, seed]})
@@ -182,7 +193,7 @@ class BusLockstep:
         self._interface.reset()
         self._truth.clear()
         self._is_thinking = False
-        self._counted.n_sent = 0
+        self._counted.n_sent = self._n_commands = 0
         self._counted.is_muted = False
         flight = board(self._interface, initial_state(self._mission, seed))
         flight.world.commands = flight.ci.sent.commands  # as if they had reached it at once
@@ -216,12 +227,20 @@ class BusLockstep:
             raise TransportError(message)
 
     def _on_tick(self, payload: Payload) -> None:
-        run, tick, n_messages = numbers(TICK, payload, 3)
-        if not self._ledger.is_open or run != self._run:
+        told = numbers(TICK, payload, Tick)
+        if not self._ledger.is_open or told.run != self._run:
             self._ledger.forget()
             return
         self._progress.advance()
-        if self._ledger.announce(tick, n_messages):
+        is_complete = self._ledger.announce(told.tick, told.n_messages)
+        if told.n_commands != self._n_commands:
+            message = (
+                f"the simulation flew with {told.n_commands} commands; {self._n_commands} were "
+                "sent since the reset: it has to count them, and to wait for as many as "
+                "/mission/go announces (docs/bus.md)"
+            )
+            raise ProtocolError(message)
+        if is_complete:
             self._proceed()
 
     def _proceed(self) -> None:
@@ -257,4 +276,5 @@ class BusLockstep:
 
     def _send_go(self, tick: int) -> None:
         n_sent, self._counted.n_sent = self._counted.n_sent, 0
+        self._n_commands += n_sent
         self._go({"data": [self._run, tick, n_sent]})

@@ -20,6 +20,8 @@ class Ledger:
     ----------
     tick
         The tick whose messages are expected.
+    n_before
+        Messages of the ticks of the run before this one.
     is_open
         Whether a run is on; otherwise nothing counts.
 
@@ -31,6 +33,7 @@ class Ledger:
 
     def __init__(self, sender: str) -> None:
         self.tick = 0
+        self.n_before = 0
         self.is_open = False
         self._sender = sender
         self._topics: set[str] = set()
@@ -43,7 +46,7 @@ class Ledger:
 
     def open(self) -> None:
         """Begin a run: expect tick 0."""
-        self.tick = 0
+        self.tick = self.n_before = 0
         self.forget()
         self.is_open = True
 
@@ -93,6 +96,7 @@ class Ledger:
     def turn(self) -> None:
         """Go on to the next tick."""
         self.tick += 1
+        self.n_before += len(self._received)
         self.forget()
 
     def silent(self) -> list[str]:

@@ -3,20 +3,23 @@
 The collective intelligence (CI) sends ``SETUP`` before it resets the simulation, and ``GO``
 after the commands that precede a tick's motion: all of them before tick 0, later those that
 changed. The simulation answers with the messages of the tick, and ``TICK`` last. Both say how
-many messages went before.
+many messages went before, and ``TICK`` also how many commands the simulation obeyed: a server
+that keeps order within a topic only may deliver ``GO`` before the commands that it follows.
 """
+
+from typing import NamedTuple, TypeVar
 
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.transport.topics import Payload, Service, Topic
 
 SETUP = Topic("/mission/setup", "std_msgs/Int64MultiArray")
-"""CI to simulation: ``[run, seed]`` of the run that the next reset begins."""
+"""CI to simulation: the run that the next reset begins, a ``Setup``."""
 
 GO = Topic("/mission/go", "std_msgs/Int64MultiArray")
-"""CI to simulation: ``[run, tick, number of commands before this message]``."""
+"""CI to simulation: fly a tick, a ``Go``."""
 
 TICK = Topic("/mission/tick", "std_msgs/Int64MultiArray")
-"""Simulation to CI: ``[run, tick, number of messages before this one in the tick]``."""
+"""Simulation to CI: a tick was flown and told, a ``Tick``."""
 
 GO_BUNDLE = Topic("/mission/go/bundle", "std_msgs/String")
 """CI to simulation: ``GO`` and all that goes before it, in one message."""
@@ -37,20 +40,61 @@ STOP = Service("/mission/stop", "std_srvs/Trigger")
 """Ends the run."""
 
 
-def numbers(topic: Topic, payload: Payload, n: int) -> list[int]:
+RUNS_OF_A_SESSION = 1_000_000
+"""A run has the number session × this + its place in the session, from 1 on.
+
+The session is drawn at random: no two collective intelligences, and no simulation that an
+earlier one left behind, take each other's messages for their own.
+"""
+
+
+class Setup(NamedTuple):
+    """Numbers of ``SETUP``."""
+
+    run: int
+    seed: int
+
+
+class Go(NamedTuple):
+    """Numbers of ``GO``; ``n_commands`` were sent in this tick before it."""
+
+    run: int
+    tick: int
+    n_commands: int
+
+
+class Tick(NamedTuple):
+    """Numbers of ``TICK``.
+
+    ``n_messages`` were sent in this tick before it; ``n_commands`` were obeyed since the reset.
+    """
+
+    run: int
+    tick: int
+    n_messages: int
+    n_commands: int
+
+
+Numbers = TypeVar("Numbers", Setup, Go, Tick)
+
+
+def numbers(topic: Topic, payload: Payload, kind: type[Numbers]) -> Numbers:
     """Return the numbers that a message of the lock-step carries.
 
     Raises
     ------
     ProtocolError
-        If they are not ``n`` integers.
+        If they are not as many integers as they should be.
     """
     found = payload.get("data")
     if (
         not isinstance(found, list)
-        or len(found) != n
+        or len(found) != len(kind._fields)
         or not all(type(value) is int for value in found)
     ):
-        message = f"{topic.name} carried {found!r}; expected {n} integers"
+        message = (
+            f"{topic.name} carried {found!r}; expected {len(kind._fields)} integers: "
+            f"{', '.join(kind._fields)} (docs/bus.md)"
+        )
         raise ProtocolError(message)
-    return found
+    return kind(*found)

@@ -5,16 +5,19 @@ References
 Source paper, section III-F.
 """
 
-from mrsfi_runtime.errors import MrsfiError, ProtocolError
+from mrsfi_runtime.errors import MrsfiError
 from mrsfi_runtime.hosting.ledger import CountedTransport, Ledger
 from mrsfi_runtime.hosting.mission_topics import (
     CLOCK,
     FAILURE,
     GO,
     RESET,
+    RUNS_OF_A_SESSION,
     SETUP,
     STOP,
     TICK,
+    Go,
+    Setup,
     numbers,
 )
 from mrsfi_runtime.hosting.progress import Patience, Progress
@@ -49,9 +52,9 @@ class SimulationHost:
         self._progress = Progress()
         self._ledger = Ledger("collective intelligence")
         self._transport = CountedTransport(transport, self._ledger, self._fly)
-        self._run = -1
+        self._run = 0
         self._failed_at: str | None = None
-        self._setup: tuple[int, int] | None = None
+        self._setup: Setup | None = None
         self._simulation = simulation(self._transport, mission)
         self._clock = self._transport.advertise(CLOCK)
         self._tick = transport.advertise(TICK)
@@ -82,7 +85,9 @@ class SimulationHost:
         """Return run and tick, for messages."""
         if self._failed_at is not None:
             return self._failed_at
-        return f"run {self._run}, tick {self._ledger.tick}" if self._ledger.is_open else "no run"
+        if not self._ledger.is_open:
+            return "no run"
+        return f"run {self._run % RUNS_OF_A_SESSION}, tick {self._ledger.tick}"
 
     def tell_failure(self, error: Exception) -> None:
         """Tell the CI why the simulation cannot go on."""
@@ -97,8 +102,7 @@ class SimulationHost:
         return self._ledger.overdue(silence, self._patience.tick)
 
     def _on_setup(self, payload: Payload) -> None:
-        run, seed = numbers(SETUP, payload, 2)
-        self._setup = run, seed
+        self._setup = numbers(SETUP, payload, Setup)
 
     def _on_reset(self, _request: Payload) -> Payload:
         if self._setup is None:
@@ -116,15 +120,12 @@ class SimulationHost:
         return {"success": True, "message": ""}
 
     def _on_go(self, payload: Payload) -> None:
-        run, tick, n_commands = numbers(GO, payload, 3)
-        if not self._ledger.is_open or run < self._run:
+        go = numbers(GO, payload, Go)
+        if not self._ledger.is_open or go.run != self._run:
             self._ledger.forget()
             return
-        if run > self._run:
-            message = f"run {run} goes on; expected run {self._run}: a reset was lost"
-            raise ProtocolError(message)
         self._progress.advance()
-        if self._ledger.announce(tick, n_commands):
+        if self._ledger.announce(go.tick, go.n_commands):
             self._fly()
 
     def _fly(self) -> None:
@@ -134,5 +135,5 @@ class SimulationHost:
         self._simulation.publish_truth()
         self._clock({"clock": {"secs": tick, "nsecs": 0}})
         n_sent, self._transport.n_sent = self._transport.n_sent, 0
-        self._tick({"data": [self._run, tick, n_sent]})
+        self._tick({"data": [self._run, tick, n_sent, self._ledger.n_before]})
         self._progress.advance()

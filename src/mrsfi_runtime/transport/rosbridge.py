@@ -13,6 +13,7 @@ import asyncio
 import logging
 import socket
 from collections.abc import Callable
+from contextlib import suppress
 from threading import Event
 from typing import Any, Literal, TypeAlias
 from urllib.parse import urlsplit
@@ -36,6 +37,7 @@ Client: TypeAlias = Literal["asyncio", "twisted"]
 CLIENTS: tuple[Client, ...] = ("asyncio", "twisted")
 
 _PORTS = {"ws": 80, "wss": 443}
+_QUICKACK = getattr(socket, "TCP_QUICKACK", None)  # Linux
 _CLOSING = 6.0  # roslibpy gives the server 5 s to agree
 
 for _name in ("autobahn", "roslibpy", "twisted"):  # the listener hears of what matters
@@ -181,7 +183,10 @@ class RosbridgeTransport:
         self._stop_reconnecting()
         if self._client == "twisted":
             protocol.transport.setTcpNoDelay(True)  # asyncio sets it itself
+            _acknowledge_at_once(protocol, "dataReceived", protocol.transport.socket)
         else:
+            connection = protocol.transport.get_extra_info("socket")
+            _acknowledge_at_once(protocol, "data_received", connection)
             protocol.transport = _JoinedWrites(protocol.transport, self._ros.factory.manager.loop)
         protocol.utf8validateIncoming = False  # the JSON decoder checks it again
         self._opened.set()
@@ -235,6 +240,24 @@ class _JoinedWrites:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._transport, name)
+
+
+def _acknowledge_at_once(protocol: Any, receiver: str, connection: Any) -> None:
+    """Have what a protocol receives acknowledged at once.
+
+    A server that leaves Nagle's algorithm on, as the genuine rosbridge_server does, keeps what
+    it has to say back until its last message is acknowledged; Linux takes 40 ms for that, and
+    forgets after each acknowledgement that it was told not to.
+    """
+    receive = getattr(protocol, receiver)
+
+    def receive_and_acknowledge(data: bytes) -> None:
+        with suppress(OSError):  # the connection ended just now
+            connection.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
+        receive(data)
+
+    if _QUICKACK is not None:
+        setattr(protocol, receiver, receive_and_acknowledge)
 
 
 def without_token(url: str) -> str:

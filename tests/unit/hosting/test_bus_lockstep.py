@@ -24,7 +24,7 @@ from tests.support.world import paper_code
 from tests.unit.hosting.bus import sides
 
 CODE = paper_code(60)
-SPEED, GO, TICK = "/r2/speed", "/mission/go", "/mission/tick"
+SPEED, GO, TICK, HEADING = "/r2/speed", "/mission/go", "/mission/tick", "/r1/command/heading"
 
 
 class BusEngine:
@@ -59,6 +59,11 @@ def nth(topic, n, change):
         return change(message) if len(seen) == n + 1 else [message]
 
     return tamper
+
+
+def numbers(change):
+    """Return what becomes of a message of numbers, given how they change."""
+    return lambda message: [(message[0], {"data": change(*message[1]["data"])})]
 
 
 def lose(_message):
@@ -99,12 +104,36 @@ def test_missions_of_one_tick_fly():
         ),
         (nth(GO, 17, lose), "run 1, tick 17: the simulation was silent for 2 s"),
         (
-            nth(TICK, 17, lambda message: [(TICK, {"data": [1, 19, message[1]["data"][2]]})]),
+            nth(TICK, 17, numbers(lambda run, _tick, *counts: [run, 19, *counts])),
             "run 1, tick 17: the simulation announced tick 19; expected tick 17",
         ),
         (
-            nth(TICK, 17, lambda _: [(TICK, {"data": [1, "17", 3]})]),
-            "run 1, tick 17: /mission/tick carried .* expected 3 integers",
+            nth(TICK, 17, numbers(lambda run, tick, *counts: [run, str(tick), *counts])),
+            r"run 1, tick 17: /mission/tick carried .* expected 4 integers: .* \(docs/bus\.md\)",
+        ),
+        (
+            nth(TICK, 0, numbers(lambda *found: found[:3])),
+            r"run 1, tick 0: /mission/tick carried .* expected 4 integers: .* \(docs/bus.md\)",
+        ),
+        (
+            nth(TICK, 17, numbers(lambda *found: [*found[:3], found[3] - 1])),
+            r"run 1, tick 17: the simulation flew with \d+ commands; \d+ were sent .*docs/bus.md",
+        ),
+        (
+            nth(TICK, 17, numbers(lambda *found: [*found[:3], found[3] + 1])),
+            r"run 1, tick 17: the simulation flew with \d+ commands; \d+ were sent .*docs/bus.md",
+        ),
+        (
+            nth(TICK, 17, numbers(lambda run, *rest: [run + 1, *rest])),
+            "run 1, tick 17: the simulation was silent for 2 s",
+        ),
+        (
+            nth(TICK, 17, numbers(lambda run, *rest: [run % 1_000_000, *rest])),
+            "run 1, tick 17: the simulation was silent for 2 s",
+        ),
+        (
+            nth(GO, 17, numbers(lambda run, *rest: [run % 1_000_000, *rest])),
+            "run 1, tick 17: the simulation was silent for 2 s",
         ),
         (
             nth(SPEED, 17, lambda _: [(SPEED, {"data": None})]),
@@ -125,15 +154,11 @@ def test_what_goes_wrong_on_the_way_to_the_ci_is_told_with_its_tick(tamper, prob
     ("tamper", "problem"),
     [
         (
-            nth("/r1/command/heading", 0, lose),
+            nth(HEADING, 0, lose),
             r"\d+ messages of the collective intelligence arrived; nothing on .*/r1/command/h",
         ),
-        (nth("/r1/command/heading", 0, double), "two messages on /r1/command/heading"),
+        (nth(HEADING, 0, double), "two messages on /r1/command/heading"),
         (nth(GO, 17, double), "tick 18: the collective intelligence announced tick 17"),
-        (
-            nth(GO, 17, lambda _: [(GO, {"data": [2, 17, 0]})]),
-            "tick 17: run 2 goes on; expected run 1: a reset was lost",
-        ),
     ],
 )
 def test_what_goes_wrong_on_the_way_to_the_simulation_ends_both_sides(tamper, problem):
@@ -195,6 +220,45 @@ def test_messages_that_arrive_after_their_announcement_are_waited_for():
     assert outcome == ReferenceEngine(CODE, 1).evaluate(())
 
 
+def test_commands_that_arrive_after_their_go_are_waited_for():
+    held = []
+
+    def tamper(message):
+        if message[0] == GO:
+            late, held[:] = held[:], []
+            return [message, *late]
+        if "/command/" in message[0]:
+            held.append(message)
+            return []
+        return [message]
+
+    with sides(CODE, tamper) as (_, lockstep, _):
+        outcome = BusEngine(CODE, 1, lockstep).evaluate(specification(CODE, 1))
+
+    assert outcome == ReferenceEngine(CODE, 1).evaluate(specification(CODE, 1))
+
+
+def test_every_session_numbers_its_runs_from_a_random_number_on():
+    sessions = []
+    for _ in range(2):
+        runs = set()
+
+        def note(message, runs=runs):
+            if message[0] in {GO, TICK}:
+                runs.add(message[1]["data"][0])
+            return [message]
+
+        with sides(CODE, note) as (_, lockstep, _):
+            for _ in range(2):
+                BusEngine(CODE, 1, lockstep).evaluate(())
+        sessions.append(sorted(runs))
+
+    (first, second), (other, _) = sessions
+    assert (first % 1_000_000, second) == (1, first + 1)
+    assert abs(other - first) > 1
+    assert second < 2**53
+
+
 def test_a_lost_reset_is_repeated():
     with sides(CODE, nth("/mission/setup", 0, lose)) as (_, lockstep, _):
         outcome = BusEngine(CODE, 1, lockstep).evaluate(())
@@ -247,8 +311,8 @@ def test_a_robot_without_true_state_is_told():
     def tamper(message):
         name, payload = message
         if name == TICK:
-            run, tick, n_messages = payload["data"]
-            return [(TICK, {"data": [run, tick, n_messages - 1]})]
+            run, tick, n_messages, n_commands = payload["data"]
+            return [(TICK, {"data": [run, tick, n_messages - 1, n_commands]})]
         return [] if name in lost else [message]
 
     with (

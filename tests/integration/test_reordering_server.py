@@ -1,0 +1,83 @@
+"""A server that keeps order within a topic only, as the genuine one does: nothing goes unseen."""
+
+from pathlib import Path
+
+import pytest
+
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
+from mrsfi_runtime.errors import ProtocolError
+from mrsfi_runtime.hosting.progress import Patience
+from tests.support.page_simulator import page_simulator
+from tests.support.rosbridge import FLIGHT_SEED, Relay, code_of, digests, reference_digests
+
+CODE = code_of("uuv_sampling", 60)
+SCATTER = 0.02
+SEEDS = range(2)
+PATIENCE = Patience(tick=3.0, handshake=20.0)
+
+
+def flown(url: str) -> list[list[str]]:
+    """Return the digests of flights on whatever simulation a server has."""
+    with RosbridgeEngine(
+        CODE, FLIGHT_SEED, url=url, has_simulation=False, patience=PATIENCE
+    ) as engine:
+        return digests(engine, SEEDS)
+
+
+def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(tmp_path: Path) -> None:
+    with EmbeddedBridge() as server, page_simulator(tmp_path, server.url):
+        in_order = flown(server.url)
+
+    scattered = []
+    for _ in range(2):
+        with (
+            EmbeddedBridge() as server,
+            Relay(server.url, scatter=SCATTER) as relay,
+            page_simulator(tmp_path, relay.url),
+        ):
+            scattered.append(flown(server.url))
+
+    assert scattered == [in_order, in_order]
+
+
+def test_the_own_simulation_flies_as_in_process() -> None:
+    with EmbeddedBridge() as server, Relay(server.url, scatter=SCATTER) as relay:
+        simulation = SimulationProcess(CODE, relay.url, "asyncio", PATIENCE)
+        try:
+            assert flown(server.url) == reference_digests(CODE, SEEDS)
+        finally:
+            simulation.close()
+
+
+@pytest.mark.parametrize(
+    ("found", "replaced", "problem"),
+    [
+        (
+            'state["obeyed"] < state["sent"]',
+            'tick == 0 and state["obeyed"] < state["sent"]',
+            (
+                r"run 1, tick \d+: the simulation flew with \d+ commands; \d+ were sent since the "
+                r"reset: .*docs/bus\.md"
+            ),
+        ),
+        (
+            'state["told"], state["obeyed"]]',
+            'state["told"]]',
+            r"run 1, tick 0: /mission/tick carried .*; expected 4 integers: .*docs/bus\.md",
+        ),
+    ],
+    ids=["does not wait for commands", "does not count them"],
+)
+def test_a_simulator_that_flies_with_what_it_happens_to_have_is_refused(
+    tmp_path: Path, found: str, replaced: str, problem: str
+) -> None:
+    with (
+        EmbeddedBridge() as server,
+        Relay(server.url, scatter=SCATTER) as relay,
+        page_simulator(tmp_path, relay.url, found, replaced),
+        pytest.raises(ProtocolError, match=problem) as refused,
+    ):
+        flown(server.url)
+
+    assert refused.value.exit_code == 8
