@@ -1,10 +1,15 @@
 """What is wrong with a model: where, which constraint, how bad, and what to do about it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from mrsfi_runtime.errors import ModelError
+
+if TYPE_CHECKING:
+    from m2t.read.nodes import Node
 
 Severity: TypeAlias = Literal["error", "warning"]
 
@@ -198,6 +203,74 @@ CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
     }
 )
 """All constraints by name, in the order in which they are checked; no other name is reported."""
+
+
+class Defect(Exception):  # noqa: N818 # what models have
+    """What breaks a constraint; whoever catches it knows of which element or file.
+
+    Attributes
+    ----------
+    constraint
+        Name of the constraint.
+    finding
+        What was found, what was expected, and the next step: the rest of a sentence.
+    """
+
+    def __init__(self, constraint: str, finding: str) -> None:
+        super().__init__(finding)
+        self.constraint = constraint
+        self.finding = finding
+
+
+class Report:
+    """Collects the diagnostics of one validation.
+
+    Attributes
+    ----------
+    n_errors
+        Number of defects so far that stop loading.
+    n_unsound
+        Number of those that leave no sound objects. A reference that is named twice is none of
+        them: the list of objects holds it once.
+    """
+
+    def __init__(self) -> None:
+        self._found: list[Diagnostic] = []
+        self.n_errors = 0
+        self.n_unsound = 0
+
+    def add(self, node: "Node", constraint: str, finding: str) -> None:
+        """Add a defect of an element; ``finding`` completes a sentence that begins with it."""
+        severity = CONSTRAINTS[constraint].severity
+        element = node.description
+        message = f"{element} {finding}"
+        self._add(Diagnostic(node.path, node.line, element, constraint, severity, message))
+
+    def add_file(self, path: Path, line: int, defect: Defect) -> None:
+        """Add a defect of a whole file."""
+        message = f"{path.name} {defect.finding}"
+        severity = CONSTRAINTS[defect.constraint].severity
+        self._add(Diagnostic(path, line, path.name, defect.constraint, severity, message))
+
+    def _add(self, found: Diagnostic) -> None:
+        self._found.append(found)
+        is_error = found.severity == "error"
+        self.n_errors += is_error
+        self.n_unsound += is_error and found.constraint != "UniqueReference"
+
+    def require_no_errors(self) -> None:
+        """Stop at errors.
+
+        Raises
+        ------
+        ModelError
+            With all errors found so far, one a line.
+        """
+        if self.n_errors:
+            raise ModelError("\n".join(str(found) for found in self if found.severity == "error"))
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self._found)
 
 
 def shown(text: str) -> str:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-from m2t.outlines import Entry, Value, read_models
+from m2t.outlines import Outline, Value, read_models
 from mrsfi_runtime.errors import ModelError
 
 What: TypeAlias = Literal["changed", "added", "removed", "moved", "reordered"]
@@ -86,11 +86,11 @@ def difference(old: Path, new: Path) -> tuple[Change, ...]:
     return tuple(changes)
 
 
-def _listed(kinds: Sequence[str] | dict[str, Entry]) -> str:
+def _listed(kinds: Sequence[str] | dict[str, Outline]) -> str:
     return " and ".join(f"a {kind}" for kind in kinds) or "no model"
 
 
-def _compare_roots(old: Entry | None, new: Entry | None) -> Iterator[Change]:
+def _compare_roots(old: Outline | None, new: Outline | None) -> Iterator[Change]:
     if old is not None and new is not None:
         yield from _Comparison(old, new).compare(old, new)
     elif new is not None:
@@ -99,20 +99,20 @@ def _compare_roots(old: Entry | None, new: Entry | None) -> Iterator[Change]:
         yield _whole("removed", old)
 
 
-def _whole(what: What, entry: Entry) -> Change:
-    inside = sum(1 for _ in entry.walk()) - 1
-    text = f"{entry.label} {what} ({inside} elements)"
-    return Change(what, entry.label, "", "", "", text)
+def _whole(what: What, outline: Outline) -> Change:
+    inside = sum(1 for _ in outline.walk()) - 1
+    text = f"{outline.label} {what} ({inside} elements)"
+    return Change(what, outline.label, "", "", "", text)
 
 
 class _Comparison:
     """Compares two models of a kind; knows where each element stands in both."""
 
-    def __init__(self, old: Entry, new: Entry) -> None:
-        self._old = {entry.key: entry for entry in old.walk()}
-        self._new = {entry.key: entry for entry in new.walk()}
+    def __init__(self, old: Outline, new: Outline) -> None:
+        self._old = {outline.key: outline for outline in old.walk()}
+        self._new = {outline.key: outline for outline in new.walk()}
 
-    def compare(self, old: Entry, new: Entry) -> Iterator[Change]:
+    def compare(self, old: Outline, new: Outline) -> Iterator[Change]:
         """Yield how an element and all in it has changed."""
         for name in dict.fromkeys((*new.values, *old.values)):
             before, after = old.values.get(name), new.values.get(name)
@@ -121,69 +121,69 @@ class _Comparison:
         for name in dict.fromkeys((*new.children, *old.children)):
             yield from self._compare_children(name, old, new)
 
-    def _compare_children(self, name: str, old: Entry, new: Entry) -> Iterator[Change]:
+    def _compare_children(self, name: str, old: Outline, new: Outline) -> Iterator[Change]:
         before, after = old.children.get(name, []), new.children.get(name, [])
-        for entry in before:
-            if entry.key not in self._new:
-                yield _placed("removed", entry, "from")
-        for entry in after:
-            yield from self._compare_entry(entry, new)
-        stayed = {entry.key for entry in before} & {entry.key for entry in after}
-        orders = [[each for each in entries if each.key in stayed] for entries in (before, after)]
+        for outline in before:
+            if outline.key not in self._new:
+                yield _placed("removed", outline, "from")
+        for outline in after:
+            yield from self._compare_element(outline, new)
+        stayed = {outline.key for outline in before} & {outline.key for outline in after}
+        orders = [[each for each in outlines if each.key in stayed] for outlines in (before, after)]
         if [each.key for each in orders[0]] != [each.key for each in orders[1]]:
             yield _reordered(new, name, *map(_ids, orders))
 
-    def _compare_entry(self, entry: Entry, container: Entry) -> Iterator[Change]:
-        earlier = self._old.get(entry.key)
+    def _compare_element(self, outline: Outline, container: Outline) -> Iterator[Change]:
+        earlier = self._old.get(outline.key)
         if earlier is None:
-            yield _placed("added", entry, "to")
-            yield from self._moved_into(entry)
+            yield _placed("added", outline, "to")
+            yield from self._moved_into(outline)
             return
-        yield from self._move(earlier, entry, container)
-        yield from self.compare(earlier, entry)
+        yield from self._move(earlier, outline, container)
+        yield from self.compare(earlier, outline)
 
-    def _moved_into(self, added: Entry) -> Iterator[Change]:
+    def _moved_into(self, added: Outline) -> Iterator[Change]:
         """Yield what an added element took over from elsewhere."""
         for children in added.children.values():
-            for entry in children:
-                if entry.key in self._old:
-                    yield from self._compare_entry(entry, added)
+            for outline in children:
+                if outline.key in self._old:
+                    yield from self._compare_element(outline, added)
                 else:
-                    yield from self._moved_into(entry)
+                    yield from self._moved_into(outline)
 
-    def _move(self, earlier: Entry, entry: Entry, container: Entry) -> Iterator[Change]:
+    def _move(self, earlier: Outline, outline: Outline, container: Outline) -> Iterator[Change]:
         source = earlier.container
         is_root = source is not None and source.container is None and container.container is None
         if source is None or is_root or source.key == container.key:
             return
-        text = f"{entry.label} moved from {source.label} to {container.label}"
-        yield Change("moved", entry.label, "", source.label, container.label, text)
+        text = f"{outline.label} moved from {source.label} to {container.label}"
+        yield Change("moved", outline.label, "", source.label, container.label, text)
 
 
-def _changed(entry: Entry, name: str, before: Value, after: Value) -> Change:
+def _changed(outline: Outline, name: str, before: Value, after: Value) -> Change:
     old, new = ("none" if value is None else value for value in (before, after))
-    text = f"{entry.label}: {name} {old} → {new}"
-    return Change("changed", entry.label, name, old, new, text)
+    text = f"{outline.label}: {name} {old} → {new}"
+    return Change("changed", outline.label, name, old, new, text)
 
 
-def _placed(what: What, entry: Entry, preposition: str) -> Change:
-    container = entry.container
+def _placed(what: What, outline: Outline, preposition: str) -> Change:
+    container = outline.container
     where = ""
     if container is not None and container.container is not None:
         where = f" {preposition} {container.label}"
-    about = f" ({entry.about})" if entry.about and what == "added" else ""
+    about = f" ({outline.about})" if outline.about and what == "added" else ""
     place = container.label if container is not None and where else ""
     old, new = (place, "") if what == "removed" else ("", place)
-    return Change(what, entry.label, "", old, new, f"{entry.label} {what}{where}{about}")
+    return Change(what, outline.label, "", old, new, f"{outline.label} {what}{where}{about}")
 
 
-def _reordered(entry: Entry, name: str, old: str, new: str) -> Change:
-    where = f"{entry.label}: " if entry.container is not None else ""
+def _reordered(outline: Outline, name: str, old: str, new: str) -> Change:
+    where = f"{outline.label}: " if outline.container is not None else ""
     return Change(
-        "reordered", entry.label, name, old, new, f"{where}{name} reordered: {old} → {new}"
+        "reordered", outline.label, name, old, new, f"{where}{name} reordered: {old} → {new}"
     )
 
 
-def _ids(entries: Sequence[Entry]) -> str:
-    ids = [entry.identity for entry in entries]
+def _ids(outlines: Sequence[Outline]) -> str:
+    ids = [outline.identity for outline in outlines]
     return " ".join(ids[:_SHOWN_IDS]) + (" ..." if len(ids) > _SHOWN_IDS else "")

@@ -5,23 +5,22 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from m2t.check.references import Neighbour, referred_files, resolve
-from m2t.check.structure import ModelTree, check_claims, check_structure
+from m2t.check.references import referred_files, resolve
+from m2t.check.structure import ModelTree, ReadModel, check_claims, check_structure
 from m2t.constraints.faults import check_faults
 from m2t.constraints.findings import Findings
 from m2t.constraints.identity import check_identities
 from m2t.constraints.mission import check_mission
-from m2t.diagnostics import Diagnostic
+from m2t.diagnostics import Diagnostic, Report
 from m2t.metamodels import load_metamodels
 from m2t.objects import ModelLoader
-from m2t.read.model_files import ModelFile, ModelFiles, local_path
-from m2t.read.nodes import Node, Report
+from m2t.read.addresses import local_path
+from m2t.read.model_files import ModelFile, ModelFiles
+from m2t.read.nodes import Node
 from mrsfi_runtime.errors import ModelError
 
 MISSION_XMI = "mission.xmi"
 FAULTS_XMI = "faults.xmi"
-
-_ROOT_CLASSES = {"mission": "Mission", "faults": "FaultSpecification"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,25 +137,24 @@ def inspect_folder(folder: Path) -> Inspection:
     """Load a mission folder and return everything that was found on the way."""
     loading = _Loading()
     mission_path, faults_path = folder / MISSION_XMI, folder / FAULTS_XMI
-    loading.read_mission(mission_path)
+    mission = loading.read_mission(mission_path)
+    faults = None
     if _is_there(faults_path):
-        loading.read_faults(faults_path)
-        loading.finish_faults()
-    elif loading.holds_faults(mission_path):
-        loading.read_faults(mission_path)
-        loading.finish_faults()
-    return loading.inspection()
+        faults = loading.read_faults(faults_path)
+    elif loading.holds(mission_path, load_metamodels().faults_class):
+        faults = loading.read_faults(mission_path)
+    return loading.inspection(mission, faults)
 
 
 def inspect_specification(path: Path) -> Inspection:
     """Load a fault specification and its mission; return everything that was found."""
     loading = _Loading()
     faults = loading.read_faults(path)
-    if faults is None:
-        return loading.inspection()
-    loading.read_mission(path if loading.holds_mission(path) else _mission_path(path, faults))
-    loading.finish_faults()
-    return loading.inspection()
+    if faults.tree is None:
+        return loading.inspection(None, faults)
+    has_mission = loading.holds(path, load_metamodels().mission_class)
+    mission = loading.read_mission(path if has_mission else _mission_path(path, faults.tree))
+    return loading.inspection(mission, faults)
 
 
 def _mission_path(path: Path, faults: ModelTree) -> Path:
@@ -166,8 +164,8 @@ def _mission_path(path: Path, faults: ModelTree) -> Path:
     nearest ``mission.xmi`` from the part's folder upwards.
     """
     own = {file.path.resolve() for file in faults.files}
-    for reference, document in referred_files(faults):
-        found = local_path(reference.node.path.parent, document)
+    for reference, address in referred_files(faults):
+        found = local_path(reference.node.path.parent, address)
         if found is not None and found.resolve() not in own:
             return _whole(found)
     return path.parent / MISSION_XMI
@@ -176,8 +174,7 @@ def _mission_path(path: Path, faults: ModelTree) -> Path:
 def _whole(path: Path) -> Path:
     """Return the mission file that a file belongs to: itself, unless it is only a part."""
     file = ModelFiles(Report()).read(path)
-    package = load_metamodels().mission
-    if file is None or file.roots_of(package.nsURI, "Mission"):
+    if file is None or file.roots_of(load_metamodels().mission_class):
         return path
     places = (folder / MISSION_XMI for folder in path.resolve().parents)
     return next((place for place in places if place.is_file()), path)
@@ -198,15 +195,6 @@ def _is_there(path: Path) -> bool:
         return True
 
 
-@dataclass(slots=True)
-class _Model:
-    """A model on its way: its nodes, and the root object once it is made."""
-
-    path: Path
-    tree: ModelTree | None
-    root: Any = None
-
-
 class _Loading:
     """Reads a mission and its faults: nodes first, objects once the nodes are sound.
 
@@ -217,67 +205,60 @@ class _Loading:
         self._report = Report()
         self._files = ModelFiles(self._report)
         self._loader = ModelLoader()
-        self._mission: _Model | None = None
-        self._faults: _Model | None = None
+        self._findings = Findings(self._loader.nodes, self._report)
 
-    def holds_faults(self, path: Path) -> bool:
-        """Return whether a file that was read has faults beside what else it has."""
+    def holds(self, path: Path, metaclass: Any) -> bool:
+        """Return whether a file that was read has a model of a class beside what else it has."""
         file = self._files.at(path)
-        return file is not None and bool(self._roots(file, load_metamodels().faults))
+        return file is not None and bool(file.roots_of(metaclass))
 
-    def holds_mission(self, path: Path) -> bool:
-        """Return whether a file that was read has a mission beside what else it has."""
-        file = self._files.at(path)
-        return file is not None and bool(self._roots(file, load_metamodels().mission))
-
-    def read_mission(self, path: Path) -> None:
+    def read_mission(self, path: Path) -> ReadModel:
         """Read, check and load the mission."""
-        n_unsound = self._n_unsound()
-        tree = self._read(path, load_metamodels().mission)
-        self._mission = _Model(path, tree)
-        if tree is None:
-            return
-        resolve(tree, None, self._report)
-        check_identities(tree, self._report, become_names=True)
-        tree.is_sound = self._n_unsound() == n_unsound
-        if tree.is_sound:
-            self._mission.root = self._loader.load(tree)
-            check_mission(self._mission.root, Findings(self._loader.nodes, self._report))
+        mission = self._read(path, load_metamodels().mission_class, become_names=True)
+        self._load(mission, None)
+        if mission.root is not None:
+            check_mission(mission.root, self._findings)
+        return mission
 
-    def read_faults(self, path: Path) -> ModelTree | None:
+    def read_faults(self, path: Path) -> ReadModel:
         """Read faults up to their references, which need the mission."""
-        n_unsound = self._n_unsound()
-        tree = self._read(path, load_metamodels().faults)
-        self._faults = _Model(path, tree)
-        if tree is not None:
-            check_identities(tree, self._report, become_names=False)
-            tree.is_sound = self._n_unsound() == n_unsound
-        return tree
+        return self._read(path, load_metamodels().faults_class, become_names=False)
 
-    def finish_faults(self) -> None:
-        """Resolve, load and check faults beside their mission."""
-        faults, mission = self._faults, self._mission
-        if faults is None or faults.tree is None or mission is None:
-            return
-        n_unsound = self._n_unsound()
-        resolve(faults.tree, Neighbour(mission.path, mission.tree), self._report)
-        is_sound = faults.tree.is_sound and self._n_unsound() == n_unsound
-        if is_sound and mission.root is not None:
-            faults.root = self._loader.load(faults.tree)
-            findings = Findings(self._loader.nodes, self._report)
-            check_faults(faults.root, mission.root.duration, findings)
-
-    def inspection(self) -> Inspection:
-        """Return what was found, with the models if no error stands in the way."""
+    def inspection(self, mission: ReadModel | None, faults: ReadModel | None) -> Inspection:
+        """Load and check faults beside their mission; return all that was found of both."""
+        if faults is not None and mission is not None:
+            self._load(faults, mission)
+            if faults.root is not None:
+                check_faults(faults.root, mission.root.duration, self._findings)
         if not self._report.n_errors:
             check_claims(self._files, self._report)
+        draft = self._draft(mission, faults)
         diagnostics = tuple(self._report)
-        draft = self._draft()
         return Inspection(None if self._report.n_errors else draft, diagnostics, draft)
 
-    def _draft(self) -> LoadedModels | None:
+    def _read(self, path: Path, metaclass: Any, *, become_names: bool) -> ReadModel:
+        n_unsound = self._report.n_unsound
+        file = self._files.read(path)
+        model = ReadModel(path)
+        if file is not None:
+            model.tree = check_structure(file, metaclass, self._files, self._report)
+        if model.tree is not None:
+            check_identities(model.tree, self._report, become_names=become_names)
+        model.is_sound = self._report.n_unsound == n_unsound
+        return model
+
+    def _load(self, model: ReadModel, mission: ReadModel | None) -> None:
+        """Resolve the references of a model; make its objects if it is sound, and its mission."""
+        if model.tree is None:
+            return
+        n_unsound = self._report.n_unsound
+        resolve(model.tree, mission, self._report)
+        model.is_sound &= self._report.n_unsound == n_unsound
+        if model.is_sound and (mission is None or mission.root is not None):
+            model.root = self._loader.load(model.tree)
+
+    def _draft(self, mission: ReadModel | None, faults: ReadModel | None) -> LoadedModels | None:
         """Return the models, flawless or not; ``None`` if objects of a file are missing."""
-        mission, faults = self._mission, self._faults
         if mission is None or mission.root is None:
             return None
         if faults is not None and faults.root is None:
@@ -292,26 +273,6 @@ class _Loading:
             xmi_ids=self._loader.xmi_ids,
         )
 
-    def _n_unsound(self) -> int:
-        """Return the number of errors that leave no sound objects.
-
-        A reference that is named twice is none of them: the list of objects holds it once.
-        """
-        return sum(
-            found.severity == "error" and found.constraint != "UniqueReference"
-            for found in self._report
-        )
-
     def _loaded_file(self, file: ModelFile) -> LoadedFile:
         roots = tuple(self._loader.instance(root) for root in file.roots)
         return LoadedFile(file.path, file.encoding, roots)
-
-    def _roots(self, file: ModelFile, package: Any) -> list[Node]:
-        return file.roots_of(package.nsURI, _ROOT_CLASSES[package.name])
-
-    def _read(self, path: Path, package: Any) -> ModelTree | None:
-        file = self._files.read(path)
-        if file is None:
-            return None
-        class_name = _ROOT_CLASSES[package.name]
-        return check_structure(file, package, class_name, self._files, self._report)

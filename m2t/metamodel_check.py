@@ -10,12 +10,11 @@ from types import MappingProxyType
 
 from pyecore.ecore import EObject
 
-from m2t.diagnostics import shown
+from m2t.diagnostics import Report, shown
 from m2t.metamodel_contract import CONTRACT, SUPERTYPES, Need
-from m2t.read.model_files import XMI, XSI
-from m2t.read.nodes import Node, Report
+from m2t.namespaces import ECORE, XMI, XSI
+from m2t.read.nodes import Node
 
-ECORE = "http://www.eclipse.org/emf/2002/Ecore"
 VALUE_TYPES = ("EString", "EInt", "EDouble")
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
@@ -225,7 +224,7 @@ class MetamodelCheck:
             finding = f"is an unknown element of {node.description}; expected {listed}; correct it"
             self._report.add(child, "KnownFeature", finding)
             return
-        text = child.qualified.get((XSI, "type"))
+        text = child.xsi_type
         prefix, _, name = (text or "").rpartition(":")
         if text is None and len(kinds) == 1:
             self._element(child, kinds[0])

@@ -11,13 +11,16 @@ from lxml import etree
 from pyecore.ecore import EClass, EProxy, EReference
 from pyecore.resources import URI, ResourceSet
 
-from m2t.metamodel_check import ECORE, MetamodelCheck
-from m2t.read.model_files import XMI, XSI
-from m2t.read.nodes import Node, Report, read_document
+from m2t.diagnostics import Report
+from m2t.metamodel_check import MetamodelCheck
+from m2t.namespaces import ECORE, XMI, XSI
+from m2t.read.nodes import Node, read_xml
 from mrsfi_runtime.errors import ModelError
 
 MISSION_FILE = "mission.ecore"
 FAULTS_FILE = "faults.ecore"
+MISSION_ROOT = "Mission"
+FAULTS_ROOT = "FaultSpecification"
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +29,16 @@ class Metamodels:
 
     mission: Any
     faults: Any
+
+    @property
+    def mission_class(self) -> Any:
+        """Class of the root of a mission model."""
+        return self.mission.getEClassifier(MISSION_ROOT)
+
+    @property
+    def faults_class(self) -> Any:
+        """Class of the root of a fault model."""
+        return self.faults.getEClassifier(FAULTS_ROOT)
 
     @property
     def packages(self) -> tuple[Any, Any]:
@@ -80,14 +93,14 @@ def read_metamodels(folder: Path) -> Metamodels:
     check = MetamodelCheck(report)
     resources = ResourceSet()
     packages = []
-    for name, root_class in ((MISSION_FILE, "Mission"), (FAULTS_FILE, "FaultSpecification")):
+    for name, root_class in ((MISSION_FILE, MISSION_ROOT), (FAULTS_FILE, FAULTS_ROOT)):
         path = folder / name
-        root = read_document(path, report)
-        if root is not None:
-            check.check(root, path.stem, root_class)
-        if root is None or report.n_errors:
-            raise ModelError("\n".join(str(found) for found in report))
-        packages.append(_package(root, path, resources))
+        xml = read_xml(path, report)
+        if xml is not None:
+            check.check(xml.root, path.stem, root_class)
+            report.require_no_errors()
+            packages.append(_package(xml.root, path, resources))
+        report.require_no_errors()
     return Metamodels(*packages)
 
 
@@ -130,9 +143,8 @@ def _package(root: Node, path: Path, resources: Any) -> Any:
 def _fill(node: Node, element: etree._Element) -> None:
     for name, text in node.attributes.items():
         element.set(name, text)
-    kind = node.qualified.get((XSI, "type"))
-    if kind is not None:
-        element.set(f"{{{XSI}}}type", f"ecore:{kind.rpartition(':')[2]}")
+    if node.xsi_type is not None:
+        element.set(f"{{{XSI}}}type", f"ecore:{node.xsi_type.rpartition(':')[2]}")
     for child in node.children:
         _fill(child, etree.SubElement(element, child.tag))
 
@@ -199,6 +211,16 @@ def reference_type(feature: Any) -> Any:
 def conforms(metaclass: Any, wanted: Any) -> bool:
     """Return whether a metaclass is another one or one of its subclasses."""
     return any(known is wanted for known in lineage(metaclass))
+
+
+@cache
+def concrete_classes(package: Any, declared: Any) -> Mapping[str, Any]:
+    """Return the classes of a package whose objects a feature of a declared class may hold."""
+    return {
+        str(kind.name): kind
+        for kind in package.eClassifiers
+        if isinstance(kind, EClass) and not kind.abstract and conforms(kind, declared)
+    }
 
 
 @cache

@@ -12,7 +12,6 @@ from pyecore.resources.xmi import XMIResource
 from m2t.check.structure import ModelTree
 from m2t.elements import put
 from m2t.metamodels import Slot, slots
-from m2t.read.model_files import XMI
 from m2t.read.nodes import Node
 
 
@@ -46,8 +45,8 @@ class ModelLoader:
         for node in resource.nodes:
             built = self._objects[node]
             self.nodes[built] = node
-            if (XMI, "id") in node.qualified:
-                self.xmi_ids[built] = node.qualified[XMI, "id"]
+            if node.xmi_id is not None:
+                self.xmi_ids[built] = node.xmi_id
         return resource.contents[0]
 
     def instance(self, node: Node) -> Any:

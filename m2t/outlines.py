@@ -1,4 +1,4 @@
-"""Models as entries to compare: elements with ID, and all else as values of theirs."""
+"""Outlines of models, to compare: elements with ID, and all else as values of theirs."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,18 +9,12 @@ from typing import Any, TypeAlias
 from urllib.parse import unquote
 
 from m2t.check.split_models import find_part
-from m2t.diagnostics import shown
-from m2t.metamodels import (
-    conforms,
-    features,
-    is_contained,
-    is_reference,
-    lineage,
-    load_metamodels,
-    reference_type,
-)
-from m2t.read.model_files import XMI, XSI, ModelFiles, local_path
-from m2t.read.nodes import Node, Report, read_document
+from m2t.diagnostics import Report, shown
+from m2t.metamodels import Slot, concrete_classes, lineage, load_metamodels, slots
+from m2t.namespaces import XSI
+from m2t.read.addresses import local_path
+from m2t.read.model_files import ModelFiles
+from m2t.read.nodes import Node, read_xml
 from m2t.write.xmi import java_double
 from mrsfi_runtime.errors import ModelError
 
@@ -34,7 +28,7 @@ _WORDS: Mapping[str, str] = MappingProxyType(
 
 
 @dataclass(slots=True, eq=False)
-class Entry:
+class Outline:
     """An element with ID, or the root of a model.
 
     Attributes
@@ -58,25 +52,25 @@ class Entry:
     kind: str
     identity: str
     key: tuple[str, str, int]
-    container: "Entry | None" = field(default=None, repr=False)
+    container: "Outline | None" = field(default=None, repr=False)
     about: str = ""
     values: dict[str, Value] = field(default_factory=dict)
-    children: dict[str, list["Entry"]] = field(default_factory=dict, repr=False)
+    children: dict[str, list["Outline"]] = field(default_factory=dict, repr=False)
 
     @property
     def label(self) -> str:
         """Class and ID in words: ``motion source ms1``."""
         return f"{_WORDS.get(self.kind, self.kind.lower())} {self.identity}".rstrip()
 
-    def walk(self) -> Iterator["Entry"]:
-        """Yield the entry and all below it, in the order of the model."""
+    def walk(self) -> Iterator["Outline"]:
+        """Yield the outline and all below it, in the order of the model."""
         yield self
         for children in self.children.values():
             for child in children:
                 yield from child.walk()
 
 
-def read_models(path: Path) -> dict[str, Entry]:
+def read_models(path: Path) -> dict[str, Outline]:
     """Read the models of a mission folder or of a file.
 
     Parameters
@@ -87,7 +81,7 @@ def read_models(path: Path) -> dict[str, Entry]:
     Returns
     -------
     dict
-        Entry of each root by name of its class.
+        Outline of each root by name of its class.
 
     Raises
     ------
@@ -99,27 +93,26 @@ def read_models(path: Path) -> dict[str, Entry]:
     if not paths:
         message = f"{path}: holds neither {' nor '.join(_FILES)}; expected a mission folder"
         raise ModelError(message)
-    files = ModelFiles(Report())
-    roots = [root for each in paths for root in _roots(each, files)]
+    report = Report()
+    files = ModelFiles(report)
+    roots = [root for each in paths for root in _roots(each, files, report)]
     for root in roots:
         _insert_parts(root, _root_class(root), files)
-    targets = _Targets(files, roots)
-    return {root.tag: _Entries(targets).root(root) for root in roots}
+    outliner = _Outliner(files, roots)
+    return {root.tag: outliner.root(root) for root in roots}
 
 
-def _roots(path: Path, files: ModelFiles) -> list[Node]:
+def _roots(path: Path, files: ModelFiles, report: Report) -> list[Node]:
     """Return the missions and fault specifications of a file."""
-    report = Report()
-    document = read_document(path, report)
-    errors = [str(found) for found in report if found.severity == "error"]
     file = files.read(path)
-    if document is None or file is None or errors:
-        raise ModelError("\n".join(errors))
-    roots = [root for root in file.roots if _root_class(root) is not None]
-    if not roots:
+    if file is None:
+        report.require_no_errors()
+    roots = [] if file is None else [root for root in file.roots if _root_class(root) is not None]
+    xml = None if roots else read_xml(path, Report())
+    if xml is not None:
         message = (
-            f"{path}:{document.line}: the root is {shown(document.tag)} of namespace "
-            f"{shown(document.namespace)}; expected a mission or a fault specification of mrsfi; "
+            f"{path}:{xml.root.line}: the root is {shown(xml.root.tag)} of namespace "
+            f"{shown(xml.root.namespace)}; expected a mission or a fault specification of mrsfi; "
             "give the right file [RootElement]"
         )
         raise ModelError(message)
@@ -127,21 +120,21 @@ def _roots(path: Path, files: ModelFiles) -> list[Node]:
 
 
 def _root_class(root: Node) -> Any:
-    packages = load_metamodels()
-    for package, name in ((packages.mission, "Mission"), (packages.faults, "FaultSpecification")):
-        if (root.namespace, root.tag) == (package.nsURI, name):
-            return package.getEClassifier(name)
+    known = load_metamodels()
+    for metaclass in (known.mission_class, known.faults_class):
+        if (root.namespace, root.tag) == (metaclass.ePackage.nsURI, metaclass.name):
+            return metaclass
     return None
 
 
 def _insert_parts(node: Node, metaclass: Any, files: ModelFiles) -> None:
     """Put the roots of other files in the places that they stand for; keep those not found."""
-    contained = {feature.name: feature for feature in features(metaclass) if is_contained(feature)}
+    known = slots(metaclass)
     for position, child in enumerate(node.children):
-        feature = contained.get(child.tag)
-        if feature is None:
+        slot = known.get(child.tag)
+        if slot is None or not slot.is_contained:
             continue
-        inserted, kind = child, reference_type(feature)
+        inserted, kind = child, slot.type
         if "href" in child.attributes:
             part = find_part(child, kind, metaclass.ePackage, files, Report())
             if part is None:
@@ -153,160 +146,125 @@ def _insert_parts(node: Node, metaclass: Any, files: ModelFiles) -> None:
         _insert_parts(inserted, kind, files)
 
 
-class _Targets:
-    """Names what references lead to, by ID wherever there is one."""
+class _Outliner:
+    """Makes the outlines of models; names what references lead to by ID wherever there is one."""
 
     def __init__(self, files: ModelFiles, roots: Sequence[Node]) -> None:
         self._files = files
+        self._counts: Counter[tuple[str, str]]
         self._by_xmi_id: dict[str, Node] = {}
-        for node in (node for root in roots for node in _nodes(root)):
-            identity = node.qualified.get((XMI, "id"))
-            if identity is not None:
-                self._by_xmi_id.setdefault(identity, node)
+        for node in (node for root in roots for node in root.walk()):
+            if node.xmi_id is not None:
+                self._by_xmi_id.setdefault(node.xmi_id, node)
 
-    def name(self, node: Node, text: str) -> str:
-        """Return the ID of what a reference of a node means, else the reference itself."""
-        document, _, fragment = text.rpartition("#")
-        fragment = unquote(fragment)
-        target = self._by_xmi_id.get(fragment)
-        if target is None and fragment.startswith("/"):
-            target = self._by_path(node, document, fragment)
-        return fragment if target is None else target.attributes.get("ID", fragment)
-
-    def _by_path(self, node: Node, document: str, fragment: str) -> Node | None:
-        """Follow a path such as ``//@goals.0/@messages.1``."""
-        path = local_path(node.path.parent, document) if document else node.path
-        file = None if path is None else self._files.at(path)
-        _, root, *steps = fragment.split("/")
-        found = None if file is None else file.root_at(root)
-        for step in filter(None, steps):
-            found = None if found is None else _child(found, step.removeprefix("@"))
-        return found
-
-
-def _child(node: Node, step: str) -> Node | None:
-    name, _, index = step.partition(".")
-    children = [child for child in node.children if child.tag == name]
-    position = int(index) if index.isdecimal() and len(index) < 10 else 0
-    return children[position] if position < len(children) else None
-
-
-class _Entries:
-    """Makes the entries of one model."""
-
-    def __init__(self, targets: _Targets) -> None:
-        self._targets = targets
-        self._counts: Counter[tuple[str, str]] = Counter()
-
-    def root(self, node: Node) -> Entry:
-        """Return the entry of a root; there is one of a kind, whatever its ID."""
+    def root(self, node: Node) -> Outline:
+        """Return the outline of a root; there is one of a kind, whatever its ID."""
         metaclass = _root_class(node)
+        self._counts = Counter()
         identity = _plain(node.attributes.get("ID", ""))
-        entry = Entry(metaclass.name, identity, (metaclass.name, "", 0))
+        outline = Outline(metaclass.name, identity, (metaclass.name, "", 0))
         if metaclass.name != "Mission":
-            entry.values["ID"] = entry.identity or None
-        self._fill(entry, node, metaclass, "")
-        return entry
+            outline.values["ID"] = outline.identity or None
+        self._fill(outline, node, metaclass, "")
+        return outline
 
-    def _entry(self, node: Node, metaclass: Any, container: Entry) -> Entry:
+    def _outline(self, node: Node, metaclass: Any, container: Outline) -> Outline:
         identity = node.attributes.get("ID", "")
         place = (metaclass.name, identity)
         key = (*place, self._counts[place])
         self._counts[place] += 1
-        entry = Entry(metaclass.name, _plain(identity), key, container)
-        kind = node.qualified.get((XSI, "type"), "").rpartition(":")[2]
+        outline = Outline(metaclass.name, _plain(identity), key, container)
+        kind = _kind(node)
         if kind not in {"", metaclass.name}:
-            entry.values["class"] = _plain(kind)
-        self._fill(entry, node, metaclass, "")
-        entry.about = _about(entry)
-        return entry
+            outline.values["class"] = _plain(kind)
+        self._fill(outline, node, metaclass, "")
+        outline.about = _about(outline)
+        return outline
 
-    def _fill(self, entry: Entry, node: Node, metaclass: Any, prefix: str) -> None:
+    def _fill(self, outline: Outline, node: Node, metaclass: Any, prefix: str) -> None:
         """Add the features of a node; those that are not known are added as they stand."""
-        known = {feature.name: feature for feature in features(metaclass)}
-        for name, feature in known.items():
-            if getattr(feature, "iD", False):
-                continue
-            if is_contained(feature):
-                self._contain(entry, node, feature, prefix)
-            else:
-                entry.values[prefix + name] = self._value(node, feature)
+        known = slots(metaclass)
+        for name, slot in known.items():
+            if slot.is_contained:
+                self._contain(outline, node.tagged(name), slot, prefix)
+            elif not slot.is_id:
+                outline.values[prefix + name] = self._value(node, slot)
         for name, text in node.attributes.items():
             if name not in known:
-                entry.values[prefix + name] = repr(text)
+                outline.values[prefix + name] = repr(text)
         for name in dict.fromkeys(child.tag for child in node.children if child.tag not in known):
-            found = [child for child in node.children if child.tag == name]
-            entry.values[prefix + name] = " ".join(map(_raw, found))
+            outline.values[prefix + name] = " ".join(map(_raw, node.tagged(name)))
 
-    def _contain(self, entry: Entry, node: Node, feature: Any, prefix: str) -> None:
-        name, declared = feature.name, reference_type(feature)
-        children = [child for child in node.children if child.tag == name]
+    def _contain(self, outline: Outline, children: list[Node], slot: Slot, prefix: str) -> None:
+        declared = slot.type
         if declared.name == "GoalTask":
-            self._task(entry, feature, children)
+            for child in children:
+                kind = _kind(child)
+                known = concrete_classes(declared.ePackage, declared)
+                _append(outline, "task", _plain(kind))
+                self._fill(outline, child, known.get(kind, declared), "task.")
         elif any(kind.name == "FaultType" for kind in lineage(declared)):
-            self._fault_type(entry, feature, children)
-        elif _has_id(declared):
-            entry.children[prefix + name] = [
-                self._entry(child, declared, entry) for child in children
+            for child in children:
+                _append(outline, "type", declared.name)
+                self._fill(outline, child, declared, "")
+        elif any(known.is_id for known in slots(declared).values()):
+            outline.children[prefix + slot.name] = [
+                self._outline(child, declared, outline) for child in children
             ]
         else:
-            given: Sequence[Node | None] = children or ([] if feature.many else [None])
+            given: Sequence[Node | None] = children or ([] if slot.many else [None])
             texts = [_compact(child, declared) for child in given]
-            entry.values[prefix + name] = " ".join(texts) or None
+            outline.values[prefix + slot.name] = " ".join(texts) or None
 
-    def _task(self, entry: Entry, feature: Any, children: list[Node]) -> None:
-        declared = reference_type(feature)
-        for child in children:
-            kind = child.qualified.get((XSI, "type"), "").rpartition(":")[2]
-            found = declared.ePackage.getEClassifier(kind)
-            is_class = hasattr(found, "eStructuralFeatures") and conforms(found, declared)
-            _append(entry, "task", _plain(kind))
-            self._fill(entry, child, found if is_class else declared, "task.")
-
-    def _fault_type(self, entry: Entry, feature: Any, children: list[Node]) -> None:
-        for child in children:
-            metaclass = reference_type(feature)
-            _append(entry, "type", metaclass.name)
-            self._fill(entry, child, metaclass, "")
-
-    def _value(self, node: Node, feature: Any) -> Value:
-        name = feature.name
-        children = [child for child in node.children if child.tag == name]
-        if is_reference(feature):
-            texts = node.attributes.get(name, "").split()
+    def _value(self, node: Node, slot: Slot) -> Value:
+        children = node.tagged(slot.name)
+        given = node.attributes.get(slot.name)
+        if slot.is_reference:
+            texts = (given or "").split()
             texts += [child.attributes.get("href", child.text.strip()) for child in children]
-            return " ".join(_plain(self._targets.name(node, text)) for text in texts) or None
-        if feature.many:
-            texts = [text for text in (node.attributes.get(name),) if text is not None]
-            texts += [child.text for child in children]
-            return " ".join(str(_literal(feature, text)) for text in texts) or None
-        text = node.attributes.get(name, children[0].text if children else None)
-        return _literal(feature, text)
+            return " ".join(_plain(self._target(node, text)) for text in texts) or None
+        texts = [] if given is None else [given]
+        texts += [child.text for child in children]
+        if slot.many:
+            return " ".join(str(_literal(slot, text)) for text in texts) or None
+        return _literal(slot, texts[0] if texts else None)
+
+    def _target(self, node: Node, text: str) -> str:
+        """Return the ID of what a reference of a node means, else the reference itself."""
+        address, _, fragment = text.rpartition("#")
+        fragment = unquote(fragment)
+        found = self._by_xmi_id.get(fragment)
+        if found is None and fragment.startswith("/"):
+            path = local_path(node.path.parent, address) if address else node.path
+            file = None if path is None else self._files.at(path)
+            found = None if file is None else file.at_path(fragment)
+        return fragment if found is None else found.attributes.get("ID", fragment)
 
 
-def _about(entry: Entry) -> str:
+def _kind(node: Node) -> str:
+    """Return the name of the class that xsi:type gives; empty without one."""
+    return (node.xsi_type or "").rpartition(":")[2]
+
+
+def _about(outline: Outline) -> str:
     for name in ("task", "type", "name"):
-        value = entry.values.get(name)
+        value = outline.values.get(name)
         if value is not None:
             return value
     return ""
 
 
-def _append(entry: Entry, name: str, text: str) -> None:
+def _append(outline: Outline, name: str, text: str) -> None:
     """Add what a valid model has once; one that has it twice shows both."""
-    entry.values[name] = " ".join(filter(None, (entry.values.get(name), text)))
+    outline.values[name] = " ".join(filter(None, (outline.values.get(name), text)))
 
 
-def _has_id(metaclass: Any) -> bool:
-    return any(getattr(feature, "iD", False) for feature in features(metaclass))
-
-
-def _literal(feature: Any, text: str | None) -> Value:
+def _literal(slot: Slot, text: str | None) -> Value:
     """Return the value of an attribute in one spelling; numbers as Java writes them."""
-    kind = feature.eType.name
+    kind = slot.type.name
     if text is None:
-        default = None if feature.unsettable else feature.get_default_value()
-        return None if default is None else _literal(feature, str(default))
+        default = None if slot.feature.unsettable else slot.feature.get_default_value()
+        return None if default is None else _literal(slot, str(default))
     if kind == "EString":
         return repr(text)
     try:
@@ -321,26 +279,16 @@ def _literal(feature: Any, text: str | None) -> Value:
 
 def _compact(node: Node | None, metaclass: Any) -> str:
     """Return an element without ID on one line: coordinates, a message field, a property."""
-    texts = []
-    for feature in features(metaclass):
-        text = None if node is None else node.attributes.get(feature.name)
-        texts.append(_literal(feature, text) or "none")
-    if node is not None:
-        texts.extend(_strange(node, metaclass))
+    known = slots(metaclass)
+    given = {} if node is None else node.attributes
+    texts = [_literal(slot, given.get(name)) or "none" for name, slot in known.items()]
+    texts += [f"{name}={text!r}" for name, text in given.items() if name not in known]
+    texts += [] if node is None else map(_raw, node.children)
     if metaclass.name == "Coordinates":
         return f"({', '.join(texts)})"
     if metaclass.name == "MessageData":
         return ":".join(text.strip("'") for text in texts)
     return "=".join(texts)
-
-
-def _strange(node: Node, metaclass: Any) -> Iterator[str]:
-    """Yield what the metamodel does not know of an element."""
-    known = {feature.name for feature in features(metaclass)}
-    for name, text in node.attributes.items():
-        if name not in known:
-            yield f"{name}={text!r}"
-    yield from map(_raw, node.children)
 
 
 def _plain(text: str) -> str:
@@ -352,9 +300,3 @@ def _raw(node: Node) -> str:
     """Return an element that the metamodel does not know, as it stands."""
     attributes = "".join(f" {name}={text!r}" for name, text in node.attributes.items())
     return f"<{node.tag}{attributes}>{''.join(map(_raw, node.children))}"
-
-
-def _nodes(node: Node) -> Iterator[Node]:
-    yield node
-    for child in node.children:
-        yield from _nodes(child)

@@ -11,9 +11,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from m2t.constraints.faults import fault_types, is_set
+from m2t.constraints.faults import fault_types
+from m2t.elements import put, values
 from m2t.load import LoadedModels, load_mission_folder
-from m2t.metamodels import features, is_contained, load_metamodels
+from m2t.metamodels import load_metamodels, slots
 from m2t.saving import addresses
 from m2t.write.xmi import dumps, write_atomically
 from mrsfi_runtime.errors import SpecificationError
@@ -57,11 +58,10 @@ def write_specification(
     models = load_mission_folder(models) if isinstance(models, Path) else models
     folder = models.mission_path.parent
     pool = {} if models.faults is None else {fault.ID: fault for fault in models.faults.faults}
-    package = load_metamodels().faults
-    specification = package.getEClassifier("FaultSpecification")()
+    specification = load_metamodels().faults_class()
     specification.ID = identifier
     copies: Counter[str] = Counter()
-    for fault_id, start, finish, values in rows:
+    for fault_id, start, finish, given in rows:
         if fault_id not in pool:
             known = ", ".join(pool) or "none"
             raise SpecificationError(
@@ -75,7 +75,7 @@ def write_specification(
         fault = _copy(pool[fault_id])
         fault.ID = f"{fault_id}.{copies[fault_id]}"
         fault.start, fault.finish = start, finish
-        _set_values(fault, values)
+        _set_values(fault, given)
         specification.faults.append(fault)
     hrefs = addresses(models, path.parent)
     write_atomically(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
@@ -84,27 +84,24 @@ def write_specification(
 def _copy(element: Any) -> Any:
     """Return a copy of an element and all that it contains; references stay as they are."""
     copy = element.eClass()
-    for feature in features(element.eClass):
-        value = element.eGet(feature)
-        if feature.many:
-            copies = [_copy(entry) for entry in value] if is_contained(feature) else list(value)
-            copy.eGet(feature).extend(copies)
-        elif value is not None and is_set(element, feature.name):
-            copy.eSet(feature, _copy(value) if is_contained(feature) else value)
+    for slot in slots(element.eClass).values():
+        if slot.many or element.eIsSet(slot.feature):
+            for value in values(element, slot):
+                put(copy, slot, _copy(value) if slot.is_contained else value)
     return copy
 
 
-def _set_values(fault: Any, values: Mapping[str, float]) -> None:
+def _set_values(fault: Any, given: Mapping[str, float]) -> None:
     """Set the parameters of a fault."""
     (kind,) = fault_types(fault)
-    for name, value in values.items():
-        feature = kind.eClass.findEStructuralFeature(name)
-        if feature is None:
+    for name, value in given.items():
+        slot = slots(kind.eClass).get(name)
+        if slot is None:
             raise SpecificationError(
                 f"fault '{fault.ID}' ({kind.eClass.name}) has no parameter '{name}'; "
                 "give only those of its type"
             )
-        is_integer = feature.eType.name == "EInt"
+        is_integer = slot.type.name == "EInt"
         if not math.isfinite(value) or (is_integer and value != int(value)):
             expected = "a whole number" if is_integer else "a finite number"
             raise SpecificationError(f"fault '{fault.ID}' has {name} {value}; expected {expected}")

@@ -1,14 +1,14 @@
 """Loaded models as objects of the static classes, for scripts that edit them."""
 
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
 from pyecore.ecore import EEnum
 
+from m2t.elements import contained, values
 from m2t.load import LoadedModels
-from m2t.metamodels import features, is_contained, is_reference
+from m2t.metamodels import Slot, slots
 from mrsfi_runtime.errors import ModelError
 
 
@@ -60,32 +60,30 @@ class _Copying:
 
     def __init__(self, packages: tuple[ModuleType, ...]) -> None:
         self.copies: dict[Any, Any] = {}
-        self._classifiers: Mapping[tuple[str, str], Any] = {
+        self._classifiers: dict[tuple[str, str], Any] = {
             (package.nsURI, name): classifier
             for package in packages
             for name, classifier in package.eClassifiers.items()
         }
 
-    def add(self, element: Any) -> None:
+    def add(self, root: Any) -> None:
         """Make an empty copy of an element and of all that it contains."""
-        self.copies[element] = self._classifier(element.eClass)()
-        for feature in filter(is_contained, features(element.eClass)):
-            for contained in _values(element, feature):
-                self.add(contained)
+        for element in contained(root):
+            self.copies[element] = self._classifier(element.eClass)()
 
     def fill(self) -> None:
         """Give all copies the values of their originals; what is unset stays unset."""
         for element, copy in self.copies.items():
-            for feature in features(element.eClass):
-                if feature.many or element.eIsSet(feature):
-                    values = [self._value(feature, value) for value in _values(element, feature)]
-                    copy.eSet(feature.name, values if feature.many else next(iter(values), None))
+            for slot in slots(element.eClass).values():
+                if slot.many or element.eIsSet(slot.feature):
+                    held = [self._value(slot, value) for value in values(element, slot)]
+                    copy.eSet(slot.name, held if slot.many else next(iter(held), None))
 
-    def _value(self, feature: Any, value: Any) -> Any:
-        if is_contained(feature) or is_reference(feature):
+    def _value(self, slot: Slot, value: Any) -> Any:
+        if slot.is_contained or slot.is_reference:
             return self.copies[value]
-        if isinstance(feature.eType, EEnum):
-            return self._classifier(feature.eType).getEEnumLiteral(value.name)
+        if isinstance(slot.type, EEnum):
+            return self._classifier(slot.type).getEEnumLiteral(value.name)
         return value
 
     def _classifier(self, classifier: Any) -> Any:
@@ -96,11 +94,3 @@ class _Copying:
                 "models; name them all, or run `python -m m2t.classes generated/metamodel`"
             )
         return self._classifiers[key]
-
-
-def _values(element: Any, feature: Any) -> Iterator[Any]:
-    value = element.eGet(feature)
-    if feature.many:
-        yield from value
-    elif value is not None:
-        yield value

@@ -13,8 +13,8 @@ from typing import Any, TypeAlias
 
 from pyecore.ecore import EEnum
 
-from m2t.diagnostics import shown
-from mrsfi_runtime.errors import ModelError
+from m2t.diagnostics import Defect, shown
+from m2t.metamodels import Slot
 
 MAX_MAGNITUDE = 1e12
 MAX_NAME_LENGTH = 200
@@ -26,15 +26,6 @@ _DOUBLE = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?", re.
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
 
 Value: TypeAlias = Any
-
-
-class BadValueError(Exception):
-    """A text is no value of its feature; carries the constraint and the finding."""
-
-    def __init__(self, constraint: str, finding: str) -> None:
-        super().__init__(finding)
-        self.constraint = constraint
-        self.finding = finding
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,85 +77,79 @@ RANGES: Mapping[str, Range] = MappingProxyType(
 """Allowed numbers by feature name; a feature of that name means the same in every class."""
 
 
-def require_value(feature: Any, text: str) -> None:
+def require_value(slot: Slot, text: str) -> None:
     """Refuse a text that is no value of an attribute.
 
     Parameters
     ----------
-    feature
+    slot
         The attribute of the metamodel.
     text
         Its text in the model.
 
     Raises
     ------
-    BadValueError
+    Defect
         If the text is no such value, or one outside the feature's range.
     """
-    if isinstance(feature.eType, EEnum):
-        _require_literal(feature, text)
+    if isinstance(slot.type, EEnum):
+        _require_literal(slot, text)
         return
-    reader = _READERS.get(feature.eType.name)
-    if reader is None:
-        raise ModelError(
-            f"attribute '{feature.name}' has type {feature.eType.name}; the metamodels may "
-            f"use {', '.join(_READERS)} and enumerations"
-        )
-    value = reader(feature, text)
-    allowed = RANGES.get(feature.name)
+    value = _READERS[slot.type.name](slot, text)
+    allowed = RANGES.get(slot.name)
     if allowed is not None and isinstance(value, int | float) and value not in allowed:
-        raise BadValueError(
+        raise Defect(
             allowed.constraint,
-            f"has {feature.name} {shown(text)}; expected {allowed}; correct it",
+            f"has {slot.name} {shown(text)}; expected {allowed}; correct it",
         )
 
 
-def _require_literal(feature: Any, text: str) -> None:
-    names = [literal.name for literal in feature.eType.eLiterals]
+def _require_literal(slot: Slot, text: str) -> None:
+    names = [literal.name for literal in slot.type.eLiterals]
     if text not in names:
-        raise BadValueError(
+        raise Defect(
             "EnumLiteral",
-            f"has {feature.name} {shown(text)}; expected one of {', '.join(names)}; correct the "
+            f"has {slot.name} {shown(text)}; expected one of {', '.join(names)}; correct the "
             "spelling",
         )
 
 
-def _text(feature: Any, text: str) -> str:
-    limit = MAX_NAME_LENGTH if feature.name in ("ID", "name") else MAX_TEXT_LENGTH
+def _text(slot: Slot, text: str) -> str:
+    limit = MAX_NAME_LENGTH if slot.name in ("ID", "name") else MAX_TEXT_LENGTH
     if len(text) > limit:
-        raise BadValueError(
+        raise Defect(
             "StringLength",
-            f"has a {feature.name} of {len(text):,} characters; expected at most {limit:,}; "
+            f"has a {slot.name} of {len(text):,} characters; expected at most {limit:,}; "
             "shorten it",
         )
     return text
 
 
-def _integer(feature: Any, text: str) -> int:
+def _integer(slot: Slot, text: str) -> int:
     if not _INTEGER.fullmatch(text) or int(text) not in _INT_RANGE:
-        raise BadValueError(
+        raise Defect(
             "NumberSyntax",
-            f"has {feature.name} {shown(text)}; expected a whole number of 32 bits, such as 20; "
+            f"has {slot.name} {shown(text)}; expected a whole number of 32 bits, such as 20; "
             "correct it",
         )
     return int(text)
 
 
-def _double(feature: Any, text: str) -> float:
-    what = f"has {feature.name} {shown(text)}"
+def _double(slot: Slot, text: str) -> float:
+    what = f"has {slot.name} {shown(text)}"
     if _NOT_FINITE.fullmatch(text):
-        raise BadValueError("FiniteNumber", f"{what}; expected a finite number; correct it")
+        raise Defect("FiniteNumber", f"{what}; expected a finite number; correct it")
     if not _DOUBLE.fullmatch(text):
-        raise BadValueError("NumberSyntax", f"{what}; expected a number such as 2.5; correct it")
+        raise Defect("NumberSyntax", f"{what}; expected a number such as 2.5; correct it")
     value = float(text)
     if abs(value) > MAX_MAGNITUDE:
-        raise BadValueError(
+        raise Defect(
             "NumberMagnitude",
             f"{what}; expected a number between -1.0E12 and 1.0E12; correct it",
         )
     return value
 
 
-_READERS: Mapping[str, Callable[[Any, str], Value]] = MappingProxyType(
+_READERS: Mapping[str, Callable[[Slot, str], Value]] = MappingProxyType(
     {"EString": _text, "EInt": _integer, "EDouble": _double}
 )

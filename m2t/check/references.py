@@ -1,51 +1,43 @@
 """Resolve the references of a model, inside its file and into the mission's file."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
-from m2t.check.structure import ModelTree, Reference
-from m2t.diagnostics import shown
+from m2t.check.structure import ModelTree, ReadModel, Reference
+from m2t.diagnostics import Report, shown
 from m2t.metamodels import conforms
-from m2t.read.model_files import ModelFile, local_path, resolved_path
-from m2t.read.nodes import Node, Report
+from m2t.read.addresses import local_path, resolved_path
+from m2t.read.model_files import ModelFile
+from m2t.read.nodes import Node
 
-_INDEX = re.compile(r"[0-9]{1,9}", re.ASCII)
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 def referred_files(tree: ModelTree) -> Iterator[tuple[Reference, str]]:
     """Return the file part of every reference that leads out of its own file."""
     for reference in tree.references:
         for target in reference.targets:
-            document = _document(target)
-            if document:
-                yield reference, document
+            address = _address(target)
+            if address:
+                yield reference, address
 
 
-@dataclass(frozen=True, slots=True)
-class Neighbour:
-    """Another model that references may lead to; ``tree`` is ``None`` if it cannot be used."""
-
-    path: Path
-    tree: ModelTree | None
-
-
-def resolve(tree: ModelTree, neighbour: Neighbour | None, report: Report) -> None:
+def resolve(tree: ModelTree, mission: ReadModel | None, report: Report) -> None:
     """Find the nodes that all references of a model lead to.
 
     Parameters
     ----------
     tree
         The model; takes the resolved references.
-    neighbour
+    mission
         The mission, if the model may refer to it.
     report
         Takes the diagnostics.
     """
-    resolver = _Resolver(tree, neighbour, report)
+    resolver = _Resolver(tree, mission, report)
     for reference in tree.references:
         resolver.resolve(reference)
 
@@ -61,9 +53,9 @@ class _Place:
 class _Resolver:
     """Resolves the references of one model; asks for every file once."""
 
-    def __init__(self, tree: ModelTree, neighbour: Neighbour | None, report: Report) -> None:
+    def __init__(self, tree: ModelTree, mission: ReadModel | None, report: Report) -> None:
         self._tree = tree
-        self._neighbour = neighbour
+        self._mission = mission
         self._report = report
         self._named: dict[tuple[Node, str], set[Node]] = {}
         self._files: dict[tuple[Path, str], Path | None] = {}
@@ -94,11 +86,11 @@ class _Resolver:
 
     def _element(self, reference: Reference, target: str) -> Node | None:
         """Return the element that a target means, if it exists and is of the right class."""
-        document = _document(target)
-        is_known, place = self._place(reference, document)
+        address = _address(target)
+        is_known, place = self._place(reference, address)
         if not is_known:
-            own = self._neighbour is None
-            wanted = "an element of this file" if own else f"{self._neighbour_name()}#ID"
+            own = self._mission is None
+            wanted = "an element of this file" if own else f"{self._mission_name()}#ID"
             self._report.add(
                 reference.node,
                 "LocalReference",
@@ -134,24 +126,24 @@ class _Resolver:
                 "correct the reference",
             )
 
-    def _place(self, reference: Reference, document: str) -> tuple[bool, _Place | None]:
+    def _place(self, reference: Reference, address: str) -> tuple[bool, _Place | None]:
         """Return whether a file may be referred to, and where it is if it can be used."""
         files = self._tree.files
         here = files.containing(reference.node)
-        if not document:
+        if not address:
             return True, _Place(here, self._tree)
-        key = (reference.node.path, document)
+        key = (reference.node.path, address)
         if key not in self._files:
-            path = local_path(here.path.parent, document)
+            path = local_path(here.path.parent, address)
             self._files[key] = None if path is None else resolved_path(path)
         path = self._files[key]
         if path is None:
             return False, None
-        if self._neighbour is not None and self._neighbour.tree is None:
+        if self._mission is not None and self._mission.tree is None:
             # its own defects are reported already
-            return path == resolved_path(self._neighbour.path), None
+            return path == resolved_path(self._mission.path), None
         file = files.at_resolved(path)
-        tree = self._tree if self._neighbour is None else self._neighbour.tree
+        tree = self._tree if self._mission is None else self._mission.tree
         return (False, None) if file is None or tree is None else (True, _Place(file, tree))
 
     def _known(self, tree: ModelTree, wanted: Any) -> str:
@@ -161,37 +153,19 @@ class _Resolver:
             self._listed[key] = _known(tree, wanted)
         return self._listed[key]
 
-    def _neighbour_name(self) -> str:
-        return "mission.xmi" if self._neighbour is None else self._neighbour.path.name
+    def _mission_name(self) -> str:
+        return "mission.xmi" if self._mission is None else self._mission.path.name
 
 
 def find(file: ModelFile, fragment: str) -> Node | None:
     """Return the checked node that a fragment means: by xmi:id, by ID, or by path."""
     if fragment.startswith("/"):
-        return _find_by_path(file, fragment)
+        found = file.at_path(fragment, file.checked_children)
+        return None if found is None or found.metaclass is None else found
     return file.by_xmi_id.get(fragment) or file.by_id.get(fragment)
 
 
-def _find_by_path(file: ModelFile, fragment: str) -> Node | None:
-    """Follow a path of Eclipse such as ``//@goals.0/@messages.1``."""
-    _, root, *steps = fragment.split("/")
-    node = file.root_at(root)
-    if node is None or node.metaclass is None:
-        return None
-    for step in steps if any(steps) else []:
-        name, dot, index = step.removeprefix("@").rpartition(".")
-        if not dot:
-            name, index = index, "0"
-        if not step.startswith("@") or not _INDEX.fullmatch(index):
-            return None
-        choices = file.checked_children(node, name)
-        if int(index) >= len(choices):
-            return None
-        node = choices[int(index)]
-    return node
-
-
-def _document(target: str) -> str:
+def _address(target: str) -> str:
     return target.rpartition("#")[0]
 
 

@@ -3,14 +3,15 @@
 ``<robots href="robots.xmi#r1"/>`` stands for a root of ``robots.xmi``.
 """
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from typing import Any
 from urllib.parse import unquote
 
-from m2t.diagnostics import shown
-from m2t.metamodels import conforms
-from m2t.read.model_files import XSI, ModelFile, ModelFiles, contained_path
-from m2t.read.nodes import Node, Report
+from m2t.diagnostics import Report, shown
+from m2t.metamodels import concrete_classes
+from m2t.read.addresses import contained_path
+from m2t.read.model_files import ModelFile, ModelFiles
+from m2t.read.nodes import Node
 
 
 def find_part(
@@ -41,8 +42,8 @@ def find_part(
         report.add(child, "ContainedElement", finding)
         return None
     target = child.attributes["href"]
-    document, _, fragment = target.rpartition("#")
-    file = _file(child, document, files, report)
+    address, _, fragment = target.rpartition("#")
+    file = _file(child, address, files, report)
     if file is None:
         return None
     root = file.root(unquote(fragment))
@@ -59,34 +60,25 @@ def find_part(
     return None if metaclass is None else (root, metaclass)
 
 
-def concrete_classes(package: Any, declared: Any) -> Iterator[Any]:
-    """Return the classes whose objects a feature of a declared class may hold."""
-    for kind in package.eClassifiers:
-        is_class = hasattr(kind, "eStructuralFeatures")
-        if is_class and not kind.abstract and conforms(kind, declared):
-            yield kind
+def named_class(package: Any, kinds: Mapping[str, Any], node: Node) -> Any:
+    """Return the one of some classes that an xsi:type names; ``None`` if it names none."""
+    prefix, colon, name = (node.xsi_type or "").rpartition(":")
+    is_ours = colon and node.prefixes.get(prefix) == package.nsURI
+    return kinds.get(name) if is_ours else None
 
 
-def named_class(package: Any, node: Node, text: str) -> Any:
-    """Return the class that an xsi:type names; ``None`` if there is no such class."""
-    prefix, colon, name = text.rpartition(":")
-    if not colon or node.prefixes.get(prefix) != package.nsURI:
-        return None
-    found = package.getEClassifier(name)
-    return found if hasattr(found, "eStructuralFeatures") else None
-
-
-def _file(child: Node, document: str, files: ModelFiles, report: Report) -> ModelFile | None:
+def _file(child: Node, address: str, files: ModelFiles, report: Report) -> ModelFile | None:
     """Return the file of a part; refuse one outside the project, and circles of files."""
     what = f"stands for {shown(child.attributes['href'])}"
     here = files.containing(child)
-    path = contained_path(here, document) if document else None
+    first = (*here.owners, here)[0].path.parent
+    path = contained_path(here.path.parent, first, address) if address else None
     if path is None:
         finding = (
             f"{what}; expected the root of another file, by a relative address inside the "
             "mission's project; move that file there, or the element here"
         )
-        report.add(child, "LocalReference" if document else "ContainedElement", finding)
+        report.add(child, "LocalReference" if address else "ContainedElement", finding)
         return None
     owners = (*here.owners, here)
     known = files.at(path)
@@ -106,12 +98,13 @@ def _file(child: Node, document: str, files: ModelFiles, report: Report) -> Mode
 
 def _metaclass(child: Node, root: Node, declared: Any, package: Any, report: Report) -> Any:
     """Return the class of a part if the feature may hold it; ``None`` after a report."""
-    kinds = list(concrete_classes(package, declared))
-    found = package.getEClassifier(root.tag) if root.namespace == package.nsURI else None
-    named = child.qualified.get((XSI, "type"))
-    if found in kinds and (named is None or named_class(package, child, named) is found):
+    kinds = concrete_classes(package, declared)
+    found = kinds.get(root.tag) if root.namespace == package.nsURI else None
+    if found is not None and (
+        child.xsi_type is None or named_class(package, kinds, child) is found
+    ):
         return found
-    expected = ", ".join(str(kind.name) for kind in kinds)
+    expected = ", ".join(kinds)
     finding = (
         f"stands for {shown(child.attributes['href'])}, which is a {root.tag[:60]}; expected "
         f"one of {expected}, the same as xsi:type if that is given; correct the href"

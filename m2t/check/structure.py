@@ -7,14 +7,16 @@ is checked before pyecore loads the file.
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
-from m2t.check.attribute_values import BadValueError, require_value
-from m2t.check.split_models import concrete_classes, find_part, named_class
-from m2t.diagnostics import shown
-from m2t.metamodels import Slot, conforms, slots
-from m2t.read.model_files import XMI, XSI, ModelFile, ModelFiles, is_root_attribute
-from m2t.read.nodes import Node, Report
+from m2t.check.attribute_values import require_value
+from m2t.check.split_models import find_part, named_class
+from m2t.diagnostics import Defect, Report, shown
+from m2t.metamodels import Slot, concrete_classes, slots
+from m2t.namespaces import XMI, XSI
+from m2t.read.model_files import ModelFile, ModelFiles, is_root_attribute
+from m2t.read.nodes import Node
 
 _SHOWN_ALTERNATIVES = 12
 
@@ -39,7 +41,7 @@ class ModelTree:
 
     Parts in files of their own stand in place below ``root``. ``by_id`` has the elements of
     all files. ``resolved`` has the nodes that each reference leads to, once it is known to lead
-    there. ``is_sound`` says whether the model keeps all constraints of structure.
+    there.
     """
 
     root: Node
@@ -47,11 +49,32 @@ class ModelTree:
     by_id: dict[str, Node] = field(default_factory=dict)
     references: list[Reference] = field(default_factory=list)
     resolved: list[tuple[Reference, tuple[Node, ...]]] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class ReadModel:
+    """A model on its way.
+
+    Attributes
+    ----------
+    path
+        File that it begins in.
+    tree
+        Its nodes; ``None`` if they cannot be used.
+    is_sound
+        Whether it keeps all constraints of structure.
+    root
+        Its root object, once that is made.
+    """
+
+    path: Path
+    tree: ModelTree | None = None
     is_sound: bool = False
+    root: Any = None
 
 
 def check_structure(
-    file: ModelFile, package: Any, class_name: str, files: ModelFiles, report: Report
+    file: ModelFile, metaclass: Any, files: ModelFiles, report: Report
 ) -> ModelTree | None:
     """Check the nodes of a model and give each its metaclass.
 
@@ -59,9 +82,7 @@ def check_structure(
     ----------
     file
         File that the model begins in; files with its parts are read on the way.
-    package
-        The metamodel.
-    class_name
+    metaclass
         Class that the root has to have.
     files
         All files read so far.
@@ -73,16 +94,18 @@ def check_structure(
     ModelTree or None
         What is known of the model; ``None`` if the file has no root of that class.
     """
-    roots = file.roots_of(package.nsURI, class_name)
+    roots = file.roots_of(metaclass)
     if not roots:
-        _report_wrong_root(file, package, class_name, report)
+        _report_wrong_root(file, metaclass, report)
         return None
     for other in roots[1:]:
-        finding = f"is a second {class_name} of {file.path.name}; expected one; delete the others"
+        finding = (
+            f"is a second {metaclass.name} of {file.path.name}; expected one; delete the others"
+        )
         report.add(other, "RootElement", finding)
     file.claimed.update(roots)
-    checker = _Checker(ModelTree(roots[0], files), package, report)
-    checker.element(roots[0], package.getEClassifier(class_name))
+    checker = _Checker(ModelTree(roots[0], files), metaclass.ePackage, report)
+    checker.element(roots[0], metaclass)
     return checker.tree
 
 
@@ -98,14 +121,15 @@ def check_claims(files: ModelFiles, report: Report) -> None:
                 report.add(root, "ContainedElement", finding)
 
 
-def _report_wrong_root(file: ModelFile, package: Any, class_name: str, report: Report) -> None:
+def _report_wrong_root(file: ModelFile, metaclass: Any, report: Report) -> None:
     file.claimed.update(file.roots)
     for root in file.roots[:1]:
         found = f"{{{root.namespace}}}{root.tag}" if root.namespace else root.tag
         report.add(
             root,
             "RootElement",
-            f"is the root ({shown(found)}); expected {class_name} of namespace {package.nsURI}; "
+            f"is the root ({shown(found)}); expected {metaclass.name} of namespace "
+            f"{metaclass.ePackage.nsURI}; "
             "correct the root or give the right file",
         )
 
@@ -164,9 +188,9 @@ class _Checker:
 
     def _value(self, element: _Element, slot: Slot, text: str) -> None:
         try:
-            require_value(slot.feature, text)
-        except BadValueError as bad:
-            self._report.add(element.node, bad.constraint, bad.finding)
+            require_value(slot, text)
+        except Defect as defect:
+            self._report.add(element.node, defect.constraint, defect.finding)
             if slot.is_id:  # too long, but what refers to it is not lost
                 self.tree.files.containing(element.node).by_id.setdefault(text, element.node)
             return
@@ -251,13 +275,14 @@ class _Checker:
 
     def _concrete_type(self, declared: Any, child: Node) -> Any:
         """Return the class of a contained element; ``None`` after a report."""
-        text = child.qualified.get((XSI, "type"))
-        metaclass = declared if text is None else named_class(self._package, child, text)
-        if metaclass is not None and not metaclass.abstract and conforms(metaclass, declared):
-            return metaclass
-        found = "no xsi:type" if text is None else f"xsi:type {shown(text)}"
         kinds = concrete_classes(self._package, declared)
-        expected = ", ".join(f"{self._package.nsPrefix}:{kind.name}" for kind in kinds)
+        if child.xsi_type is None and not declared.abstract:
+            return declared
+        metaclass = named_class(self._package, kinds, child)
+        if metaclass is not None:
+            return metaclass
+        found = "no xsi:type" if child.xsi_type is None else f"xsi:type {shown(child.xsi_type)}"
+        expected = ", ".join(f"{self._package.nsPrefix}:{name}" for name in kinds)
         self._report.add(
             child, "ConcreteType", f"has {found}; expected one of {expected}; choose one"
         )

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from m2t.read.nodes import Node, Report
+from m2t.diagnostics import Report
+from m2t.read.nodes import Node
 from m2t.write.xmi import java_double
 
 

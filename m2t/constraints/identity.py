@@ -4,9 +4,9 @@ import re
 from collections.abc import Mapping
 
 from m2t.check.structure import ModelTree
-from m2t.diagnostics import shown
+from m2t.diagnostics import Report, shown
 from m2t.naming import clashes, identifier
-from m2t.read.nodes import Node, Report
+from m2t.read.nodes import Node
 from mrsfi_runtime.errors import ModelError
 
 _SYNTAX = re.compile(r"[A-Za-z][A-Za-z0-9_. -]*", re.ASCII)

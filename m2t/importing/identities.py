@@ -2,19 +2,19 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from m2t.diagnostics import shown
+from m2t.elements import contained
 from m2t.importing.notes import Notes
 from m2t.importing.reading import PublishedReader
-from m2t.metamodels import features, is_contained
-from m2t.naming import identifier
+from m2t.metamodels import slots
+from m2t.naming import identifier, snake_case
 from mrsfi_runtime.errors import ModelError
 
 _USABLE = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,99}", re.ASCII)
 _UNUSABLE = re.compile(r"[^A-Za-z0-9_.-]+", re.ASCII)
-_WORD_START = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _LONGEST_BASE = 80
 
 
@@ -43,15 +43,6 @@ def give_ids(root: Any, reader: PublishedReader, notes: Notes) -> None:
         namer.derive(element)
     for element in identified:
         _name_by_id(element, reader, notes)
-
-
-def contained(element: Any) -> Iterator[Any]:
-    """Yield an object and all that it contains, in the order in which they are written."""
-    yield element
-    for feature in filter(is_contained, features(element.eClass)):
-        value = element.eGet(feature)
-        for child in list(value) if feature.many else [value] if value is not None else []:
-            yield from contained(child)
 
 
 class _Namer:
@@ -83,7 +74,7 @@ class _Namer:
         base = self._place(element)
         if own is not None:
             legal = _UNUSABLE.sub("_", own).strip("_.-")[:_LONGEST_BASE]
-            word = _words(element.eClass.name)
+            word = snake_case(element.eClass.name)
             base = legal if legal[:1].isalpha() else f"{word}_{legal}" if legal else base
         new = base
         while not self._take(new):
@@ -112,11 +103,11 @@ class _Namer:
         """Return what an element is called by its place, such as ``g1_area`` or ``robot_1``."""
         container = element.eContainer()
         if container is None:
-            return _words(element.eClass.name)
+            return snake_case(element.eClass.name)
         feature = element.eContainmentFeature()
-        word = _words(feature.name)
+        word = snake_case(feature.name)
         if feature.many:
-            word = f"{_words(element.eClass.name)}_{self._positions[element]}"
+            word = f"{snake_case(element.eClass.name)}_{self._positions[element]}"
         if container.eContainer() is None:
             return word
         return f"{container.ID if _has(container, 'ID') else self._place(container)}_{word}"
@@ -151,9 +142,4 @@ def _name_by_id(element: Any, reader: PublishedReader, notes: Notes) -> None:
 
 
 def _has(element: Any, name: str) -> bool:
-    return any(feature.name == name for feature in features(element.eClass))
-
-
-def _words(name: str) -> str:
-    """Return the name of a class or feature in words: ``motion_source``."""
-    return _WORD_START.sub("_", name).lower()
+    return name in slots(element.eClass)

@@ -8,15 +8,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from m2t.diagnostics import Diagnostic
+from m2t.diagnostics import Diagnostic, Report
+from m2t.elements import contained
 from m2t.importing.campaign_files import campaign_files
-from m2t.importing.identities import contained, give_ids
+from m2t.importing.identities import give_ids
 from m2t.importing.notes import Note, Notes
 from m2t.importing.published import ROOT, SETUP_NAMESPACE
 from m2t.importing.reading import PublishedReader
 from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metamodels import load_metamodels
-from m2t.read.nodes import Node, Report, read_document
+from m2t.read.nodes import Node, read_xml
 from m2t.validate import validate_folder, validate_specification
 from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import ModelError, UsageError
@@ -86,14 +87,15 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
     """
     _require_free(folder, is_forced=is_forced)
     report, notes = Report(), Notes()
-    setup = read_document(path, report)
-    _stop_at_errors(report)
+    xml = read_xml(path, report)
+    report.require_no_errors()
+    setup = None if xml is None else xml.root
     if setup is None or (setup.namespace, setup.tag) != (SETUP_NAMESPACE, ROOT):
         raise _wrong_root(path, setup)
     reader = PublishedReader(setup, _duration(setup), report, notes)
     mission, specifications = _roots(setup, reader, report)
     reader.resolve()
-    _stop_at_errors(report)
+    report.require_no_errors()
     if not mission.name:
         mission.name = folder.name
         notes.add("default", reader.origins[mission], "name", f"is absent; set to {folder.name}")
@@ -133,24 +135,23 @@ def _wrong_root(path: Path, root: Node | None) -> ModelError:
 
 def _duration(setup: Node) -> int:
     """Return the duration that defaults depend on; a wrong one is reported when it is read."""
-    mission = next((child for child in setup.children if child.tag == "mission"), None)
-    text = "" if mission is None else mission.attributes.get("duration", "")
+    missions = setup.tagged("mission")
+    text = missions[0].attributes.get("duration", "") if missions else ""
     whole = text.partition(".")[0]
     return int(whole) if whole.isdecimal() and whole.isascii() and len(whole) < 10 else 1
 
 
 def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, list[Any]]:
     """Read the mission and all fault specifications."""
-    missions = [child for child in setup.children if child.tag == "mission"]
+    missions = setup.tagged("mission")
     if len(missions) != 1:
         finding = f"has {len(missions) or 'no'} mission; expected one; import one file a mission"
         report.add(setup, "RequiredFeature" if not missions else "SingleValue", finding)
-        _stop_at_errors(report)
-    packages = load_metamodels()
-    mission = reader.element(missions[0], packages.mission.getEClassifier("Mission"))
-    metaclass = packages.faults.getEClassifier("FaultSpecification")
-    found = [child for child in setup.children if child.tag == "specification"]
-    specifications = [reader.element(child, metaclass) for child in found]
+        report.require_no_errors()
+    known = load_metamodels()
+    mission = reader.element(missions[0], known.mission_class)
+    found = setup.tagged("specification")
+    specifications = [reader.element(child, known.faults_class) for child in found]
     reader.drop_rest(setup, ("mission", "specification"))
     return mission, specifications
 
@@ -220,12 +221,6 @@ def _replace(target: Path, stage: Path, old: Path) -> None:
         raise
 
 
-def _stop_at_errors(report: Report) -> None:
-    errors = [found for found in report if found.severity == "error"]
-    if errors:
-        raise ModelError("\n".join(str(found) for found in errors))
-
-
 def _counts(mission: Any, specifications: list[Any]) -> dict[str, int]:
     return {
         "robots": len(mission.robots),
@@ -272,18 +267,6 @@ class _Origins:
 
 def _lines(path: Path, root: Any) -> dict[int, Any]:
     """Return the object that each line of a written file begins."""
-    document = read_document(path, Report())
-    if document is None:
-        return {}
-    return {
-        node.line: element
-        for node, element in zip(_elements(document), contained(root), strict=False)
-    }
-
-
-def _elements(node: Node) -> Iterator[Node]:
-    """Yield the nodes of a written file that are objects, not references to some."""
-    yield node
-    for child in node.children:
-        if "href" not in child.attributes:
-            yield from _elements(child)
+    xml = read_xml(path, Report())
+    nodes = () if xml is None else (n for n in xml.root.walk() if "href" not in n.attributes)
+    return {node.line: element for node, element in zip(nodes, contained(root), strict=False)}

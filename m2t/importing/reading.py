@@ -5,10 +5,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from pyecore.ecore import EEnum
-
-from m2t.check.attribute_values import BadValueError, require_value
-from m2t.diagnostics import shown
+from m2t.check.attribute_values import require_value
+from m2t.diagnostics import Defect, Report, shown
+from m2t.elements import put, values
 from m2t.importing.notes import Notes
 from m2t.importing.published import (
     BACK_REFERENCES,
@@ -19,11 +18,11 @@ from m2t.importing.published import (
     WRAPPED,
     ZERO_VALUES,
 )
-from m2t.metamodels import conforms, features, is_contained, is_reference, reference_type
-from m2t.read.nodes import Node, Report
+from m2t.metamodels import Slot, concrete_classes, conforms, slots
+from m2t.namespaces import XMI
+from m2t.read.nodes import Node, follow
 
 _ZERO = re.compile(r"[+-]?(0*\.?0*)", re.ASCII)
-_XMI = "http://www.omg.org/XMI"
 _COPIED = ("Area", "Coordinates")
 """Classes whose elements are copied where the old format refers to one."""
 
@@ -80,7 +79,7 @@ class _Pending:
     """A reference to resolve once all elements are read."""
 
     instance: Any
-    feature: Any
+    slot: Slot
     node: Node
     targets: tuple[str, ...]
 
@@ -114,7 +113,7 @@ class PublishedReader:
         self._pending: list[_Pending] = []
         self._by_xmi_id: dict[str, Node] = {}
         self._by_id: dict[str, list[Node]] = {}
-        for node in nodes(root):
+        for node in root.walk():
             self._remember(node)
 
     @property
@@ -125,7 +124,7 @@ class PublishedReader:
     def _remember(self, node: Node) -> None:
         if "ID" in node.attributes:
             self._by_id.setdefault(node.attributes["ID"], []).append(node)
-        identity = node.qualified.get((_XMI, "id"))
+        identity = node.xmi_id
         if identity is None:
             return
         first = self._by_xmi_id.setdefault(identity, node)
@@ -148,8 +147,8 @@ class PublishedReader:
         for name, inner in WRAPPED.get(metaclass.name, {}).items():
             for wrapper in given.unwrap(name, inner):
                 self._drop(wrapper, "")
-        for feature in features(metaclass):
-            self._feature(instance, feature, given)
+        for slot in slots(metaclass).values():
+            self._feature(instance, slot, given)
         self._drop(given, metaclass.name)
         return instance
 
@@ -158,11 +157,11 @@ class PublishedReader:
         for pending in self._pending:
             found = [self._target(pending, target) for target in pending.targets]
             targets = [target for target in found if target is not None]
-            if len(targets) > 1 and not pending.feature.many:
+            if len(targets) > 1 and not pending.slot.many:
                 self._add_error(pending, "SingleValue", f"has {len(targets)} elements; expected 1")
-            elif is_contained(pending.feature):
+            elif pending.slot.is_contained:
                 for target in targets:
-                    _put(pending.instance, pending.feature, self._copy(target, pending.node))
+                    put(pending.instance, pending.slot, self._copy(target, pending.node))
             else:
                 self._refer(pending, targets)
 
@@ -173,71 +172,71 @@ class PublishedReader:
             given.take_children(name)
         self._drop(given, "")
 
-    def _feature(self, instance: Any, feature: Any, given: _Given) -> None:
-        if feature.name == "task":
-            self._task(instance, feature, given)
-        elif is_contained(feature):
-            self._contain(instance, feature, given)
-        elif is_reference(feature):
-            texts = given.attributes.pop(feature.name, "").split()
-            texts.extend(_href(child) for child in given.take_children(feature.name))
-            self._pending.append(_Pending(instance, feature, given.node, tuple(texts)))
-        elif getattr(feature, "iD", False):
-            own = given.take_text(feature.name)
+    def _feature(self, instance: Any, slot: Slot, given: _Given) -> None:
+        if slot.name == "task":
+            self._task(instance, slot, given)
+        elif slot.is_contained:
+            self._contain(instance, slot, given)
+        elif slot.is_reference:
+            texts = given.attributes.pop(slot.name, "").split()
+            texts.extend(_href(child) for child in given.take_children(slot.name))
+            self._pending.append(_Pending(instance, slot, given.node, tuple(texts)))
+        elif slot.is_id:
+            own = given.take_text(slot.name)
             if own is not None:
                 self.own_ids[instance] = own
         else:
-            self._attribute(instance, feature, given)
+            self._attribute(instance, slot, given)
 
-    def _task(self, goal: Any, feature: Any, given: _Given) -> None:
+    def _task(self, goal: Any, slot: Slot, given: _Given) -> None:
         """Take the one of nine containments that the old format has in place of a class."""
         tasks = []
-        for node in given.take_children(feature.name):
+        known = concrete_classes(slot.type.ePackage, slot.type)
+        for node in given.take_children(slot.name):
             wrapper = _Given(node)
-            for tag, children in list(wrapper.children.items()):
-                metaclass = _subclass(reference_type(feature), tag[:1].upper() + tag[1:])
+            for tag in list(wrapper.children):
+                metaclass = known.get(tag[:1].upper() + tag[1:])
                 if metaclass is not None:
-                    tasks += [(child, metaclass) for child in children]
-                    wrapper.take_children(tag)
+                    tasks += [(child, metaclass) for child in wrapper.take_children(tag)]
             self._drop(wrapper, "")
         if len(tasks) > 1:
             listed = ", ".join(child.tag for child, _ in tasks)
             finding = f"has {len(tasks)} tasks ({listed}); expected one; delete the others"
             self._report.add(given.node, "SingleValue", finding)
         for child, metaclass in tasks[:1]:
-            _put(goal, feature, self.element(child, metaclass))
+            put(goal, slot, self.element(child, metaclass))
 
-    def _contain(self, instance: Any, feature: Any, given: _Given) -> None:
-        children = given.take_children(feature.name)
-        wanted = reference_type(feature)
+    def _contain(self, instance: Any, slot: Slot, given: _Given) -> None:
+        children = given.take_children(slot.name)
+        wanted = slot.type
         if wanted.name in _COPIED:
-            texts = given.attributes.pop(feature.name, "").split()
+            texts = given.attributes.pop(slot.name, "").split()
             texts += [_href(child) for child in children if "href" in child.attributes]
-            self._pending.append(_Pending(instance, feature, given.node, tuple(texts)))
+            self._pending.append(_Pending(instance, slot, given.node, tuple(texts)))
             children = [child for child in children if "href" not in child.attributes]
-        if len(children) > 1 and not feature.many:
-            finding = f"has {len(children)} {feature.name}; expected one; delete the others"
+        if len(children) > 1 and not slot.many:
+            finding = f"has {len(children)} {slot.name}; expected one; delete the others"
             self._report.add(given.node, "SingleValue", finding)
-        for child in children if feature.many else children[:1]:
-            _put(instance, feature, self.element(child, wanted))
+        for child in children if slot.many else children[:1]:
+            put(instance, slot, self.element(child, wanted))
 
-    def _attribute(self, instance: Any, feature: Any, given: _Given) -> None:
-        text = given.take_text(feature.name)
+    def _attribute(self, instance: Any, slot: Slot, given: _Given) -> None:
+        text = given.take_text(slot.name)
         if text is None:
-            text = self._default(instance, feature, given.node)
+            text = self._default(instance, slot, given.node)
         if text is None:
             return
-        text = _whole(feature, text)
+        text = _whole(text) if slot.type.name == "EInt" else text
         try:
-            require_value(feature, text)
-        except BadValueError as bad:
-            self._report.add(given.node, bad.constraint, bad.finding)
+            require_value(slot, text)
+        except Defect as defect:
+            self._report.add(given.node, defect.constraint, defect.finding)
             return
-        instance.eSet(feature, _value(feature, text))
+        put(instance, slot, slot.type.from_string(text))
 
-    def _default(self, instance: Any, feature: Any, node: Node) -> str | None:
+    def _default(self, instance: Any, slot: Slot, node: Node) -> str | None:
         """Return and note what an absent attribute means; ``None`` if it stays unset."""
-        name = feature.name
+        name = slot.name
         if name in OPTIONAL or name.endswith(("_MIN", "_MAX")) or name == "name":
             return None
         special = DEFAULTS.get((instance.eClass.name, name))
@@ -245,7 +244,7 @@ class PublishedReader:
             text = special(self._duration)
             self._notes.add("default", node, name, f"is absent; set to {text}")
             return text
-        usual = {"EDouble": "0.0", "EInt": "0", "EString": ""}.get(feature.eType.name)
+        usual = {"EDouble": "0.0", "EInt": "0", "EString": ""}.get(slot.type.name)
         if usual is not None and instance.eClass.name != "MessageData":
             meaning = f"{usual} in Eclipse" if usual else "empty"
             self._notes.add("default", node, name, f"is absent, which means {meaning}")
@@ -256,19 +255,19 @@ class PublishedReader:
         """Return the object that a reference leads to; ``None`` after a report."""
         node = self._find(text.rpartition("#")[2])
         target = None if node is None else self._objects.get(node)
-        wanted = reference_type(pending.feature)
+        wanted = pending.slot.type
         if target is None:
             self._add_error(
                 pending,
                 "ResolvedReference",
-                f"refers to {shown(text)} as {pending.feature.name}, which is no element of the "
+                f"refers to {shown(text)} as {pending.slot.name}, which is no element of the "
                 f"file; expected the xmi:id of a {wanted.name}",
             )
         elif not conforms(target.eClass, wanted):
             self._add_error(
                 pending,
                 "ReferenceType",
-                f"refers to {shown(text)} as {pending.feature.name}, which is a "
+                f"refers to {shown(text)} as {pending.slot.name}, which is a "
                 f"{target.eClass.name}; expected a {wanted.name}",
             )
             return None
@@ -279,7 +278,7 @@ class PublishedReader:
         if fragment in self._by_xmi_id:
             return self._by_xmi_id[fragment]
         if fragment.startswith("/"):
-            return _by_path(self._root, fragment)
+            return follow(self._root, fragment.partition("/")[2].partition("/")[2])
         known = self._by_id.get(fragment, [])
         return known[0] if len(known) == 1 else None
 
@@ -287,18 +286,16 @@ class PublishedReader:
         distinct = list(dict.fromkeys(targets))
         if len(distinct) < len(targets):
             message = "names an element more than once; kept once"
-            self._notes.add("inconsistent", pending.node, pending.feature.name, message)
+            self._notes.add("inconsistent", pending.node, pending.slot.name, message)
         for target in distinct:
-            _put(pending.instance, pending.feature, target)
+            put(pending.instance, pending.slot, target)
 
     def _copy(self, original: Any, node: Node) -> Any:
         copy = original.eClass()
         self.origins[copy] = node
-        for feature in features(original.eClass):
-            value = original.eGet(feature)
-            if getattr(feature, "iD", False) or value is None:
-                continue
-            copy.eSet(feature, self._copy(value, node) if is_contained(feature) else value)
+        for slot in slots(original.eClass).values():
+            for value in () if slot.is_id else values(original, slot):
+                put(copy, slot, self._copy(value, node) if slot.is_contained else value)
         return copy
 
     def _add_error(self, pending: _Pending, constraint: str, finding: str) -> None:
@@ -310,7 +307,7 @@ class PublishedReader:
         for name, text in given.attributes.items():
             self._drop_attribute(node, name, text, class_name)
         for (namespace, name), text in node.qualified.items():
-            if namespace != _XMI and node.parent is not None:
+            if namespace != XMI and node.parent is not None:
                 self._notes.add("dropped", node, name, f"belongs to no model ({shown(text)})")
         for child in [child for kept in given.children.values() for child in kept]:
             self._notes.add("dropped", child, child.tag, "is an element that is not known here")
@@ -338,58 +335,17 @@ class PublishedReader:
         container = node.parent
         if container is None:
             return
-        known = (container.attributes.get("ID"), container.qualified.get((_XMI, "id")))
+        known = (container.attributes.get("ID"), container.xmi_id)
         if any(known) and text not in known:
             message = f"is {shown(text)}, but {container.description} contains it; kept it there"
             self._notes.add("inconsistent", node, name, message)
-
-
-def nodes(node: Node) -> Iterator[Node]:
-    """Yield a node and all below it, in the order of the file."""
-    yield node
-    for child in node.children:
-        yield from nodes(child)
-
-
-def _put(instance: Any, feature: Any, value: Any) -> None:
-    if feature.many:
-        instance.eGet(feature).append(value)
-    else:
-        instance.eSet(feature, value)
 
 
 def _href(child: Node) -> str:
     return child.attributes.get("href", child.text.strip())
 
 
-def _subclass(abstract: Any, name: str) -> Any:
-    found = abstract.ePackage.getEClassifier(name)
-    is_class = hasattr(found, "eStructuralFeatures")
-    return found if is_class and not found.abstract and conforms(found, abstract) else None
-
-
-def _by_path(root: Node, fragment: str) -> Node | None:
-    """Follow a path such as ``//@mission/@robots.0``."""
-    node = root
-    for step in fragment.split("/")[2:]:
-        name, _, index = step.removeprefix("@").partition(".")
-        children = [child for child in node.children if child.tag == name]
-        position = int(index) if index.isdecimal() and len(index) < 10 else 0
-        if position >= len(children):
-            return None
-        node = children[position]
-    return node
-
-
-def _whole(feature: Any, text: str) -> str:
-    """Return a whole number without its fraction where ours is an integer: 1000.0 is 1000."""
-    if feature.eType.name == "EInt" and "." in text:
-        head, _, fraction = text.partition(".")
-        return text if fraction.strip("0") else head
-    return text
-
-
-def _value(feature: Any, text: str) -> Any:
-    if isinstance(feature.eType, EEnum):
-        return feature.eType.getEEnumLiteral(name=text)
-    return {"EDouble": float, "EInt": int}.get(feature.eType.name, str)(text)
+def _whole(text: str) -> str:
+    """Return a whole number without its fraction, as an integer has none: 1000.0 is 1000."""
+    head, point, fraction = text.partition(".")
+    return text if not point or fraction.strip("0") else head

@@ -11,19 +11,22 @@ its line numbers stay right beyond line 65,535, where those of lxml are off by o
 """
 
 import errno
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 from xml.parsers import expat
 
-from m2t.diagnostics import CONSTRAINTS, Diagnostic, shown
+from m2t.diagnostics import Defect, Report, shown
+from m2t.namespaces import XMI, XSI
 
 MAX_BYTES = 64 * 1024 * 1024
 MAX_ELEMENTS = 500_000
 MAX_DEPTH = 100
 
+_INDEX = re.compile(r"[0-9]{1,9}", re.ASCII)
 _SHOWN_TAG = 60
 _BLOCK = 1024 * 1024
 
@@ -60,9 +63,55 @@ class Node:
                 return f"{tag} {shown(self.attributes[key])}"
         return tag if self.parent is None else f"{tag} of {self.parent.description}"
 
+    @property
+    def xmi_id(self) -> str | None:
+        """Value of xmi:id, if there is one."""
+        return self.qualified.get((XMI, "id"))
+
+    @property
+    def xsi_type(self) -> str | None:
+        """Value of xsi:type, if there is one."""
+        return self.qualified.get((XSI, "type"))
+
+    def tagged(self, tag: str) -> list["Node"]:
+        """Return the elements of a tag directly below."""
+        return [child for child in self.children if child.tag == tag]
+
+    def walk(self) -> Iterator["Node"]:
+        """Yield the element and all below it, in the order of the file."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+
+Children: TypeAlias = Callable[[Node, str], Sequence[Node]]
+"""Gives the elements of a tag directly below a node."""
+
+
+def follow(node: Node | None, path: str, below: Children = Node.tagged) -> Node | None:
+    """Return the node that a path of Eclipse leads to; ``None`` if it leads nowhere.
+
+    Parameters
+    ----------
+    node
+        Where it begins.
+    path
+        Steps such as ``@goals.0/@messages.1``; empty for the node itself.
+    below
+        Gives the elements of a tag that a step chooses from.
+    """
+    for step in path.split("/") if path.strip("/") else ():
+        name, dot, index = step.removeprefix("@").partition(".")
+        position = index if dot else "0"
+        if node is None or not step.startswith("@") or not _INDEX.fullmatch(position):
+            return None
+        choices = below(node, name)
+        node = choices[int(position)] if int(position) < len(choices) else None
+    return node
+
 
 @dataclass(frozen=True, slots=True)
-class Document:
+class XmlFile:
     """A file that was read: its root element, the encoding it declares, and its size."""
 
     root: Node
@@ -71,53 +120,11 @@ class Document:
     n_elements: int
 
 
-class Report:
-    """Collects the diagnostics of one validation."""
-
-    def __init__(self) -> None:
-        self._found: list[Diagnostic] = []
-        self._n_errors = 0
-
-    def add(self, node: Node, constraint: str, finding: str) -> None:
-        """Add a defect of an element; ``finding`` completes a sentence that begins with it."""
-        severity = CONSTRAINTS[constraint].severity
-        element = node.description
-        message = f"{element} {finding}"
-        self._add(Diagnostic(node.path, node.line, element, constraint, severity, message))
-
-    def add_file(self, path: Path, line: int, constraint: str, finding: str) -> None:
-        """Add a defect of a whole file."""
-        severity = CONSTRAINTS[constraint].severity
-        self._add(Diagnostic(path, line, path.name, constraint, severity, finding))
-
-    def _add(self, found: Diagnostic) -> None:
-        self._found.append(found)
-        self._n_errors += found.severity == "error"
-
-    @property
-    def n_errors(self) -> int:
-        """Number of defects found so far that stop loading."""
-        return self._n_errors
-
-    def __iter__(self) -> Iterator[Diagnostic]:
-        return iter(self._found)
-
-
-class _RefusedError(Exception):
-    """The document breaks a limit; carries line, constraint and finding."""
-
-    def __init__(self, line: int, constraint: str, finding: str) -> None:
-        super().__init__(finding)
-        self.line = line
-        self.constraint = constraint
-        self.finding = finding
-
-
 class _TreeBuilder:
     """Handlers of the parser, which build the nodes and enforce the limits."""
 
     def __init__(self, path: Path) -> None:
-        self.root: Node | None = None
+        self.root: Node
         self.encoding = ""
         self.n_elements = 0
         self._path = path
@@ -132,7 +139,13 @@ class _TreeBuilder:
         self._parser.EndElementHandler = self._end
         self._parser.CharacterDataHandler = self._characters
 
+    @property
+    def line(self) -> int:
+        """Line that the parser has come to, from 1."""
+        return self._parser.CurrentLineNumber
+
     def parse(self, content: bytes) -> None:
+        """Build the nodes of a file."""
         self._parser.Parse(content, True)
 
     def _declaration(self, _: str, encoding: str | None, __: int) -> None:
@@ -140,17 +153,16 @@ class _TreeBuilder:
 
     def _doctype(self, *_: object) -> None:
         finding = "declares a document type; a model needs none; delete the <!DOCTYPE ...>"
-        raise _RefusedError(self._parser.CurrentLineNumber, "NoDocumentType", finding)
+        raise Defect("NoDocumentType", finding)
 
     def _namespace(self, prefix: str | None, uri: str | None) -> None:
         self._prefixes = {**self._prefixes, (prefix or ""): uri or ""}
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
-        line = self._parser.CurrentLineNumber
-        self._require_limits(line)
+        self._require_limits()
         namespace, _, tag = name.rpartition(" ")
         parent = self._open[-1] if self._open else None
-        node = Node(self._path, line, namespace, tag, parent, self._prefixes)
+        node = Node(self._path, self.line, namespace, tag, parent, self._prefixes)
         for key, value in attributes.items():
             uri, _, local = key.rpartition(" ")
             if uri:
@@ -171,17 +183,17 @@ class _TreeBuilder:
     def _characters(self, text: str) -> None:
         self._open[-1].text += text
 
-    def _require_limits(self, line: int) -> None:
+    def _require_limits(self) -> None:
         self.n_elements += 1
         if self.n_elements > MAX_ELEMENTS:
             finding = f"has more than {MAX_ELEMENTS:,} elements; split the model"
-            raise _RefusedError(line, "FileSize", finding)
+            raise Defect("FileSize", finding)
         if len(self._open) >= MAX_DEPTH:
             finding = f"nests more than {MAX_DEPTH} elements; no model needs that; correct it"
-            raise _RefusedError(line, "FileSize", finding)
+            raise Defect("FileSize", finding)
 
 
-def read_document(path: Path, report: Report) -> Node | None:
+def read_xml(path: Path, report: Report) -> XmlFile | None:
     """Read an XML file; report what is wrong with it.
 
     Parameters
@@ -193,38 +205,26 @@ def read_document(path: Path, report: Report) -> Node | None:
 
     Returns
     -------
-    Node or None
-        The root element; ``None`` if the file cannot be used.
+    XmlFile or None
+        Its root element with all below it; ``None`` if the file cannot be used.
     """
-    document = read_encoded(path, report)
-    return None if document is None else document.root
-
-
-def read_encoded(path: Path, report: Report) -> Document | None:
-    """Read an XML file as ``read_document`` does, with its encoding and size."""
-    content = _read_bytes(path, report)
-    if content is None:
-        return None
     builder = _TreeBuilder(path)
     try:
+        content = _content(path)
         builder.parse(content)
-    except _RefusedError as refused:
-        finding = f"{path.name} {refused.finding}"
-        report.add_file(path, refused.line, refused.constraint, finding)
-        return None
+    except Defect as defect:
+        report.add_file(path, builder.line, defect)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        finding = f"{path.name} is not well-formed XML: {reason}; correct it at this line"
-        report.add_file(path, error.lineno, "WellFormedXml", finding)
-        return None
+        finding = f"is not well-formed XML: {reason}; correct it at this line"
+        report.add_file(path, error.lineno, Defect("WellFormedXml", finding))
     except (LookupError, ValueError) as error:
-        finding = f"{path.name} has an encoding that cannot be read: {error}; save it as UTF-8"
-        report.add_file(path, 1, "WellFormedXml", finding)
-        return None
-    if builder.root is None:
-        return None
-    encoding = builder.encoding or _detected(content)
-    return Document(builder.root, encoding, len(content), builder.n_elements)
+        finding = f"has an encoding that cannot be read: {error}; save it as UTF-8"
+        report.add_file(path, 1, Defect("WellFormedXml", finding))
+    else:
+        encoding = builder.encoding or _detected(content)
+        return XmlFile(builder.root, encoding, len(content), builder.n_elements)
+    return None
 
 
 def _detected(content: bytes) -> str:
@@ -247,22 +247,16 @@ def _blocks(path: Path) -> Iterator[bytes]:
             yield block
 
 
-def _read_bytes(path: Path, report: Report) -> bytes | None:
+def _content(path: Path) -> bytes:
     """Return the content of a file unless it is missing or too large."""
     try:
         _require_file(path)
         content = b"".join(_blocks(path))
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
-        finding = f"{path.name} cannot be read: {reason}; expected a model file at this path"
-        report.add_file(path, 1, "ReadableFile", finding)
-        return None
-    except ValueError as error:
-        finding = f"{path.name} cannot be read: {error}; expected a model file at this path"
-        report.add_file(path, 1, "ReadableFile", finding)
-        return None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", str(error)) or type(error).__name__
+        finding = f"cannot be read: {reason}; expected a model file at this path"
+        raise Defect("ReadableFile", finding) from error
     if len(content) > MAX_BYTES:
-        finding = f"{path.name} has more than {MAX_BYTES:,} bytes; a model is far smaller; split it"
-        report.add_file(path, 1, "FileSize", finding)
-        return None
+        finding = f"has more than {MAX_BYTES:,} bytes; a model is far smaller; split it"
+        raise Defect("FileSize", finding)
     return content

@@ -10,11 +10,9 @@ from typing import Any
 
 from pyecore.ecore import EAttribute, EClass, EEnum, EOperation, EProxy, EReference
 
-from m2t.read.model_files import XMI, XSI
+from m2t.namespaces import ECORE, XMI, XSI
 from m2t.write.xmi import ATTRIBUTE_ESCAPES, encoded, escaped
 from mrsfi_runtime.errors import ModelError
-
-ECORE = "http://www.eclipse.org/emf/2002/Ecore"
 
 _WIDTH = 80
 _NO_HREFS: Mapping[Any, str] = MappingProxyType({})

@@ -15,11 +15,11 @@ from typing import Any
 
 from pyecore.ecore import EEnum
 
-from m2t.metamodels import Slot, reference_type, slots
+from m2t.elements import values
+from m2t.metamodels import Slot, slots
+from m2t.namespaces import XMI, XSI
 from mrsfi_runtime.errors import ModelError
 
-_XMI_NAMESPACE = "http://www.omg.org/XMI"
-_XSI_NAMESPACE = "http://www.w3.org/2001/XMLSchema-instance"
 _NOTHING: Mapping[Any, str] = MappingProxyType({})
 
 ATTRIBUTE_ESCAPES = str.maketrans(
@@ -181,11 +181,11 @@ class _Writer:
         return list(_element("", "xmi:XMI", self._head(), lines))
 
     def _head(self) -> str:
-        xsi = f' xmlns:xsi="{_XSI_NAMESPACE}"' if self._uses_xsi else ""
+        xsi = f' xmlns:xsi="{XSI}"' if self._uses_xsi else ""
         namespaces = "".join(
             f' xmlns:{prefix}="{uri}"' for prefix, uri in sorted(self._namespaces.items())
         )
-        return f' xmi:version="2.0" xmlns:xmi="{_XMI_NAMESPACE}"{xsi}{namespaces}'
+        return f' xmi:version="2.0" xmlns:xmi="{XMI}"{xsi}{namespaces}'
 
     def _identity(self, element: Any) -> str:
         """Return the attribute xmi:id of an element that has one."""
@@ -202,57 +202,57 @@ class _Writer:
             feature = slot.feature
             if not slot.many and not element.eIsSet(feature):
                 continue
-            value = element.eGet(feature)
+            held = values(element, slot)
             if slot.is_contained:
-                lines.extend(self._contained(feature, _as_list(slot, value), indent))
+                lines.extend(self._contained(slot, held, indent))
             elif slot.is_reference:
-                self._refer(feature, _as_list(slot, value), indent, attributes, lines)
+                self._refer(slot, held, indent, attributes, lines)
             elif slot.many:
-                texts = (escaped(_text(feature, entry), _TEXT_ESCAPES) for entry in value)
+                texts = (escaped(_text(slot, value), _TEXT_ESCAPES) for value in held)
                 lines.extend(f"{indent}<{slot.name}>{text}</{slot.name}>" for text in texts)
-            elif _is_written(element, feature, value):
-                text = escaped(_text(feature, value), ATTRIBUTE_ESCAPES)
-                attributes.append(f' {feature.name}="{text}"')
+            elif held and _is_written(feature, held[0]):
+                text = escaped(_text(slot, held[0]), ATTRIBUTE_ESCAPES)
+                attributes.append(f' {slot.name}="{text}"')
         return "".join(attributes), lines
 
-    def _contained(self, feature: Any, values: list[Any], indent: str) -> Iterator[str]:
-        for value in values:
-            kind = self._type(feature, value)
+    def _contained(self, slot: Slot, held: list[Any], indent: str) -> Iterator[str]:
+        for value in held:
+            kind = self._type(slot, value)
             if value in self._starts:  # the root of another file
-                yield self._reference(feature, value, kind, indent)
+                yield self._reference(slot, value, kind, indent)
                 continue
             attributes, lines = self._content(value, indent + "  ")
             head = kind + self._identity(value) + attributes
-            yield from _element(indent, feature.name, head, lines)
+            yield from _element(indent, slot.name, head, lines)
 
-    def _reference(self, feature: Any, value: Any, kind: str, indent: str) -> str:
+    def _reference(self, slot: Slot, value: Any, kind: str, indent: str) -> str:
         target = f"{self._address(value)}#{self._fragment(value)}"
         href = escaped(target, ATTRIBUTE_ESCAPES)
-        return f'{indent}<{feature.name}{kind} href="{href}"/>'
+        return f'{indent}<{slot.name}{kind} href="{href}"/>'
 
     def _refer(
         self,
-        feature: Any,
-        values: list[Any],
+        slot: Slot,
+        held: list[Any],
         indent: str,
         attributes: list[str],
         lines: list[str],
     ) -> None:
         """Refer by attribute within the file, by elements as soon as one value is outside."""
-        if not values:
+        if not held:
             return
-        if all(self._address(value) == "" for value in values):
-            fragments = " ".join(self._fragment(value) for value in values)
+        if all(self._address(value) == "" for value in held):
+            fragments = " ".join(self._fragment(value) for value in held)
             text = escaped(fragments, ATTRIBUTE_ESCAPES)
-            attributes.append(f' {feature.name}="{text}"')
+            attributes.append(f' {slot.name}="{text}"')
             return
         lines.extend(
-            self._reference(feature, value, self._type(feature, value), indent) for value in values
+            self._reference(slot, value, self._type(slot, value), indent) for value in held
         )
 
-    def _type(self, feature: Any, value: Any) -> str:
+    def _type(self, slot: Slot, value: Any) -> str:
         """Return xsi:type where the declared class does not say it."""
-        if value.eClass is reference_type(feature):
+        if value.eClass is slot.type:
             return ""
         package = value.eClass.ePackage
         self._uses_xsi = True
@@ -336,25 +336,17 @@ def _element(indent: str, name: str, attributes: str, lines: list[str]) -> Itera
     yield f"{indent}</{name}>"
 
 
-def _as_list(slot: Slot, value: Any) -> list[Any]:
-    if slot.many:
-        return list(value)
-    return [] if value is None else [value]
-
-
-def _is_written(element: Any, feature: Any, value: Any) -> bool:
-    """Return whether Eclipse would write an attribute: set, and not equal to the default."""
-    if value is None:
-        return False
+def _is_written(feature: Any, value: Any) -> bool:
+    """Return whether Eclipse would write an attribute that is set: unless it is the default."""
     if feature.unsettable:
-        return bool(element.eIsSet(feature))
+        return True
     return bool(value != feature.get_default_value()) or str(value) == "-0.0"
 
 
-def _text(feature: Any, value: Any) -> str:
-    if isinstance(feature.eType, EEnum):
+def _text(slot: Slot, value: Any) -> str:
+    if isinstance(slot.type, EEnum):
         return str(value.name)
-    if feature.eType.name == "EDouble":
+    if slot.type.name == "EDouble":
         return java_double(float(value))
     return str(value)
 
