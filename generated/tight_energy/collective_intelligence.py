@@ -10,6 +10,7 @@ from mrsfi_runtime.api import (
     goal_tasks,
     guidance,
     kernel,
+    progress_of_goals,
     randomness,
 )
 
@@ -171,20 +172,29 @@ def react_rounds(ci: State) -> None:
     # protected region rounds.react end
 
 
-CHECKS = (
-    check_clear,
-    check_within,
-    check_energy,
-    check_temperatures,
-    check_depths,
-    check_rounds,
-)
+@kernel
+def progress(view: State) -> None:
+    """Bring the progress of every goal up to the tick of a state."""
+    progress_of_goals(view)
 
-REACTIONS = (
-    react_clear,
-    react_within,
-    react_energy,
-    react_temperatures,
-    react_depths,
-    react_rounds,
-)
+
+@kernel
+def check(view: State, violated: list[int]) -> None:
+    """Write 1 for every goal that is violated in a state, else 0."""
+    violated[CLEAR] = 1 if check_clear(view) else 0
+    violated[WITHIN] = 1 if check_within(view) else 0
+    violated[ENERGY] = 1 if check_energy(view) else 0
+    violated[TEMPERATURES] = 1 if check_temperatures(view) else 0
+    violated[DEPTHS] = 1 if check_depths(view) else 0
+    violated[ROUNDS] = 1 if check_rounds(view) else 0
+
+
+@kernel
+def react(ci: State) -> None:
+    """Command the robots: the first goal in model order that claims a channel keeps it."""
+    react_clear(ci)
+    react_within(ci)
+    react_energy(ci)
+    react_temperatures(ci)
+    react_depths(ci)
+    react_rounds(ci)

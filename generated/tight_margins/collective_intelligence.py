@@ -10,6 +10,7 @@ from mrsfi_runtime.api import (
     goal_tasks,
     guidance,
     kernel,
+    progress_of_goals,
     randomness,
 )
 
@@ -200,22 +201,31 @@ def react_moor(ci: State) -> None:
     # protected region moor.react end
 
 
-CHECKS = (
-    check_clear,
-    check_within,
-    check_energy,
-    check_depths,
-    check_pressures,
-    check_buoy,
-    check_moor,
-)
+@kernel
+def progress(view: State) -> None:
+    """Bring the progress of every goal up to the tick of a state."""
+    progress_of_goals(view)
 
-REACTIONS = (
-    react_clear,
-    react_within,
-    react_energy,
-    react_depths,
-    react_pressures,
-    react_buoy,
-    react_moor,
-)
+
+@kernel
+def check(view: State, violated: list[int]) -> None:
+    """Write 1 for every goal that is violated in a state, else 0."""
+    violated[CLEAR] = 1 if check_clear(view) else 0
+    violated[WITHIN] = 1 if check_within(view) else 0
+    violated[ENERGY] = 1 if check_energy(view) else 0
+    violated[DEPTHS] = 1 if check_depths(view) else 0
+    violated[PRESSURES] = 1 if check_pressures(view) else 0
+    violated[BUOY] = 1 if check_buoy(view) else 0
+    violated[MOOR] = 1 if check_moor(view) else 0
+
+
+@kernel
+def react(ci: State) -> None:
+    """Command the robots: the first goal in model order that claims a channel keeps it."""
+    react_clear(ci)
+    react_within(ci)
+    react_energy(ci)
+    react_depths(ci)
+    react_pressures(ci)
+    react_buoy(ci)
+    react_moor(ci)

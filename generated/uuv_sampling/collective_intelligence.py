@@ -10,6 +10,7 @@ from mrsfi_runtime.api import (
     goal_tasks,
     guidance,
     kernel,
+    progress_of_goals,
     randomness,
 )
 
@@ -177,20 +178,29 @@ def react_g6(ci: State) -> None:
     # protected region g6.react end
 
 
-CHECKS = (
-    check_g1,
-    check_g2,
-    check_g3,
-    check_g4,
-    check_g5,
-    check_g6,
-)
+@kernel
+def progress(view: State) -> None:
+    """Bring the progress of every goal up to the tick of a state."""
+    progress_of_goals(view)
 
-REACTIONS = (
-    react_g1,
-    react_g2,
-    react_g3,
-    react_g4,
-    react_g5,
-    react_g6,
-)
+
+@kernel
+def check(view: State, violated: list[int]) -> None:
+    """Write 1 for every goal that is violated in a state, else 0."""
+    violated[G1] = 1 if check_g1(view) else 0
+    violated[G2] = 1 if check_g2(view) else 0
+    violated[G3] = 1 if check_g3(view) else 0
+    violated[G4] = 1 if check_g4(view) else 0
+    violated[G5] = 1 if check_g5(view) else 0
+    violated[G6] = 1 if check_g6(view) else 0
+
+
+@kernel
+def react(ci: State) -> None:
+    """Command the robots: the first goal in model order that claims a channel keeps it."""
+    react_g1(ci)
+    react_g2(ci)
+    react_g3(ci)
+    react_g4(ci)
+    react_g5(ci)
+    react_g6(ci)

@@ -55,8 +55,6 @@ class CollectiveIntelligenceVisitor(ModelVisitor):
         robots = robot_views(mission)
         return {
             "goals": goals,
-            "check_functions": tuple(f"check_{goal.name}" for goal in goals),
-            "react_functions": tuple(f"react_{goal.name}" for goal in goals),
             "constants": (
                 *(ConstantView(goal.constant, index) for index, goal in enumerate(goals)),
                 *(

@@ -8,6 +8,7 @@ from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.fixed_distance_between_robots import FixedDistanceBetweenRobots
 from mrsfi_runtime.kernel.goal_tasks.gather_samples import GatherSamples
 from mrsfi_runtime.kernel.goal_tasks.patrol import Patrol
+from mrsfi_runtime.kernel.goal_tasks.progress import progress as progress_of_goals
 from mrsfi_runtime.kernel.goal_tasks.stay import Stay
 from mrsfi_runtime.kernel.goal_tasks.stay_within_mission_area import StayWithinMissionArea
 from mrsfi_runtime.kernel.goal_tasks.sufficient_energy import SufficientEnergy
@@ -72,6 +73,7 @@ __all__ = [
     "guidance",
     "initial_state",
     "kernel",
+    "progress_of_goals",
     "randomness",
     "reports_position",
     "true_values",

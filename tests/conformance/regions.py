@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numba import from_dtype, njit
 
-from mrsfi_runtime.engine.compiled.compiling import _KERNEL, _register
+from mrsfi_runtime.engine.compiled import batch_flight
+from mrsfi_runtime.engine.compiled.compiling import register
 from mrsfi_runtime.engine.compiled.layout import state_type, write_state
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, load_module
@@ -61,8 +62,8 @@ def outcomes(folder: Path, n_states: int = 40) -> Iterator[tuple[Any, Any]]:
     the kind of error that it ends with.
     """
     module = load_module(f"region_{next(_numbers)}", folder / FILE)
-    for one in (*_KERNEL, module):
-        _register(one)
+    for one in (batch_flight, module):
+        register(one)
     plain = module.check_g1
     compiled = njit(boundscheck=True)(plain)
     rng = Random(4)

@@ -1,7 +1,7 @@
 """Whole missions that hypothesis draws fly alike, interpreted and compiled, bit for bit."""
 
 from collections import Counter
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from struct import iter_unpack
 
 import pytest
@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from m2t.generate import generate
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.fault_types import FAULT_TYPES
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.trace import CHANGING, state_bytes
 from tests.conformance.shapes import (
     TASKS,
     draw_mission,
@@ -51,10 +51,10 @@ class Watch:
         """Return where two flights part: tick, side, field and both values."""
         sides = ("true", "believed", "truly violated", "believed violated")
         names = [
-            f"{name}[{index}].{value.name}"
-            for name in CHANGING
-            for index, record in enumerate(getattr(self._state, name))
-            for value in fields(record)
+            f"{name}[{index}].{column}"
+            for name, columns in COLUMNS.items()
+            for index in range(len(getattr(self._state, name)))
+            for column in columns
         ]
         for tick, pair in enumerate(zip(self.moments, other.moments, strict=False)):
             for side, one, two in zip(sides, *pair, strict=True):

@@ -87,13 +87,14 @@ def test_an_error_in_a_region_is_an_evaluation_error_and_the_next_flight_is_whol
     code = paper_code(40)
     broken_at = [20]
 
-    def check(ci):
-        if ci.mission.tick in broken_at:
+    def check(view, violated):
+        if view.mission.tick in broken_at:
             message = "too deep"
             raise ArithmeticError(message)
-        return code.checks[0](ci)
+        code.functions.check(view, violated)
 
-    with ENGINES[name].open(replace(code, checks=(check, *code.checks[1:])), SEED) as engine:
+    broken = replace(code, functions=code.functions._replace(check=check))
+    with ENGINES[name].open(broken, SEED) as engine:
         with pytest.raises(EvaluationError, match="failed at tick 20: ArithmeticError: too deep"):
             engine.evaluate(())
         broken_at.clear()

@@ -149,9 +149,11 @@ def test_all_tasks_reach_the_mission(tmp_path):
     assert code.mission.robots[1].position == Coordinates(50.0, 1e-05)
     assert len(code.pool) == 0
     state = initial_state(code.mission, 1)
-    assert [check(state) for check in code.checks] == [False] * 9
-    for react in code.reactions:
-        react(state)
+    violated = [-1] * 9
+    code.functions.progress(state)
+    code.functions.check(state, violated)
+    code.functions.react(state)
+    assert violated == [0] * 9
 
 
 def test_values_of_every_fault_follow_its_type(models, target):

@@ -112,7 +112,7 @@ def test_violations_are_counted_once_per_goal_and_tick(specification, seed):
     outcome = ReferenceEngine(CODE, seed).evaluate(specification, observer=watch)
 
     assert len(ticks) == DURATION
-    for goal in range(len(CODE.checks)):
+    for goal in range(len(CODE.mission.goals)):
         pairs = [(true[goal], believed[goal]) for true, believed in ticks]
         assert outcome.true[goal] == sum(true for true, _ in pairs)
         assert outcome.believed[goal] == sum(believed for _, believed in pairs)

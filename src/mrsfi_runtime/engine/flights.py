@@ -9,16 +9,15 @@ from types import TracebackType
 from typing import Protocol, Self, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError
-from mrsfi_runtime.hosting.ci_host import CiHost
 from mrsfi_runtime.hosting.lockstep import Boarding, Flight, Observer
 from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.kernel.injections import Plan, plan
+from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
-from mrsfi_runtime.record.trace import state_bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,9 +109,11 @@ def evaluate(
     boarded: list[Flight] = []
 
     def board(interface: SimInterface, world: State) -> Flight:
-        ci = CiHost(code.mission, interface, code.checks, code.reactions, laid_out, engine.seed)
-        boarded.append(Flight(world, ci, code.checks, observer))
-        return boarded[0]
+        flight = Flight(
+            code.functions, code.mission, engine.seed, interface, world, laid_out, observer
+        )
+        boarded.append(flight)
+        return flight
 
     try:
         flight = fly(board)
@@ -139,17 +140,17 @@ def _place(error: Exception, directory: Path) -> str:
 
 
 def _outcome(flight: Flight, laid_out: Plan) -> Outcome:
-    violations = flight.violations
+    verdicts = flight.verdicts
     counts = (
-        violations.believed,
-        violations.true,
-        violations.phantom,
-        violations.masked,
+        verdicts.believed,
+        verdicts.true,
+        verdicts.phantom,
+        verdicts.masked,
         [goal.count for goal in flight.world.goals],
         [tally.applied for tally in laid_out.tallies],
         [tally.changed for tally in laid_out.tallies],
     )
-    return digested(counts, state_bytes(flight.world), state_bytes(flight.ci.belief))
+    return digested(counts, state_bytes(flight.world), state_bytes(flight.belief))
 
 
 def digested(counts: Sequence[Sequence[int]], world: bytes, belief: bytes) -> Outcome:

@@ -128,7 +128,7 @@ class BusLockstep:
             flight = self._flight = self._board(seed, board)
             self._progress = Progress()
             self._ledger.open()
-            flight.ci.begin(tells_all=True)  # the simulation may be somebody else's
+            flight.begin(tells_all=True)  # the simulation may be somebody else's
             self._send_go(0)
             self._progress.wait(self._overdue)
             self._ledger.close()
@@ -196,8 +196,8 @@ class BusLockstep:
         self._counted.n_sent = self._n_commands = 0
         self._counted.is_muted = False
         flight = board(self._interface, initial_state(self._mission, seed))
-        flight.world.commands = flight.ci.sent.commands  # as if they had reached it at once
-        flight.world.switches = flight.ci.sent.switches
+        flight.world.commands = flight.sent.commands  # as if they had reached it at once
+        flight.world.switches = flight.sent.switches
         return flight
 
     def _end(self) -> None:

@@ -1,80 +1,136 @@
-"""The lock-step that joins the two sides of a mission.
+"""Flights on plain objects: the kernel's tick, between an interface and a true state.
 
 References
 ----------
-Source paper, Figure 4. Its three unsynchronised threads (section V-D b) are one loop here.
+Source paper, section III-G and Figure 4.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
-from mrsfi_runtime.hosting.ci_host import CiHost
-from mrsfi_runtime.hosting.sides import Check, SimInterface, Simulation
-from mrsfi_runtime.kernel.goal_tasks.progress import progress
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.errors import ProtocolError
+from mrsfi_runtime.hosting.sides import SimInterface, Simulation
+from mrsfi_runtime.kernel.effects import Orders
+from mrsfi_runtime.kernel.flight import MissionFunctions, answer, begin, no_verdicts
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.injections import Plan
+from mrsfi_runtime.kernel.state import CommandState, State, SwitchState
+from mrsfi_runtime.model.mission import Mission
 
 Observer: TypeAlias = Callable[[State, State, Sequence[bool], Sequence[bool]], None]
 """Called at the end of every tick with the true state, the belief, and for each goal whether
 it is truly violated and whether it is believed so."""
 
 
-@dataclass(slots=True)
-class Violations:
-    """Ticks at which each goal was violated, each of shape ``(n_goals,)``."""
-
-    believed: list[int]
-    true: list[int]
-    phantom: list[int]
-    masked: list[int]
-
-
 class Flight:
-    """One run: lets the collective intelligence take its steps, and judges every tick.
+    """One run: the collective intelligence takes its steps, and every tick is judged.
 
     Attributes
     ----------
     world
         The true state, moved by others.
-    ci
-        The collective intelligence's side.
-    violations
+    belief
+        Local state of the collective intelligence.
+    sent
+        What the simulation was last told.
+    verdicts
         What was counted until now, once per goal and tick.
 
     Parameters
     ----------
-    world, ci
-        Both before their first tick.
-    checks
-        Goal predicates, run on the true state after every tick.
+    functions
+        Those of the mission.
+    mission, seed
+        The mission, and its seed.
+    interface
+        Brings the messages of the simulation, and takes commands for it.
+    world
+        The true state before the first tick.
+    plan
+        Faults of the run.
     observer
         Sees every tick; must not change what it sees.
     """
 
     def __init__(
         self,
+        functions: MissionFunctions,
+        mission: Mission,
+        seed: int,
+        interface: SimInterface,
         world: State,
-        ci: CiHost,
-        checks: Sequence[Check],
+        plan: Plan,
         observer: Observer | None = None,
     ) -> None:
-        n_goals = len(checks)
         self.world = world
-        self.ci = ci
-        self.violations = Violations([0] * n_goals, [0] * n_goals, [0] * n_goals, [0] * n_goals)
-        self._checks = tuple(checks)
+        self.belief = initial_state(mission, seed)
+        self.sent = _orders(self.belief)
+        self.verdicts = no_verdicts(len(mission.goals))
+        self._functions = functions
+        self._plan = plan
+        self._interface = interface
+        self._inbox = initial_state(mission, seed)
+        self._orders = _orders(self.belief)
         self._observer = observer
+        interface.reset()
+
+    def begin(self, *, tells_all: bool = False) -> None:
+        """Send the commands that act from the very first motion.
+
+        Parameters
+        ----------
+        tells_all
+            Whether to send all of them, to a simulation that may not know the first headings;
+            otherwise the forged ones alone.
+        """
+        begin(self.belief, self._orders, self._plan)
+        self._send(tells_all=tells_all)
 
     def step(self, tick: int) -> None:
-        """Judge a tick that the simulation has flown, and let the CI answer it."""
-        world = self.world
-        progress(world)
-        true = [bool(check(world)) for check in self._checks]
-        believed = self.ci.step(tick)
-        if any(believed) or any(true):
-            _count(self.violations, believed, true)
+        """Judge a tick that the simulation has flown, and let the CI answer it.
+
+        Raises
+        ------
+        ProtocolError
+            If a message of the simulation is missing or cannot be read.
+        """
+        try:
+            self._interface.read(self._inbox)
+        except (KeyError, TypeError, ValueError) as error:
+            message = f"the simulation's messages cannot be read: {type(error).__name__}: {error}"
+            raise ProtocolError(message) from error
+        answer(
+            self._functions,
+            self.world,
+            self.belief,
+            self._inbox,
+            self._orders,
+            self._plan,
+            self.verdicts,
+            tick,
+        )
+        self._send()
         if self._observer is not None:
-            self._observer(world, self.ci.belief, true, believed)
+            true = [*map(bool, self.verdicts.is_true)]
+            believed = [*map(bool, self.verdicts.is_believed)]
+            self._observer(self.world, self.belief, true, believed)
+
+    def _send(self, *, tells_all: bool = False) -> None:
+        """Send what differs from what was sent before, or all."""
+        orders, sent, interface = self._orders, self.sent, self._interface
+        for index, order in enumerate(orders.commands):
+            last = sent.commands[index]
+            is_turned = order.heading_x != last.heading_x or order.heading_y != last.heading_y
+            if tells_all or is_turned:
+                last.heading_x, last.heading_y = order.heading_x, order.heading_y
+                interface.set_heading[index](order.heading_x, order.heading_y)
+            if tells_all or order.speed != last.speed:
+                last.speed = order.speed
+                interface.set_speed[index](order.speed)
+        for index, switch in enumerate(orders.switches):
+            if tells_all or switch.active != sent.switches[index].active:
+                sent.switches[index].active = switch.active
+                interface.set_active[index](switch.active == 1)
 
 
 Boarding: TypeAlias = Callable[[SimInterface, State], Flight]
@@ -93,16 +149,19 @@ def fly(simulation: Simulation, flight: Flight, duration: int) -> None:
     duration
         Number of ticks.
     """
-    flight.ci.begin()
+    flight.begin()
     for tick in range(duration):
         simulation.step(tick)
         flight.step(tick)
     simulation.stop()
 
 
-def _count(counts: Violations, believed: Sequence[bool], true: Sequence[bool]) -> None:
-    for goal, (is_believed, is_true) in enumerate(zip(believed, true, strict=True)):
-        counts.believed[goal] += is_believed
-        counts.true[goal] += is_true
-        counts.phantom[goal] += is_believed and not is_true
-        counts.masked[goal] += is_true and not is_believed
+def _orders(state: State) -> Orders:
+    """Return the orders that a simulation obeys before anything was sent."""
+    return Orders(
+        [
+            CommandState(command.heading_x, command.heading_y, command.speed, 0, 0)
+            for command in state.commands
+        ],
+        [SwitchState(switch.active, 0) for switch in state.switches],
+    )

@@ -1,17 +1,11 @@
-"""What the hosts expect of generated code: a simulation, an interface, and goal functions."""
+"""What the hosts expect of generated code: a simulation and an interface."""
 
 from collections.abc import Callable
-from typing import Protocol, TypeAlias
+from typing import Protocol
 
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import Transport
-
-Check: TypeAlias = Callable[[State], bool]
-"""Tells whether a goal is violated in a state."""
-
-Reaction: TypeAlias = Callable[[State], None]
-"""Commands the robots towards a goal."""
 
 
 class Simulation(Protocol):

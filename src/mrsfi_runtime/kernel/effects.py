@@ -187,7 +187,7 @@ def misplace(ci: State, injection: InjectionState) -> bool:
 
 
 @kernel
-def issue(ci: State, orders: Orders, plan: Plan, tick: int) -> None:
+def issue(ci: State, orders: Orders | State, plan: Plan, tick: int) -> None:
     """Write the commands that the simulation obeys at a tick: the CI's, or forged ones.
 
     Parameters
@@ -220,7 +220,9 @@ def issue(ci: State, orders: Orders, plan: Plan, tick: int) -> None:
 
 
 @kernel
-def forge(ci: State, orders: Orders, plan: Plan, injection: InjectionState, tick: int) -> None:
+def forge(
+    ci: State, orders: Orders | State, plan: Plan, injection: InjectionState, tick: int
+) -> None:
     """Replace one command by the forged one of an active fault."""
     target = injection.target
     if injection.affected == ACTIVATION:

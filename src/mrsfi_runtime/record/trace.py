@@ -2,26 +2,12 @@
 
 import csv
 import hashlib
-import struct
 from collections.abc import Sequence
-from dataclasses import fields
 from typing import TextIO
 
+from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Mission
-
-CHANGING = ("robots", "sensors", "obstacles", "goals", "members", "commands", "switches")
-"""The lists of a state whose records change in a flight, in the order of a digest."""
-
-
-def state_bytes(state: State) -> bytes:
-    """Return all that changes in a state as bytes: IEEE-754 doubles, −0 as 0."""
-    packed = []
-    for name in CHANGING:
-        for record in getattr(state, name):
-            values = [float(getattr(record, field.name)) + 0.0 for field in fields(record)]
-            packed.append(struct.pack(f"<{len(values)}d", *values))
-    return b"".join(packed)
 
 
 class TraceDigest:

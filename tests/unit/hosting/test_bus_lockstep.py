@@ -292,10 +292,11 @@ def test_a_lost_connection_ends_the_run_at_its_tick():
 
 
 def test_an_error_in_a_region_ends_its_run_only():
-    def check(ci):
-        return 1 // (30 - ci.mission.tick) > 9
+    def check(view, violated):
+        CODE.functions.check(view, violated)
+        violated[0] = 1 // (30 - view.mission.tick) > 9
 
-    broken = replace(CODE, checks=(check, *CODE.checks[1:]))
+    broken = replace(CODE, functions=CODE.functions._replace(check=check))
     with sides(CODE) as (simulation, lockstep, _):
         with pytest.raises(EvaluationError, match="failed at tick 30: ZeroDivisionError"):
             BusEngine(broken, 1, lockstep).evaluate(())

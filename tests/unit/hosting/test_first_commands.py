@@ -4,7 +4,7 @@ from functools import partial
 
 import pytest
 
-from mrsfi_runtime.hosting.ci_host import CiHost
+from mrsfi_runtime.hosting.lockstep import Flight
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.transport.local_bus import LocalBus
@@ -21,7 +21,7 @@ def heard():
 
 
 @pytest.fixture
-def host(heard):
+def flight(heard):
     bus = LocalBus()
     for robot in CODE.mission.robots:
         switches = [(f"{sensor.id}/command/active", "std_msgs/Bool") for sensor in robot.sensors]
@@ -30,17 +30,18 @@ def host(heard):
             bus.subscribe(Topic(name, kind), partial(heard.__setitem__, name))
     laid_out = plan(CODE.mission, CODE.pool, ())
     interface = CODE.interface(bus)
-    return CiHost(CODE.mission, interface, CODE.checks, CODE.reactions, laid_out, SEED)
+    world = initial_state(CODE.mission, SEED)
+    return Flight(CODE.functions, CODE.mission, SEED, interface, world, laid_out)
 
 
-def test_its_own_simulation_knows_how_a_mission_begins(host, heard):
-    host.begin()
+def test_its_own_simulation_knows_how_a_mission_begins(flight, heard):
+    flight.begin()
 
     assert heard == {}
 
 
-def test_a_simulation_of_others_is_told_every_command(host, heard):
-    host.begin(tells_all=True)
+def test_a_simulation_of_others_is_told_every_command(flight, heard):
+    flight.begin(tells_all=True)
 
     start = initial_state(CODE.mission, SEED)
     expected = {}

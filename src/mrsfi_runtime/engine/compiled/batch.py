@@ -1,6 +1,7 @@
 """Fault specifications laid out side by side for the compiled flight, and what it leaves."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,8 @@ import numpy as np
 from mrsfi_runtime.engine.compiled.layout import (
     Records,
     Room,
+    packed,
+    read_words,
     record_type,
 )
 from mrsfi_runtime.engine.flights import digested
@@ -34,7 +37,13 @@ class Batch:
         What a compiled plan must have room for.
     """
 
-    def __init__(self, plans: Sequence[PlanRows], result_type: np.dtype[Any]) -> None:
+    def __init__(
+        self,
+        plans: Sequence[PlanRows],
+        result_type: np.dtype[Any],
+        recorded_type: np.dtype[Any],
+    ) -> None:
+        self._recorded_type = recorded_type
         rows: list[InjectionRow] = []
         ends = []
         n_tallies = 0
@@ -58,7 +67,17 @@ class Batch:
         """Return what the flight of one specification found."""
         result = self.results[k]
         tallies = self.tallies[self.ends[k, 4] : self.ends[k, 5]]
-        names = ("believed", "true", "phantom", "masked", "samples")
-        counts = [result[name].tolist() for name in names]
+        counts = [result[name].tolist() for name in ("believed", "true", "phantom", "masked")]
+        counts += [self._worlds[k]["goals"]["count"].tolist()]
         counts += [tallies["applied"].tolist(), tallies["changed"].tolist()]
-        return digested(counts, result["world"].tobytes(), result["belief"].tobytes())
+        return digested(counts, *(values[k].tobytes() for values in self._packed))
+
+    @cached_property
+    def _worlds(self) -> Records:
+        return read_words(self.results["world"], self._recorded_type)
+
+    @cached_property
+    def _packed(self) -> tuple[Records, Records]:
+        """The last truth and belief of every specification; all flights are over."""
+        beliefs = read_words(self.results["belief"], self._recorded_type)
+        return packed(self._worlds), packed(beliefs)

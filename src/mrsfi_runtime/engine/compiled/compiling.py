@@ -1,22 +1,18 @@
 """Makes the kernel and the regions of a mission known to numba, and compiles its flight."""
 
 import sys
-from collections.abc import Sequence
 from types import FunctionType, ModuleType
 from typing import Any
 
 import numba
 from numba.extending import register_jitable
 
+from mrsfi_runtime.engine.compiled import batch_flight
+from mrsfi_runtime.engine.compiled.batch_flight import Arrays
 from mrsfi_runtime.engine.compiled.driver import driver_text, load_driver, source_hash
 from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
 from mrsfi_runtime.engine.compiled.regions import CompilationError, explain
-from mrsfi_runtime.kernel import delivery, effects, motion, tick
-from mrsfi_runtime.kernel.goal_tasks import progress
 from mrsfi_runtime.mission import MissionCode
-
-_KERNEL = (delivery, effects, motion, progress, tick)
-"""Modules that the flight calls; what they call is reached from them."""
 
 _typeof: Any = numba.typeof
 _REGISTERED: set[FunctionType] = set()
@@ -37,55 +33,56 @@ class CompiledFlight:
         self._code = code
         self._state_type = state_type
         _require_one_file(code)
-        collective = sys.modules[code.checks[0].__module__]
-        for module in (*_KERNEL, collective):
-            _register(module)
-        text = driver_text(code, collective.__name__)
-        read = [path.read_text(encoding="utf-8") for path in sources(collective)]
-        parts = [text, repr(state_type), *read, *constants(collective)]
-        module = load_driver(source_hash(parts), text)
+        collective = sys.modules[code.functions.check.__module__]
+        parts = [repr(state_type)]
+        for module in (batch_flight, collective):
+            register(module)
+            parts += [path.read_text(encoding="utf-8") for path in sources(module)]
+            parts += constants(module)
+        text = driver_text(collective.__name__)
+        module = load_driver(source_hash([text, *parts]), text)
         self._fly_many = module.fly_many
         self._compiled: set[Any] = set()
 
-    def __call__(self, *arguments: Any) -> None:
-        """Fly; see the driver for the arguments.
+    def __call__(self, arrays: Arrays, first: int, last: int) -> None:
+        """Fly the specifications ``first … last - 1``.
 
         Raises
         ------
         CompilationError
             If a region cannot be compiled.
         """
-        self._compile(arguments)
-        self._fly_many(*arguments)
+        self._compile(arrays)
+        self._fly_many(arrays, first, last)
 
-    def _compile(self, arguments: Sequence[Any]) -> None:
+    def _compile(self, arrays: Arrays) -> None:
         """Compile before the call, so that an error of the compiler is none of the flight."""
-        shapes = tuple(getattr(argument, "dtype", None) for argument in arguments)
+        shapes = tuple(array.dtype for array in arrays)
         if shapes in self._compiled:
             return
         try:
-            self._fly_many.compile(tuple(_typeof(argument) for argument in arguments))
+            self._fly_many.compile((_typeof(arrays), _typeof(0), _typeof(0)))
         except Exception as error:
             raise explain(self._code, self._state_type, error) from error
         self._compiled.add(shapes)
 
 
 def _require_one_file(code: MissionCode) -> None:
-    """Refuse goal functions that the flight could not call by name.
+    """Refuse functions that the flight could not call by name.
 
     Where the file was loaded again since, its module is another, of the same content.
     """
-    names = code.checks[0].__globals__
-    for function in (*code.checks, *code.reactions):
-        if names.get(function.__name__) is not function:
+    names = code.functions.check.__globals__
+    for name, function in code.functions._asdict().items():
+        if names.get(name) is not function:
             message = (
-                f"{code.directory}: '{function.__name__}' is no function of {names['__name__']}; "
-                "expected the goal functions of one generated file"
+                f"{code.directory}: '{name}' is no function of {names['__name__']}; "
+                "expected the functions of one generated file"
             )
             raise CompilationError(message)
 
 
-def _register(module: ModuleType) -> None:
+def register(module: ModuleType) -> None:
     """Let compiled code call what it reaches from a module; the functions stay as they are."""
     for function in kernel_functions(module):
         if function not in _REGISTERED:

@@ -13,12 +13,15 @@ from typing import Self
 import numpy as np
 
 from mrsfi_runtime.engine.compiled.batch import Batch
+from mrsfi_runtime.engine.compiled.batch_flight import Arrays
 from mrsfi_runtime.engine.compiled.compiling import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import (
     Records,
     moment_type,
     plan_type,
-    read_values,
+    read_recorded,
+    read_words,
+    recorded_type,
     result_type,
     state_type,
     tables,
@@ -75,6 +78,7 @@ class CompiledEngine:
             write_state(row, state)
         self._moment_type = moment_type(state)
         self._result_type = result_type(state)
+        self._recorded_type = recorded_type(state)
         self._reference = ReferenceEngine(code, seed)
         self._is_checked = False
         self._n_threads = n_threads
@@ -161,7 +165,7 @@ class CompiledEngine:
         for specification in specifications:
             require_no_overlap(mission, pool, specification)
         plans = [plan_rows(mission, pool, specification) for specification in specifications]
-        return Batch(plans, self._result_type)
+        return Batch(plans, self._result_type, self._recorded_type)
 
     def _fly(
         self, batch: Batch, first: int, last: int, moments: Records | None = None
@@ -172,26 +176,25 @@ class CompiledEngine:
         """
         failed = []
         everyone = list(range(first, last))
-        at = np.zeros(2, np.int64)
+        at = np.zeros(1, np.int64)
         states = self._fresh.copy()
         plans = np.zeros(1, plan_type(batch.room))
         moments = np.zeros(0, self._moment_type) if moments is None else moments
+        arrays = Arrays(
+            words(self._fresh),
+            words(states),
+            states,
+            plans,
+            batch.injections,
+            batch.tallies,
+            batch.ends,
+            batch.results,
+            moments,
+            at,
+        )
         while first < last:
             try:
-                self._fly_many(
-                    first,
-                    last,
-                    words(self._fresh),
-                    words(states),
-                    states,
-                    plans,
-                    batch.injections,
-                    batch.tallies,
-                    batch.ends,
-                    batch.results,
-                    moments,
-                    at,
-                )
+                self._fly_many(arrays, first, last)
             except (ArithmeticError, LookupError, ValueError):
                 failed.append(int(at[0]))
                 first = int(at[0]) + 1
@@ -203,9 +206,11 @@ class CompiledEngine:
         """Let an observer see recorded ticks."""
         world = initial_state(self.code.mission, self.seed)
         belief = initial_state(self.code.mission, self.seed)
+        worlds = read_words(moments["world"], self._recorded_type)
+        beliefs = read_words(moments["belief"], self._recorded_type)
         for tick, moment in enumerate(moments):
             world.mission.tick = belief.mission.tick = tick
-            read_values(world, moment["world"])
-            read_values(belief, moment["belief"])
+            read_recorded(world, worlds[tick])
+            read_recorded(belief, beliefs[tick])
             true, believed = moment["is_true"].tolist(), moment["is_believed"].tolist()
             observer(world, belief, [*map(bool, true)], [*map(bool, believed)])

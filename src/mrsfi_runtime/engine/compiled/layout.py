@@ -5,16 +5,17 @@ the same attributes, indices and loops as the plain objects.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass
 from functools import lru_cache
 from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 
+from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, PlanRows
+from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.record.trace import CHANGING
 
 Records: TypeAlias = npt.NDArray[Any]
 """A structured array."""
@@ -61,9 +62,16 @@ def record_type(record: type) -> np.dtype[Any]:
 
 
 def state_type(state: State) -> np.dtype[Any]:
-    """Return the layout of a state; lengths of lists are part of it, and what changes is first."""
+    """Return the layout of a state: what is recorded, what else changes, tables."""
     hints = get_type_hints(State)
-    names = sorted(hints, key=lambda name: name in TABLES)
+    names = sorted(hints, key=lambda name: (name in TABLES, name not in COLUMNS))
+    return np.dtype([_member(name, hints[name], state) for name in names])
+
+
+def recorded_type(state: State) -> np.dtype[Any]:
+    """Return the layout of what is recorded of a state: its beginning, as far as it changes."""
+    hints = get_type_hints(State)
+    names = [name for name in hints if name in COLUMNS]
     return np.dtype([_member(name, hints[name], state) for name in names])
 
 
@@ -118,35 +126,46 @@ def plan_type(room: Room) -> np.dtype[Any]:
 
 
 def moment_type(state: State) -> np.dtype[Any]:
-    """Return the layout of what an observer sees of a tick."""
-    n_values = sum(
-        len(getattr(state, name)) * len(fields(get_args(get_type_hints(State)[name])[0]))
-        for name in CHANGING
-    )
-    n_goals = len(state.goals)
+    """Return the layout of a tick: states as words of ``recorded_type``, and verdicts."""
+    words = (recorded_type(state).itemsize // 8,)
+    goals = (len(state.goals),)
     return np.dtype(
         [
-            ("world", "<f8", (n_values,)),
-            ("belief", "<f8", (n_values,)),
-            ("is_true", "<i8", (n_goals,)),
-            ("is_believed", "<i8", (n_goals,)),
+            ("world", "<i8", words),
+            ("belief", "<i8", words),
+            ("is_true", "<i8", goals),
+            ("is_believed", "<i8", goals),
         ]
     )
 
 
 def result_type(state: State) -> np.dtype[Any]:
-    """Return the layout of what is left of a flight: the last moment, and counts per goal."""
+    """Return the layout of what is left of a flight: the last moment, and the other verdicts."""
     moment = moment_type(state)
-    counts = ("believed", "true", "phantom", "masked", "samples")
-    shape = (len(state.goals),)
-    return np.dtype([*moment.descr, *((name, "<i8", shape) for name in counts)])
+    counts = [name for name in get_type_hints(Verdicts) if name not in (moment.names or ())]
+    goals = (len(state.goals),)
+    return np.dtype([*moment.descr, *((name, "<i8", goals) for name in counts)])
 
 
-def read_values(state: State, values: npt.NDArray[np.float64]) -> None:
-    """Bring a state up to what was packed of it."""
-    numbers = iter(values.tolist())
-    for name in CHANGING:
-        for record in getattr(state, name):
-            for field in fields(record):
-                number = next(numbers)
-                setattr(record, field.name, number if field.type is float else int(number))
+def read_words(values: Records, kind: np.dtype[Any]) -> Records:
+    """Return states of ``recorded_type`` that were copied as words, shape ``(n, n_words)``."""
+    return np.ascontiguousarray(values).view(kind).reshape(len(values))
+
+
+def packed(recorded: Records) -> npt.NDArray[np.float64]:
+    """Return what ``kernel.packing.state_bytes`` packs of recorded states, a row each."""
+    parts = [
+        np.stack([recorded[name][column].astype(np.float64) for column in columns], axis=-1)
+        for name, columns in COLUMNS.items()
+    ]
+    n = len(recorded)
+    return np.concatenate([part.reshape(n, -1) for part in parts], axis=1) + 0.0
+
+
+def read_recorded(state: State, recorded: Any) -> None:
+    """Bring a state up to what was recorded of one."""
+    for name in COLUMNS:
+        columns = recorded[name].dtype.names
+        for record, values in zip(getattr(state, name), recorded[name].tolist(), strict=True):
+            for column, value in zip(columns, values, strict=True):
+                setattr(record, column, value)

@@ -4,7 +4,7 @@ import inspect
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -15,12 +15,12 @@ _FROZEN = (bool, int, float, complex, str, bytes, tuple, np.ndarray, np.generic)
 def kernel_functions(module: ModuleType) -> list[FunctionType]:
     """Return the kernel functions of a module, and all that they call in whatever file."""
     found: dict[FunctionType, None] = {}
-    waiting = [value for value in vars(module).values() if _is_kernel(value)]
+    waiting = [value for value in vars(module).values() if is_kernel(value)]
     while waiting:
         function = waiting.pop()
         if function not in found:
             found[function] = None
-            waiting += [value for _, value in _globals(function) if _is_kernel(value)]
+            waiting += [value for _, value in _globals(function) if is_kernel(value)]
     return list(found)
 
 
@@ -42,7 +42,8 @@ def constants(module: ModuleType) -> list[str]:
     )
 
 
-def _is_kernel(value: object) -> bool:
+def is_kernel(value: object) -> TypeGuard[FunctionType]:
+    """Return whether a value is a function of the kernel, or marked as one."""
     return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))
 
 

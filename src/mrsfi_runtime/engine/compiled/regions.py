@@ -4,10 +4,12 @@ import inspect
 import re
 from collections.abc import Callable
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numba
 
+from mrsfi_runtime.engine.compiled.reach import is_kernel
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.mission import MissionCode
 
@@ -39,12 +41,22 @@ def explain(code: MissionCode, state_type: Any, error: Exception) -> Compilation
     error
         What numba said of the whole.
     """
-    for function in (*code.checks, *code.reactions):
+    for function in _goal_functions(code):
         try:
             numba.njit(boundscheck=True)(function).compile((numba.from_dtype(state_type),))
         except Exception as own:  # noqa: BLE001 - numba raises errors of any kind
             return CompilationError(f"{_where(function, str(own))} cannot be compiled: {_why(own)}")
     return CompilationError(f"{code.directory}: cannot be compiled: {_why(error)}")
+
+
+def _goal_functions(code: MissionCode) -> list[FunctionType]:
+    """Return the kernel functions of the generated file that the mission's functions call."""
+    found: dict[FunctionType, None] = {}
+    for function in code.functions:
+        names = function.__globals__
+        called = [names.get(name) for name in function.__code__.co_names]
+        found |= dict.fromkeys(one for one in called if is_kernel(one))
+    return list(found)
 
 
 def _where(function: Callable[..., Any], text: str) -> str:

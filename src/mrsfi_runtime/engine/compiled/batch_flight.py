@@ -1,0 +1,117 @@
+"""The flights of a batch, one after the other, as the compiled engine runs them.
+
+Functions here run compiled only; what they take as arguments are arrays of records and rows of
+them. The functions of a mission come from its stub (``driver``).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from mrsfi_runtime.engine.compiled.layout import NEVER, Records
+from mrsfi_runtime.kernel import flight
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.flight import MissionFunctions
+
+
+class Arrays(NamedTuple):
+    """What some flights read and write.
+
+    Attributes
+    ----------
+    fresh, words
+        What changes in the states, as words: before the first tick, and of ``states`` itself.
+    states
+        Truth, belief and inbox.
+    plans
+        Room for one plan.
+    injections, tallies, ends
+        Those of all specifications, and where each one's are; see ``Batch``.
+    results
+        A record a specification: verdicts, and the words of the last truth and belief.
+    moments
+        A record a tick, of those that are to be kept.
+    at
+        Receives the number of the specification that flies.
+    """
+
+    fresh: npt.NDArray[np.int64]
+    words: npt.NDArray[np.int64]
+    states: Records
+    plans: Records
+    injections: Records
+    tallies: Records
+    ends: npt.NDArray[np.int64]
+    results: Records
+    moments: Records
+    at: npt.NDArray[np.int64]
+
+
+@kernel
+def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int) -> None:
+    """Fly the specifications ``first … last - 1`` of a batch."""
+    states = arrays.states
+    world = states[0]
+    belief = states[1]
+    inbox = states[2]
+    plan = arrays.plans[0]
+    moments = arrays.moments
+    for k in range(first, last):
+        arrays.at[0] = k
+        restore(arrays.fresh, arrays.words)
+        board(plan, arrays, k)
+        result = arrays.results[k]
+        flight.begin(belief, world, plan)
+        for tick in range(world.mission.duration):
+            flight.tick_alone(functions, world, belief, inbox, plan, result, tick)
+            if tick < len(moments):
+                keep(moments[tick], arrays.words, result)
+        keep(result, arrays.words, result)
+        leave(plan, arrays, k)
+
+
+@kernel
+def restore(fresh: Any, words: Any) -> None:
+    """Set states back to before the first tick."""
+    for side in range(len(fresh)):
+        for word in range(len(fresh[side])):
+            words[side, word] = fresh[side, word]
+
+
+@kernel
+def board(plan: Any, arrays: Arrays, k: int) -> None:
+    """Bring the injections of a specification into the plan, and its tallies."""
+    ends = arrays.ends
+    load(plan.messages, arrays.injections, ends[k, 0], ends[k, 1])
+    load(plan.reports, arrays.injections, ends[k, 1], ends[k, 2])
+    load(plan.commands, arrays.injections, ends[k, 2], ends[k, 3])
+    for n in range(ends[k, 4], ends[k, 5]):
+        plan.tallies[n - ends[k, 4]] = arrays.tallies[n]
+
+
+@kernel
+def load(room: Any, injections: Any, first: int, last: int) -> None:
+    """Copy injections into a list of the plan, with a sentinel behind the last."""
+    for n in range(first, last):
+        room[n - first] = injections[n]
+    room[last - first].start = NEVER
+
+
+@kernel
+def leave(plan: Any, arrays: Arrays, k: int) -> None:
+    """Bring the tallies of a specification back."""
+    first = arrays.ends[k, 4]
+    for n in range(first, arrays.ends[k, 5]):
+        arrays.tallies[n] = plan.tallies[n - first]
+
+
+@kernel
+def keep(moment: Any, words: Any, verdicts: Any) -> None:
+    """Write down what is recorded of truth and belief, and which goals are violated."""
+    for word in range(len(moment.world)):
+        moment.world[word] = words[0, word]
+        moment.belief[word] = words[1, word]
+    for goal in range(len(verdicts.is_true)):
+        moment.is_true[goal] = verdicts.is_true[goal]
+        moment.is_believed[goal] = verdicts.is_believed[goal]

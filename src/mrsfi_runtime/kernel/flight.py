@@ -1,0 +1,165 @@
+"""The tick of a flight, written once for every engine: all that happens, in its order.
+
+A flight begins with forged commands; then every tick moves the robots, sends their messages,
+and has the collective intelligence answer them. Over a bus, the simulation behind it moves and
+sends; the answer is the same.
+
+References
+----------
+Source paper, Figure 4. Its three unsynchronised threads (section V-D b) are one loop here.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from mrsfi_runtime.kernel.commands import release
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.delivery import deliver, send
+from mrsfi_runtime.kernel.effects import Orders, falsify, issue
+from mrsfi_runtime.kernel.injections import Plan
+from mrsfi_runtime.kernel.motion import advance
+from mrsfi_runtime.kernel.state import State
+
+
+class MissionFunctions(NamedTuple):
+    """What the generated code of a mission brings to its flights, all goals in model order.
+
+    Attributes
+    ----------
+    progress
+        Brings the progress of the goals up to the tick of a state.
+    check
+        Writes 1 for every goal that is violated in a state, else 0.
+    react
+        Lets every goal command its members; the first that claims a channel keeps it.
+    """
+
+    progress: Callable[[State], None]
+    check: Callable[[State, list[int]], None]
+    react: Callable[[State], None]
+
+
+@dataclass(slots=True)
+class Verdicts:
+    """Which goals are violated at the present tick (0 or 1), and at how many ticks so far.
+
+    Each list has an entry for each goal. ``phantom`` violations were believed and not true,
+    ``masked`` ones true and not believed.
+    """
+
+    is_true: list[int]
+    is_believed: list[int]
+    believed: list[int]
+    true: list[int]
+    phantom: list[int]
+    masked: list[int]
+
+
+def no_verdicts(n_goals: int) -> Verdicts:
+    """Return verdicts before the first tick."""
+    return Verdicts(*([0] * n_goals for _ in range(6)))
+
+
+@kernel
+def begin(ci: State, orders: Orders | State, plan: Plan) -> None:
+    """Forge the commands that act from the very first motion."""
+    issue(ci, orders, plan, 0)
+
+
+@kernel
+def tick_alone(
+    functions: MissionFunctions,
+    world: State,
+    ci: State,
+    inbox: State,
+    plan: Plan,
+    verdicts: Verdicts,
+    tick: int,
+) -> None:
+    """Fly a tick without a bus: messages and commands arrive as soon as they are sent.
+
+    Parameters
+    ----------
+    functions
+        Those of the mission.
+    world
+        True state, after the tick before; its commands are obeyed.
+    ci
+        Local state of the collective intelligence.
+    inbox
+        The newest message of every topic.
+    plan
+        Faults of this run.
+    verdicts
+        Receives what is violated, and counts it.
+    tick
+        The tick.
+    """
+    move(world, tick)
+    send(world, inbox)
+    answer(functions, world, ci, inbox, world, plan, verdicts, tick)
+
+
+@kernel
+def move(world: State, tick: int) -> None:
+    """Move the true state to a tick."""
+    world.mission.tick = tick
+    advance(world)
+
+
+@kernel
+def answer(
+    functions: MissionFunctions,
+    world: State,
+    ci: State,
+    inbox: State,
+    orders: Orders | State,
+    plan: Plan,
+    verdicts: Verdicts,
+    tick: int,
+) -> None:
+    """Do all of a tick that follows when its messages have arrived; as ``tick_alone``.
+
+    ``orders`` receives the commands for the motion of the tick after.
+    """
+    judge(functions, world, verdicts.is_true)
+    perceive(ci, inbox, plan, tick)
+    judge(functions, ci, verdicts.is_believed)
+    functions.react(ci)
+    issue(ci, orders, plan, tick + 1)
+    count(verdicts)
+
+
+@kernel
+def perceive(ci: State, inbox: State, plan: Plan, tick: int) -> None:
+    """Turn the messages of a tick into belief: delivery, then faults; all channels are free.
+
+    References
+    ----------
+    Source paper, Figure 4: ``updateSystemState`` and ``executeFaults``.
+    """
+    ci.mission.tick = tick
+    deliver(ci, inbox, plan)
+    falsify(ci, inbox, plan)
+    release(ci)
+
+
+@kernel
+def judge(functions: MissionFunctions, view: State, violated: list[int]) -> None:
+    """Say which goals are violated in a state, after their progress."""
+    functions.progress(view)
+    functions.check(view, violated)
+
+
+@kernel
+def count(verdicts: Verdicts) -> None:
+    """Count the violations of a tick, once per goal."""
+    for goal in range(len(verdicts.is_true)):
+        true = verdicts.is_true[goal]
+        believed = verdicts.is_believed[goal]
+        if true or believed:
+            verdicts.true[goal] += true
+            verdicts.believed[goal] += believed
+            verdicts.phantom[goal] += believed and not true
+            verdicts.masked[goal] += true and not believed

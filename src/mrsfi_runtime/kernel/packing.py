@@ -1,0 +1,76 @@
+"""What changes in a state, as named columns: the order of a digest, and of a recorded moment."""
+
+import struct
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from mrsfi_runtime.kernel.state import State
+
+COLUMNS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "robots": (
+            "x",
+            "y",
+            "z",
+            "speed",
+            "energy",
+            "nominal_speed",
+            "energy_per_distance",
+            "first_sensor",
+            "n_sensors",
+            "gps",
+        ),
+        "sensors": (
+            "robot",
+            "count",
+            "active",
+            "rate",
+            "cost",
+            "nominal_rate",
+            "nominal_cost",
+            "first_chance",
+            "n_chances",
+        ),
+        "obstacles": ("x", "y", "radius", "model_x", "model_y"),
+        "goals": (
+            "task",
+            "x",
+            "y",
+            "radius",
+            "first_member",
+            "n_members",
+            "first_hazard",
+            "n_hazards",
+            "first_waypoint",
+            "n_waypoints",
+            "sensor",
+            "target",
+            "tolerance",
+            "distance",
+            "period",
+            "deadline",
+            "count",
+            "seen",
+            "sampled_x",
+            "sampled_y",
+        ),
+        "members": ("robot", "since", "reached", "waypoint"),
+        "commands": ("heading_x", "heading_y", "speed", "heading_claimed", "speed_claimed"),
+        "switches": ("active", "claimed"),
+    }
+)
+"""Columns of the lists of a state whose records change in a flight, list after list."""
+
+
+def state_bytes(state: State) -> bytes:
+    """Return all that changes in a state as bytes: IEEE-754 doubles, record after record, −0 as 0.
+
+    Compiled flights are packed alike (``engine.compiled.layout.packed``).
+    """
+    values = [
+        float(getattr(record, column)) + 0.0
+        for name, columns in COLUMNS.items()
+        for record in getattr(state, name)
+        for column in columns
+    ]
+    return struct.pack(f"<{len(values)}d", *values)
