@@ -24,8 +24,9 @@ from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
-from mrsfi_runtime.search.settings import CampaignSettings
 
 MISSION = "uuv_sampling"
 CASES = ("a", "b")
@@ -62,7 +63,7 @@ def search(case: str, n_workers: int) -> dict[str, float]:
     code = load_code(directory)
     with (
         tempfile.TemporaryDirectory() as name,
-        CampaignStore.create(Path(name) / "run", settings.as_json(), {}) as store,
+        CampaignStore.create(Path(name) / "run", settings, Manifest()) as store,
         WorkerPool(
             directory, settings.mission_seed, n_workers, EngineSettings(COMPILED)
         ) as workers,

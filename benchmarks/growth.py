@@ -26,8 +26,9 @@ from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 
@@ -115,7 +116,7 @@ def of_population(n_individuals: int) -> float:
         def searched() -> None:
             with (
                 tempfile.TemporaryDirectory() as name,
-                CampaignStore.create(Path(name) / "run", settings.as_json(), {}) as store,
+                CampaignStore.create(Path(name) / "run", settings, Manifest()) as store,
             ):
                 run_campaign(settings, code.mission, code.pool, engine.evaluate_many, store)
 

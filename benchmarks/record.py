@@ -20,8 +20,9 @@ from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
-from mrsfi_runtime.search.settings import CampaignSettings
 
 MISSION = Path("generated") / "uuv_sampling"
 AIM = 1.0
@@ -34,7 +35,7 @@ def write(folder: Path, n_evaluations: int) -> float:
     settings = CampaignSettings(algorithm="random", evaluations=n_evaluations, population=100)
     code = load_code(MISSION)
     with (
-        CampaignStore.create(folder, settings.as_json(), {}) as store,
+        CampaignStore.create(folder, settings, Manifest()) as store,
         WorkerPool(MISSION, settings.mission_seed, 1, EngineSettings(COMPILED)) as pool,
     ):
         start = time.perf_counter()

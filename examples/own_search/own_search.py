@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from random import Random
 
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Findings, Score
 from mrsfi_runtime.search.loop import GenerationSummary
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 

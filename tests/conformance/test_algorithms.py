@@ -11,9 +11,9 @@ from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.campaign import run_campaign
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.interrupted import MISSION, SEARCH, digest, evaluations, killed_after, workspace
 
@@ -41,7 +41,7 @@ def search(campaign: Path) -> int:
     code = load_code(campaign / "generated")
     with CampaignStore.open(campaign) as store:
         n_before = store.n_evaluations
-        settings = CampaignSettings.from_json(store.settings)
+        settings = store.settings
         engine = ReferenceEngine(code, settings.mission_seed)
         run_campaign(
             settings,
@@ -63,7 +63,7 @@ def whole(place: Path, request: pytest.FixtureRequest) -> Path:
 
 def algorithm_of(campaign: Path) -> str:
     with CampaignStore.open(campaign) as store:
-        return str(store.settings["algorithm"])
+        return store.settings.algorithm
 
 
 def test_it_flies_as_many_specifications_as_it_may(whole: Path) -> None:

@@ -107,7 +107,7 @@ def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_ho
         digests.append(found["digest"])
     replayed = bus_json("replay", "runs/local", "--best", *ROSBRIDGE, cwd=quick)
     with CampaignStore.open(quick / "runs" / "bus") as store:
-        recorded = store.manifest
+        recorded = store.manifest.as_json()
 
     assert digests[0] == digests[1]
     assert replayed["is_same"]
@@ -120,7 +120,7 @@ def test_a_campaign_with_bundles_finds_the_same_and_records_how(quick):
     words = (*TINY, *ROSBRIDGE, "--bundle", "--out", "runs/bundles")
     found = bus_json("evolve", QUICK, *words, cwd=quick)
     with CampaignStore.open(quick / "runs" / "bundles") as store:
-        recorded = store.manifest
+        recorded = store.manifest.as_json()
 
     assert found["digest"] == local["digest"]
     assert recorded["bus"] == {"url": None, "client": "asyncio", "side": "both", "bundle": True}

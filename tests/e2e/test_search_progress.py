@@ -3,8 +3,8 @@ from collections.abc import Iterator
 import pytest
 
 from mrsfi_runtime.cli.progress import PlainLines, share_done
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import Progress
-from mrsfi_runtime.search.settings import CampaignSettings
 
 
 def state(generation: int, n_evaluations: int = 0, n_failures: int = 0) -> Progress:

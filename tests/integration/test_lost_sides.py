@@ -12,7 +12,7 @@ import pytest
 from mrsfi_runtime.cli.missions import find_mission
 from mrsfi_runtime.cli.resume import begun
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.record.settings import CampaignSettings
 from tests.integration.network import (
     Witness,
     bridge,

@@ -16,7 +16,7 @@ from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.lock import only_writer
-from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.cli import mrsfi
 from tests.support.interrupted import (
     MISSION,

@@ -11,6 +11,8 @@ from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFau
 from mrsfi_runtime.model.mission import Area, Coordinates, Goal, Mission, Obstacle, Robot, Sensor
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 
 STARTS = {"LEN": (250.0, -250.0), "JEN": (-250.0, 250.0), "KAL": (250.0, 250.0)}
 OBSTACLES = (
@@ -24,7 +26,7 @@ OBSTACLES = (
     (-500, 500, 15),
 )
 
-SETTINGS = {"fitness": "weighted", "seed": 7, "rates": {"crossover": 0.7}}
+SETTINGS = CampaignSettings(seed=7)
 
 
 def area(identifier: str, x: float, y: float, radius: float) -> Area:
@@ -193,12 +195,12 @@ def write_campaign(
     *,
     n_generations: int = 12,
     n_individuals: int = 10,
-    settings: dict[str, object] | None = None,
+    settings: CampaignSettings | None = None,
     seed: int = 1,
 ) -> Path:
     """Write a synthetic campaign and return its folder."""
-    chosen = {"fitness": "weighted", "goals": [], "seed": seed} if settings is None else settings
-    with CampaignStore.create(folder, chosen, {"version": "0.1.0"}) as store:
+    chosen = CampaignSettings(seed=seed) if settings is None else settings
+    with CampaignStore.create(folder, chosen, Manifest()) as store:
         for index, members in enumerate(
             generations_of_evaluations(n_generations, n_individuals, seed)
         ):

@@ -25,7 +25,6 @@ from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.lock import only_writer
 from mrsfi_runtime.search.campaign import run_campaign
-from mrsfi_runtime.search.settings import CampaignSettings
 
 evaluated = 0
 
@@ -39,7 +38,7 @@ def counted(specifications):
 folder = CampaignFolder(Path(sys.argv[1]))
 with only_writer(folder), CampaignStore.open(folder.path) as store:
     code = load_code(folder.generated)
-    settings = CampaignSettings.from_json(store.settings)
+    settings = store.settings
     with WorkerPool(code.directory, settings.mission_seed, int(sys.argv[2])) as pool:
         evaluate_many = pool.evaluate_many
         print("ready", flush=True)
@@ -58,7 +57,6 @@ from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.lock import only_writer
 from mrsfi_runtime.search.campaign import run_campaign
-from mrsfi_runtime.search.settings import CampaignSettings
 
 evaluated = 0
 
@@ -75,7 +73,7 @@ folder = CampaignFolder(Path(sys.argv[1]))
 with only_writer(folder), CampaignStore.open(folder.path) as store:
     code = load_code(folder.generated)
     n_goals = len(code.mission.goals)
-    settings = CampaignSettings.from_json(store.settings)
+    settings = store.settings
     print("ready", flush=True)
     run_campaign(settings, code.mission, code.pool, outcomes, store, clock=lambda: 0.0)
 print(evaluated)

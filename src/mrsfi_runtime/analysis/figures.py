@@ -5,16 +5,17 @@ References
 Source paper, section V, figures 5 to 12.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.fronts import Front, Pick, find_front
-from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.analysis.studio import Drawing
-from mrsfi_runtime.analysis.summary import Summary, chosen_goals
+from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation, Generation
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import CampaignSettings
 
 N_GENERATION_FRONTS = 5
 
@@ -63,16 +64,16 @@ def map_drawing(mission: Mission) -> Drawing:
     return Drawing("mission_map", (mission,))
 
 
-def fitness_label(settings: Mapping[str, Any], measure: Measure) -> str:
+def fitness_label(settings: CampaignSettings, measure: Measure) -> str:
     """Return what the fitness of a campaign measures, for an axis."""
-    name = str(settings.get("fitness", ""))
-    goals = " + ".join(chosen_goals(settings)) or "the chosen goals"
+    name = settings.fitness
+    goals = " + ".join(settings.goals) or "the chosen goals"
     known = {
         "weighted": f"0.3 · {measure.kind} violations + 0.7 · goals",
         "weighted_normalised": f"0.3 · {measure.kind} violations + 0.7 · goals, as shares",
         "focused": f"{measure.kind} violations of {goals}, ticks",
     }
-    return f"fitness ({known.get(name, name)}{measure.means})" if name else "fitness"
+    return f"fitness ({known.get(name, name)}{measure.means})"
 
 
 def evenly_spaced(n: int, n_wanted: int) -> tuple[int, ...]:
@@ -83,7 +84,7 @@ def evenly_spaced(n: int, n_wanted: int) -> tuple[int, ...]:
 
 
 def _fitness(summary: Summary) -> Iterator[Illustration]:
-    is_focused = summary.settings.get("fitness") == "focused"
+    is_focused = summary.settings.fitness == "focused"
     mean, best = ("08", "09") if is_focused else ("06", "07")
     label = fitness_label(summary.settings, summary.measure)
     yield Illustration(

@@ -12,10 +12,10 @@ from math import atan2
 
 import numpy as np
 
-from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.analysis.ranking import distinct
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.measure import Measure
 
 _NUMBER = r"(\d+(?:\.\d+)?)"
 _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NUMBER}\s*")

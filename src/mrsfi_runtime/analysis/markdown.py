@@ -1,14 +1,14 @@
 """The report of a campaign as Markdown: what a person reads first."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
 
 from mrsfi_runtime.analysis.fronts import Front
-from mrsfi_runtime.analysis.measure import Measure, ticks
 from mrsfi_runtime.analysis.ranking import score
 from mrsfi_runtime.analysis.summary import RatioPick, Summary
 from mrsfi_runtime.analysis.trend import Trend
 from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.measure import Measure, ticks
+from mrsfi_runtime.record.settings import CampaignSettings
 
 _SIGNIFICANT = 0.05
 _FEW_GENERATIONS = 3
@@ -20,7 +20,7 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         f"# Campaign {_plain(summary.folder.name)} on mission {_plain(summary.mission)}",
         _extent(summary),
         "## Settings",
-        _table(("setting", "value"), sorted(_flat(summary.settings))),
+        _table(("setting", "value"), sorted(_settings(summary.settings))),
         "## Fitness over the generations",
         trend_in_words(summary.trend),
         *_linked(captions, "fitness"),
@@ -77,14 +77,12 @@ def _extent(summary: Summary) -> str:
     )
 
 
-def _flat(settings: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, str]]:
-    for name, value in settings.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
-        elif isinstance(value, list | tuple):
-            yield f"{prefix}{name}", " ".join(map(str, value)) or "none named"
+def _settings(settings: CampaignSettings) -> Iterator[tuple[str, str]]:
+    for name, value in settings.as_json().items():
+        if isinstance(value, list):
+            yield name, " ".join(value) or "none named"
         elif value is not None:
-            yield f"{prefix}{name}", str(value)
+            yield name, str(value)
 
 
 def _top(summary: Summary) -> str:

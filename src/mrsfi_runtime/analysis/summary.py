@@ -1,6 +1,6 @@
 """What a campaign found, as one value and as JSON."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -13,13 +13,14 @@ from mrsfi_runtime.analysis.fronts import (
     nearest_ratio,
     parse_ratio,
 )
-from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.analysis.patterns import TypePattern, find_patterns
 from mrsfi_runtime.analysis.ranking import distinct, score, top
 from mrsfi_runtime.analysis.trend import Trend, find_trend
 from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import CampaignSettings
 
 SCHEMA = 1
 """Version of ``summary.json``."""
@@ -65,7 +66,7 @@ class Summary:
 
     folder: Path
     mission: str
-    settings: Mapping[str, Any]
+    settings: CampaignSettings
     measure: Measure
     goals: tuple[str, ...]
     n_generations: int
@@ -131,11 +132,6 @@ def summarise(
     )
 
 
-def chosen_goals(settings: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the IDs of the goals that a campaign's settings name, in their order."""
-    return tuple(settings.get("goals") or ())
-
-
 def parameter_values(pool: FaultPool, timed: TimedFault) -> dict[str, float]:
     """Return the values of a timed fault by the names of its type's parameters."""
     names = (parameter.name for parameter in pool[timed.fault].kind.parameters)
@@ -149,7 +145,7 @@ def as_json(summary: Summary, pool: FaultPool) -> dict[str, Any]:
         "schema": SCHEMA,
         "campaign": summary.folder.name,
         "mission": summary.mission,
-        "settings": dict(summary.settings),
+        "settings": summary.settings.as_json(),
         "measure": {"violations": summary.measure.kind, "mission_seeds": summary.measure.n_seeds},
         "n_generations": summary.n_generations,
         "n_evaluations": summary.n_evaluations,
@@ -165,10 +161,9 @@ def as_json(summary: Summary, pool: FaultPool) -> dict[str, Any]:
     }
 
 
-def _front_goals(settings: Mapping[str, Any], wanted: Ratio | None) -> tuple[str, ...]:
-    chosen = chosen_goals(settings)
-    if len(chosen) >= 2:
-        return chosen
+def _front_goals(settings: CampaignSettings, wanted: Ratio | None) -> tuple[str, ...]:
+    if len(settings.goals) >= 2:
+        return settings.goals
     return () if wanted is None else wanted.goals
 
 

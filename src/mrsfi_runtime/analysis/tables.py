@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import TypeAlias
 
 from mrsfi_runtime.analysis.fronts import Front
-from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.places import goal_places
 from mrsfi_runtime.analysis.trend import Trend
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.measure import Measure
 
 Cell: TypeAlias = str | int | float
 Rows: TypeAlias = list[tuple[Cell, ...]]

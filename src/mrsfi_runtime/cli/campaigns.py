@@ -2,7 +2,7 @@
 
 import hashlib
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +12,8 @@ from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.errors import GenerationError, RecordError, UsageError
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.encoding import JSON
 from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 
 RUNS = Path("runs")
 """Where campaigns go unless the user says otherwise."""
@@ -65,7 +65,7 @@ def latest_folder() -> Path:
     return max(databases, key=lambda folder: databases[folder].stat().st_mtime_ns)
 
 
-def manifest(folders: MissionFolders, case: str, engine: Mapping[str, JSON]) -> dict[str, JSON]:
+def manifest_of(folders: MissionFolders, case: str, engine: EngineRecord) -> Manifest:
     """Return what a campaign runs on: engine, versions, and the hash of every copied file."""
     files = sorted(
         path
@@ -73,17 +73,17 @@ def manifest(folders: MissionFolders, case: str, engine: Mapping[str, JSON]) -> 
         for path in source.iterdir()
         if path.is_file()
     )
-    return {
-        "mission": folders.name,
-        "case": case,
-        **engine,
-        "versions": {
+    return Manifest(
+        mission=folders.name,
+        case=case,
+        engine=engine,
+        versions={
             "python": platform.python_version(),
             **{name: installed_version(name) for name in _VERSIONED},
         },
-        "machine": platform.machine(),
-        "sha256": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
-    }
+        machine=platform.machine(),
+        sha256={path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
+    )
 
 
 @contextmanager

@@ -10,7 +10,7 @@ import click
 from mrsfi_runtime.cli.campaigns import RUNS
 from mrsfi_runtime.cli.comparison_tables import legend, quartile_table, rank_test_table
 from mrsfi_runtime.cli.console import print_json, print_table, tell
-from mrsfi_runtime.cli.engines import BOTH, EngineOptions, engine_options
+from mrsfi_runtime.cli.engines import EngineOptions, engine_options
 from mrsfi_runtime.cli.missions import (
     MissionFolders,
     campaign_file,
@@ -23,8 +23,9 @@ from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.manifest import BOTH
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import require_settings
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.study.comparison import Comparison, as_json, compare
 from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.runs import (

@@ -1,6 +1,6 @@
 """The options that choose an engine and say how its two sides meet."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
 from typing import Any, TypeVar, cast
@@ -10,12 +10,12 @@ import click
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.progress import Patience
-from mrsfi_runtime.record.encoding import JSON
+from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-BOTH, CI, SIMULATION = "both", "ci", "simulation"
+SIMULATION = "simulation"
 
 NAMES = ("engine", "url", "client", "side", "bundle", "timeout")
 """Parameters that choose an engine; of ours, all find the same."""
@@ -33,7 +33,7 @@ class EngineOptions:
     bundle: bool | None = None
 
     def settings(
-        self, recorded: Mapping[str, Any] | None = None, default: str = REFERENCE
+        self, recorded: EngineRecord | None = None, default: str = REFERENCE
     ) -> EngineSettings:
         """Return the settings, those of a record where the command line says nothing.
 
@@ -49,13 +49,13 @@ class EngineOptions:
         UsageError
             If the options make no sense together.
         """
-        recorded = recorded or {}
-        name = self.engine or recorded.get("engine", default)
+        recorded = recorded or EngineRecord()
+        name = self.engine or recorded.name or default
         self._require_sense(name)
-        bus = recorded.get("bus", {}) if name == ROSBRIDGE else {}
-        side = self.side or bus.get("side", BOTH)
-        url = self.url or bus.get("url")
-        if is_foreign(recorded) and (name != ROSBRIDGE or side != CI):
+        bus = recorded if name == ROSBRIDGE else EngineRecord()
+        side = self.side or bus.side
+        url = self.url or bus.url
+        if recorded.is_foreign and (name != ROSBRIDGE or side != CI):
             message = (
                 "this campaign was flown on somebody else's simulation; expected the same again: "
                 f"--engine {ROSBRIDGE} --side {CI} --url URL, or none of them"
@@ -67,9 +67,9 @@ class EngineOptions:
         return EngineSettings(
             name=name,
             url=url,
-            client=cast("Client", self.client or bus.get("client", CLIENTS[0])),
+            client=cast("Client", self.client or bus.client or CLIENTS[0]),
             has_simulation=side != CI,
-            is_bundled=bool(bus.get("bundle", False) if self.bundle is None else self.bundle),
+            is_bundled=bus.is_bundled if self.bundle is None else self.bundle,
             patience=self._patience(),
         )
 
@@ -83,21 +83,17 @@ class EngineOptions:
         return Patience() if self.timeout is None else Patience(tick=self.timeout)
 
 
-def is_foreign(recorded: Mapping[str, Any]) -> bool:
-    """Return whether a record is of a campaign on somebody else's simulation."""
-    return bool(recorded.get("bus", {}).get("side") == CI)
-
-
-def recorded_engine(settings: EngineSettings) -> dict[str, JSON]:
+def recorded_engine(settings: EngineSettings) -> EngineRecord:
     """Return what a campaign records of its engine."""
     if settings.name != ROSBRIDGE:
-        return {"engine": settings.name}
-    side = BOTH if settings.has_simulation else CI
-    url = None if settings.url is None else without_token(settings.url)
-    bus: dict[str, JSON] = {"url": url, "client": settings.client, "side": side}
-    if settings.is_bundled:
-        bus["bundle"] = True
-    return {"engine": settings.name, "bus": bus}
+        return EngineRecord(settings.name)
+    return EngineRecord(
+        settings.name,
+        url=None if settings.url is None else without_token(settings.url),
+        client=settings.client,
+        side=BOTH if settings.has_simulation else CI,
+        is_bundled=settings.is_bundled,
+    )
 
 
 def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:

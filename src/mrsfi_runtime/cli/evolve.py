@@ -1,6 +1,5 @@
 """The command ``mrsfi evolve``."""
 
-from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,6 @@ import click
 
 from mrsfi_runtime.analysis.figures import map_drawing
 from mrsfi_runtime.analysis.fronts import parse_ratio
-from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.analysis.studio import Studio
 from mrsfi_runtime.cli.campaigns import (
     OpenCampaign,
@@ -17,7 +15,7 @@ from mrsfi_runtime.cli.campaigns import (
     open_campaign,
 )
 from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.engines import BOTH, CI, EngineOptions, engine_options
+from mrsfi_runtime.cli.engines import EngineOptions, engine_options
 from mrsfi_runtime.cli.missions import (
     campaign_file,
     find_mission,
@@ -30,9 +28,11 @@ from mrsfi_runtime.cli.workers import WorkerOptions, worker_options
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.manifest import BOTH, CI
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.campaign import require_settings, run_campaign
-from mrsfi_runtime.search.settings import CampaignSettings
 
 _HELP = """Evolve fault specifications against MISSION and print the ten most critical.
 
@@ -113,7 +113,7 @@ def command(
     with writer, open_campaign(path) as campaign:
         _require_ratio(campaign.store.settings, campaign.code.mission, ratio)
         with Studio(map_drawing(campaign.code.mission)) as studio:
-            _search(campaign, engine.settings(campaign.store.manifest, AUTO), workers)
+            _search(campaign, engine.settings(campaign.store.manifest.engine, AUTO), workers)
             report(campaign, ratio, is_json=is_json, draw=studio.draw)
 
 
@@ -135,12 +135,12 @@ def _new_campaign(
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
     flown = folders.load().mission
     require_settings(settings, flown)
-    _require_ratio(settings.as_json(), flown, ratio)
+    _require_ratio(settings, flown, ratio)
     path = free_folder(folders.name, Path(case).stem) if out is None else out
     return path, begun(path, folders, settings, case, engine)
 
 
-def _require_ratio(settings: Mapping[str, Any], mission: Mission, ratio: str | None) -> None:
+def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | None) -> None:
     """Refuse a ratio that makes no sense before the search, not after it."""
     if ratio is not None:
         Measure.of(settings, mission).require(parse_ratio(ratio).goals)
@@ -149,8 +149,7 @@ def _require_ratio(settings: Mapping[str, Any], mission: Mission, ratio: str | N
 def _search(campaign: OpenCampaign, engine: EngineSettings, workers: WorkerOptions) -> None:
     workers.require_sense(engine)
     path, code, store = campaign.folder.path, campaign.code, campaign.store
-    settings = CampaignSettings.from_json(store.settings, str(path))
-    n_generations = store.n_generations
+    settings, n_generations = store.settings, store.n_generations
     recorded = share(settings, n_generations, store.n_evaluations + len(store.failures()))
     try:
         with workers.reached() as reached:

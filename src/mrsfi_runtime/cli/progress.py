@@ -8,8 +8,8 @@ from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
 from mrsfi_runtime.cli.console import progress_console, tell
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import Progress
-from mrsfi_runtime.search.settings import CampaignSettings
 
 _LINES = 100
 """About how many plain lines a long search prints."""

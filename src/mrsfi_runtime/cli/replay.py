@@ -9,14 +9,14 @@ from rich.progress import track
 from mrsfi_runtime.analysis.ranking import top
 from mrsfi_runtime.cli.campaigns import OpenCampaign, open_campaign
 from mrsfi_runtime.cli.console import print_json, print_table, progress_console
-from mrsfi_runtime.cli.engines import BOTH, CI, EngineOptions, engine_options, is_foreign
+from mrsfi_runtime.cli.engines import EngineOptions, engine_options
 from mrsfi_runtime.cli.flights import recorder, recording_options
 from mrsfi_runtime.cli.tables import fault_table, goal_table
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import RecordError, ReplayMismatch
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
-from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.record.manifest import BOTH, CI
 
 _HELP = """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
 
@@ -58,10 +58,9 @@ def command(
         message = "--log and --trace record one flight; --all flies many"
         raise click.UsageError(message)
     with open_campaign(folder) as campaign:
-        settings = CampaignSettings.from_json(campaign.store.settings, str(folder))
-        recorded_by = campaign.store.manifest
-        chosen = engine.settings(recorded_by if is_foreign(recorded_by) else None)
-        with chosen.open(campaign.code, settings.mission_seed) as opened:
+        recorded_by = campaign.store.manifest.engine
+        chosen = engine.settings(recorded_by if recorded_by.is_foreign else None)
+        with chosen.open(campaign.code, campaign.store.settings.mission_seed) as opened:
             if is_all:
                 _replay_all(campaign, opened, is_json=is_json)
                 return

@@ -10,7 +10,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from mrsfi_runtime.cli.campaigns import manifest
+from mrsfi_runtime.cli.campaigns import manifest_of
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import NAMES as ENGINE_NAMES
 from mrsfi_runtime.cli.engines import recorded_engine
@@ -22,7 +22,7 @@ from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.lock import only_writer
-from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.record.settings import CampaignSettings
 
 _FREE = frozenset({"resume", "ratio", "is_json", *ENGINE_NAMES, *WORKER_NAMES})
 """Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
@@ -46,8 +46,8 @@ def begun(
     folder = CampaignFolder.reserve(path)
     with only_writer(folder):
         folder.fill(folders.models, folders.generated)
-        content = manifest(folders, case, recorded_engine(engine))
-        CampaignStore.create(path, settings.as_json(), content).close()
+        content = manifest_of(folders, case, recorded_engine(engine))
+        CampaignStore.create(path, settings, content).close()
         yield
 
 
@@ -68,12 +68,13 @@ def resumed(path: Path, ctx: click.Context) -> Iterator[None]:
         If an option contradicts the campaign.
     """
     with CampaignStore.open(path) as store:  # first: a lock makes no sense where no campaign is
-        recorded = {**store.manifest, **store.settings}
-    _require_same_options(path, ctx, recorded)
+        manifest, settings = store.manifest, store.settings
+    begun_with = {"mission": manifest.mission, "case": manifest.case, **settings.as_json()}
+    _require_same_options(path, ctx, begun_with)
     folder = CampaignFolder(path)
     with only_writer(folder):
-        _require_same_files(folder, recorded.get("sha256", {}))
-        _tell_other_versions(recorded.get("versions", {}))
+        _require_same_files(folder, manifest.sha256)
+        _tell_other_versions(manifest.versions)
         with CampaignStore.open(path) as store:
             tell(
                 f"resuming {path}: {store.n_generations} generations, {store.n_evaluations} "

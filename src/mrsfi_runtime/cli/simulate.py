@@ -10,13 +10,7 @@ import click
 from mrsfi_runtime.analysis.effects import AuditRow, audit
 from mrsfi_runtime.cli.console import print_json, print_table, tell, written_file
 from mrsfi_runtime.cli.effects_page import effects_page, effects_table
-from mrsfi_runtime.cli.engines import (
-    BOTH,
-    CI,
-    SIMULATION,
-    EngineOptions,
-    engine_options,
-)
+from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions, engine_options
 from mrsfi_runtime.cli.flights import recorder, recording_options, specification_pool
 from mrsfi_runtime.cli.missions import find_mission, generated_option, mission_argument
 from mrsfi_runtime.cli.tables import fault_table, goal_table
@@ -29,6 +23,7 @@ from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.transport.rosbridge import without_token
 
 _HELP = """Fly MISSION once and print what happened to each goal.

@@ -7,11 +7,11 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from mrsfi_runtime.analysis.measure import Measure, ticks
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.measure import Measure, ticks
 
 
 def plain_table(left: Sequence[str], right: Sequence[str]) -> Table:

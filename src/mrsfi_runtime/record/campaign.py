@@ -11,15 +11,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from sqlite3 import Connection
-from types import MappingProxyType, TracebackType
+from types import TracebackType
 from typing import Any, Self, TypeVar
 
-from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record import database, encoding
-from mrsfi_runtime.record.encoding import JSON
 from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
 
@@ -92,24 +93,23 @@ class CampaignStore:
     Attributes
     ----------
     settings, manifest
-        What the campaign was started with; tuples given to ``create`` have become lists.
+        What the campaign was started with.
     """
 
     def __init__(self, path: Path, connection: Connection) -> None:
         self.path = path
         self._connection = connection
         rows = dict(self._select("SELECT key, value FROM meta"))
-        self.settings: Mapping[str, Any] = MappingProxyType(
-            self._decoded(encoding.object_from_text, rows.get("settings"))
-        )
-        self.manifest: Mapping[str, Any] = MappingProxyType(
-            self._decoded(encoding.object_from_text, rows.get("manifest"))
-        )
+        settings = self._decoded(encoding.object_from_text, rows.get("settings"))
+        try:
+            self.settings = CampaignSettings.from_json(settings, str(path.parent))
+        except UsageError as error:
+            raise RecordError(database.damaged(path, str(error))) from error
+        manifest = self._decoded(encoding.object_from_text, rows.get("manifest"))
+        self.manifest = Manifest.from_json(manifest)
 
     @classmethod
-    def create(
-        cls, folder: Path, settings: Mapping[str, JSON], manifest: Mapping[str, JSON]
-    ) -> Self:
+    def create(cls, folder: Path, settings: CampaignSettings, manifest: Manifest) -> Self:
         """Start the store of a new campaign in a folder, which is made if it is missing.
 
         Raises
@@ -119,8 +119,8 @@ class CampaignStore:
         """
         path = CampaignFolder(folder).database
         meta = {
-            "settings": encoding.canonical(settings),
-            "manifest": encoding.canonical(manifest),
+            "settings": encoding.canonical(settings.as_json()),
+            "manifest": encoding.canonical(manifest.as_json()),
         }
         connection = database.create(path, meta)
         with _closed_on_error(connection):

@@ -12,6 +12,7 @@ from typing import Any
 
 from deap import base
 
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.deap_algorithms import (
     ea_generate_update,
     ea_mu_comma_lambda,
@@ -23,10 +24,10 @@ from mrsfi_runtime.search.guided import guided
 from mrsfi_runtime.search.individuals import Individual, mate, mutate
 from mrsfi_runtime.search.loop import Algorithm, AlgorithmFactory, GenerationalLoop
 from mrsfi_runtime.search.selection import SELECTIONS, Selection, uniform
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from mrsfi_runtime.search.steps import MUTATIONS
+from mrsfi_runtime.search.user_functions import chosen
 from mrsfi_runtime.search.variation import CROSSOVERS
 
 
@@ -38,7 +39,7 @@ def paper(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     Source paper, section III-E. An offspring that variation left as its parent was keeps
     the parent's fitness and is not evaluated again.
     """
-    return _evolution(space, settings, settings.chosen("selection", SELECTIONS))
+    return _evolution(space, settings, chosen(settings, "selection", SELECTIONS))
 
 
 def drift(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -63,7 +64,7 @@ def _evolution(space: SearchSpace, settings: CampaignSettings, select: Selection
         mate,
         space=space,
         rng=rng,
-        operator=settings.chosen("crossover_operator", CROSSOVERS),
+        operator=chosen(settings, "crossover_operator", CROSSOVERS),
     )
     toolbox.register(
         "mutate",
@@ -71,7 +72,7 @@ def _evolution(space: SearchSpace, settings: CampaignSettings, select: Selection
         space=space,
         rng=rng,
         share=settings.mutation_share,
-        operator=settings.chosen("mutation_operator", MUTATIONS),
+        operator=chosen(settings, "mutation_operator", MUTATIONS),
     )
     return GenerationalLoop(
         settings, rng, lambda parents: _offspring(parents, settings, rng, toolbox)

@@ -18,6 +18,7 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.archive import Archive
 from mrsfi_runtime.search.fitness import (
@@ -38,10 +39,10 @@ from mrsfi_runtime.search.ledger import (
 from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
 from mrsfi_runtime.search.overseer import overseen
 from mrsfi_runtime.search.selection import SELECTIONS
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import fault_ticks
 from mrsfi_runtime.search.steps import MUTATIONS
+from mrsfi_runtime.search.user_functions import chosen
 from mrsfi_runtime.search.variation import CROSSOVERS
 
 _CHUNK = 100  # specifications that are handed out together, and after which failures are counted
@@ -86,11 +87,11 @@ def require_settings(
     UsageError
         If an algorithm, a selection, an operator, the fitness function or a goal is unknown.
     """
-    settings.chosen("algorithm", algorithms)
-    settings.chosen("selection", SELECTIONS)
-    settings.chosen("crossover_operator", CROSSOVERS)
-    settings.chosen("mutation_operator", MUTATIONS)
-    settings.chosen("fitness", fitness_functions)
+    chosen(settings, "algorithm", algorithms)
+    chosen(settings, "selection", SELECTIONS)
+    chosen(settings, "crossover_operator", CROSSOVERS)
+    chosen(settings, "mutation_operator", MUTATIONS)
+    chosen(settings, "fitness", fitness_functions)
     for goal in settings.goals:
         if goal not in mission.goal_ids:
             known = ", ".join(mission.goal_ids)

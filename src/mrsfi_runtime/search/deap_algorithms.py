@@ -13,14 +13,15 @@ from typing import Any
 from deap import algorithms, base, tools
 
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.estimation import FaultModel
 from mrsfi_runtime.search.individuals import GoalIndividual, Individual, mate, mutate
 from mrsfi_runtime.search.loop import Algorithm, Breeding, GenerationalLoop, Survival, replaced
 from mrsfi_runtime.search.selection import SELECTIONS, lent_to_deap
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from mrsfi_runtime.search.steps import MUTATIONS
+from mrsfi_runtime.search.user_functions import chosen
 from mrsfi_runtime.search.variation import CROSSOVERS
 
 
@@ -101,9 +102,9 @@ class _Breeder:
         self._settings = settings
         self._kind = kind
         self._rng = Random(settings.seed)
-        self._select = settings.chosen("selection", SELECTIONS)
-        self._cross = settings.chosen("crossover_operator", CROSSOVERS)
-        self._mutate = settings.chosen("mutation_operator", MUTATIONS)
+        self._select = chosen(settings, "selection", SELECTIONS)
+        self._cross = chosen(settings, "crossover_operator", CROSSOVERS)
+        self._mutate = chosen(settings, "mutation_operator", MUTATIONS)
 
     def simple(self) -> Algorithm:
         size = self._settings.population

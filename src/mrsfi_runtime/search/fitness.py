@@ -13,7 +13,8 @@ from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.search.user_functions import chosen
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,12 +122,12 @@ class Judge:
         mission: Mission,
         fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
     ) -> None:
-        chosen = settings.goals or mission.goal_ids
-        self.n_goals = len(chosen)
-        self._goals = tuple(mission.goal_ids.index(goal) for goal in chosen)
+        goals = settings.goals or mission.goal_ids
+        self.n_goals = len(goals)
+        self._goals = tuple(mission.goal_ids.index(goal) for goal in goals)
         self._duration = mission.duration
         self._measure = settings.violations
-        self._fitness = settings.chosen("fitness", fitness_functions)
+        self._fitness = chosen(settings, "fitness", fitness_functions)
 
     def score(self, outcome: Outcome) -> Score:
         """Return the fitness and the goal vector of one outcome."""

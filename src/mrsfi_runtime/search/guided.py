@@ -10,9 +10,9 @@ from random import Random
 from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.loop import Algorithm, GenerationalLoop
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from mrsfi_runtime.search.steps import STEPS, Step, filled, grafted

@@ -15,9 +15,9 @@ from typing import Protocol, TypeAlias
 from deap import tools
 
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
 
 

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import Algorithm, AlgorithmFactory, GenerationSummary
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.user_functions import told_by_line
+from mrsfi_runtime.search.user_functions import chosen, told_by_line
 
 _OPERATORS = ("algorithm", "crossover_operator", "mutation_operator")
 
@@ -17,7 +17,7 @@ def overseen(
     space: SearchSpace, settings: CampaignSettings, algorithms: Mapping[str, AlgorithmFactory]
 ) -> Algorithm:
     """Begin the search that settings name; watch it if a team wrote a part of it."""
-    algorithm = settings.chosen("algorithm", algorithms)(space, settings)
+    algorithm = chosen(settings, "algorithm", algorithms)(space, settings)
     written = [name for name in (getattr(settings, key) for key in _OPERATORS) if ":" in name]
     if not written:
         return algorithm

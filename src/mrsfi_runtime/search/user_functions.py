@@ -7,14 +7,17 @@ told by file and line, as a mistake in what was given, not as a defect of mrsfi.
 import importlib
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar, cast
 
 from mrsfi_runtime.errors import MrsfiError, UsageError
+from mrsfi_runtime.record.settings import CampaignSettings
+
+T = TypeVar("T")
 
 _NOT_WRITTEN_HERE = (
     str(Path(__file__).parents[1]),
@@ -23,6 +26,25 @@ _NOT_WRITTEN_HERE = (
     "<",
 )
 """Where code lies that no team wrote: this package, Python's library, installed packages."""
+
+
+def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
+    """Return the entry of a table that a setting names, or the function of a user's module.
+
+    Raises
+    ------
+    UsageError
+        If the table has no such entry, or there is no such function.
+    """
+    name = getattr(settings, key)
+    where = f"{settings.source}: [search] {key}"
+    if ":" in name:
+        return cast("T", user_function(name, where))
+    if name not in table:
+        known = ", ".join(f"'{entry}'" for entry in table)
+        message = f"{where}: found '{name}'; expected one of {known}, or 'module:function'"
+        raise UsageError(message)
+    return table[name]
 
 
 def user_function(name: str, where: str) -> Callable[..., Any]:

@@ -8,10 +8,10 @@ from typing import Any, Self
 from moocore import hypervolume
 
 from mrsfi_runtime.analysis.fronts import non_dominated
-from mrsfi_runtime.analysis.measure import goal_columns
 from mrsfi_runtime.analysis.ranking import score
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.settings import CampaignSettings
 
 MOST_OBJECTIVES = 7
 """Goals over which a hypervolume is computed; its cost grows exponentially with their number."""
@@ -91,14 +91,11 @@ def reached(n_evaluations: int | None) -> float:
     return inf if n_evaluations is None else float(n_evaluations)
 
 
-def measure_run(  # noqa: PLR0913 - what is known of a run, each by name
+def measure_run(
+    settings: CampaignSettings,
     mission: Mission,
     evaluations: Sequence[Evaluation],
     *,
-    algorithm: str,
-    seed: int,
-    goals: Sequence[str] = (),
-    counts: str = "believed",
     n_failures: int,
     seconds: float,
     digest: str,
@@ -107,25 +104,20 @@ def measure_run(  # noqa: PLR0913 - what is known of a run, each by name
 
     Parameters
     ----------
+    settings
+        Of the search; they say which violations and goals front and hypervolume look at.
     evaluations
         In the order in which they were asked for.
-    goals
-        IDs of the goals that front and hypervolume look at; none means all.
-    counts
-        Violations that are looked at: ``believed``, ``true`` or ``masked``.
-
-    Raises
-    ------
-    UsageError
-        If the mission lacks one of the goals.
     """
-    columns = goal_columns(mission, goals or mission.goal_ids)
-    found: list[tuple[int, ...]] = [getattr(one.outcome, counts) for one in evaluations]
+    columns = [mission.goal_ids.index(goal) for goal in settings.goals or mission.goal_ids]
+    found: list[tuple[int, ...]] = [
+        getattr(one.outcome, settings.violations) for one in evaluations
+    ]
     front = non_dominated(tuple(one[column] for column in columns) for one in found)
     broken = [frozenset(goal for goal, count in enumerate(one) if count) for one in found]
     return RunResult(
-        algorithm=algorithm,
-        seed=seed,
+        algorithm=settings.algorithm,
+        seed=settings.seed,
         n_evaluations=len(evaluations),
         n_failures=n_failures,
         improvements=_improvements(evaluations),

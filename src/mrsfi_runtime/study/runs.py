@@ -15,9 +15,10 @@ from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
 from mrsfi_runtime.search.ledger import EvaluateMany
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.run_results import RunResult, measure_run
 
@@ -174,18 +175,15 @@ def _flown(
 def _searched(
     place: Path, settings: CampaignSettings, code: MissionCode, evaluators: Sequence[EvaluateMany]
 ) -> RunResult:
-    with CampaignStore.create(place, settings.as_json(), {}) as store:
+    with CampaignStore.create(place, settings, Manifest()) as store:
         began = monotonic()
         first, *replicas = evaluators
         run_campaign(settings, code.mission, code.pool, first, store, replicas=replicas)
         seconds = monotonic() - began
         return measure_run(
+            settings,
             code.mission,
             store.evaluations(),
-            algorithm=settings.algorithm,
-            seed=settings.seed,
-            goals=settings.goals,
-            counts=settings.violations,
             n_failures=len(store.failures()),
             seconds=seconds,
             digest=store.digest(),

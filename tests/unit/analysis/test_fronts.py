@@ -13,11 +13,12 @@ from mrsfi_runtime.analysis.fronts import (
     non_dominated,
     parse_ratio,
 )
-from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation, mission
 
-MEASURE = Measure.of({}, mission())
+MEASURE = Measure.of(CampaignSettings(), mission())
 VECTORS = st.integers(1, 4).flatmap(
     lambda n: st.lists(st.tuples(*[st.integers(0, 6)] * n), max_size=30)
 )

@@ -7,17 +7,19 @@ import pytest
 
 from mrsfi_runtime.analysis.figures import fitness_label
 from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
-from mrsfi_runtime.analysis.measure import Measure
 from mrsfi_runtime.analysis.report import write_report
 from mrsfi_runtime.cli.tables import critical_table
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import Code, evaluation, mission, pool, statistics
 
 CODE = Code(mission(), pool())
 GOALS = ("g1", "g3")
-MASKED = {"violations": "masked", "goals": list(GOALS), "fitness": "focused"}
-MEANS = {**MASKED, "violations": "believed", "replications": 2}
+MASKED = CampaignSettings(violations="masked", goals=GOALS, fitness="focused")
+MEANS = replace(MASKED, violations="believed", replications=2)
 
 
 def masking(index: int, masked: tuple[int, ...]) -> Evaluation:
@@ -39,8 +41,8 @@ FLOWN_TWICE = [
 ]
 
 
-def report_of(folder: Path, settings: dict[str, object], found: list[Evaluation]) -> str:
-    with CampaignStore.create(folder, settings, {}) as store:
+def report_of(folder: Path, settings: CampaignSettings, found: list[Evaluation]) -> str:
+    with CampaignStore.create(folder, settings, Manifest()) as store:
         population = tuple(each.index for each in found)
         store.append(found, (), [Generation(0, statistics(found), population, "[]")])
     write_report(folder, CODE, lambda *_: None, ratio="g1:g3=1:1")
@@ -54,7 +56,7 @@ def table(folder: Path, name: str) -> list[list[str]]:
 
 @pytest.mark.parametrize("kind", ["believed", "true", "phantom", "masked"])
 def test_a_front_is_over_the_counts_that_the_campaign_chose(kind: str) -> None:
-    measure = Measure.of({"violations": kind, "goals": GOALS}, mission())
+    measure = Measure.of(CampaignSettings(violations=kind, goals=GOALS), mission())
     counts = {getattr(each.outcome, kind)[:3:2]: each.index for each in reversed(HIDING)}
 
     front = find_front(measure, HIDING, GOALS)
@@ -80,7 +82,7 @@ def test_a_front_is_over_the_means_of_all_mission_seeds() -> None:
     ],
 )
 def test_a_report_uses_the_measure_and_says_which_it_is(
-    settings: dict[str, object], found: list[Evaluation], rows: list[list[str]], tmp_path: Path
+    settings: CampaignSettings, found: list[Evaluation], rows: list[list[str]], tmp_path: Path
 ) -> None:
     measure = Measure.of(settings, mission())
     best = max(found, key=lambda each: each.fitness[0])
@@ -112,16 +114,15 @@ def test_the_printed_table_shows_the_measure_before_belief_and_truth() -> None:
 @pytest.mark.parametrize(
     ("settings", "label"),
     [
-        ({"fitness": "focused", **MASKED}, "fitness (masked violations of g1 + g3, ticks)"),
+        (MASKED, "fitness (masked violations of g1 + g3, ticks)"),
         (
-            {"fitness": "weighted", "replications": 3},
+            CampaignSettings(replications=3),
             "fitness (0.3 · believed violations + 0.7 · goals, mean of 3 mission seeds)",
         ),
-        ({"fitness": "mine:own", "violations": "true"}, "fitness (mine:own)"),
-        ({}, "fitness"),
+        (CampaignSettings(fitness="mine:own", violations="true"), "fitness (mine:own)"),
     ],
 )
-def test_the_axis_of_fitness_says_what_is_counted(settings: dict[str, object], label: str) -> None:
+def test_the_axis_of_fitness_says_what_is_counted(settings: CampaignSettings, label: str) -> None:
     assert fitness_label(settings, Measure.of(settings, mission())) == label
 
 

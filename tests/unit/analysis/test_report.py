@@ -11,6 +11,8 @@ from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.campaign import CampaignStore, Generation
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import (
     Code,
     evaluation,
@@ -26,7 +28,7 @@ SINGLE = ["figure_05_mission_map", "figure_06_mean_fitness", "figure_07_best_fit
 FOCUSED = ["figure_05_mission_map", "figure_08_mean_fitness", "figure_09_best_fitness"]
 FRONTS = ["figure_10_front_by_generation", "figure_11_front"]
 TYPES = ["figure_12_fault_types"]
-FOCUS = {"fitness": "focused", "goals": ["g1", "g3"]}
+FOCUS = CampaignSettings(fitness="focused", goals=("g1", "g3"))
 
 
 def write(rows: Sequence[tuple[str, int, int, Mapping[str, float]]], path: Path, name: str) -> None:
@@ -46,14 +48,14 @@ def table(folder: Path, name: str) -> list[list[str]]:
 @pytest.mark.parametrize(
     ("settings", "expected"),
     [
-        ({"fitness": "weighted", "goals": []}, SINGLE + TYPES),
-        ({"fitness": "weighted", "goals": ["g1", "g3"]}, SINGLE + FRONTS + TYPES),
+        (CampaignSettings(), SINGLE + TYPES),
+        (CampaignSettings(goals=("g1", "g3")), SINGLE + FRONTS + TYPES),
         (FOCUS, FOCUSED + FRONTS + TYPES),
-        ({"fitness": "focused", "goals": ["g1"]}, FOCUSED + TYPES),
+        (CampaignSettings(fitness="focused", goals=("g1",)), FOCUSED + TYPES),
     ],
 )
 def test_a_campaign_gets_the_figures_of_its_case(
-    settings: dict[str, object], expected: list[str], tmp_path: Path
+    settings: CampaignSettings, expected: list[str], tmp_path: Path
 ) -> None:
     folder = write_campaign(tmp_path / "run", settings=settings, n_generations=2, n_individuals=3)
 
@@ -143,7 +145,7 @@ def test_the_summary_says_what_was_found(focused: Path) -> None:
         "patterns",
     ]
     assert (summary["n_generations"], summary["n_evaluations"]) == (12, 120)
-    assert summary["settings"] == FOCUS
+    assert summary["settings"] == FOCUS.as_json()
     with CampaignStore.open(focused) as store:
         assert summary["digest"] == store.digest()
     assert summary["best"] == summary["top"][0]
@@ -191,7 +193,7 @@ def test_the_report_warns_that_popular_is_not_guilty(focused: Path) -> None:
 
 def test_a_second_report_writes_the_same_bytes(tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    with CampaignStore.create(folder, {"fitness": "weighted"}, {}) as store:
+    with CampaignStore.create(folder, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(0, (1, 0, 1, 0, 0, 0))])
 
     def written() -> dict[str, bytes]:
@@ -232,7 +234,7 @@ def test_a_ratio_that_makes_no_sense_leaves_the_folder_alone(ratio: str, tmp_pat
 def test_a_campaign_interrupted_in_its_first_generation_has_a_report(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     ((first, second, third, *_),) = generations_of_evaluations(1, 10)
-    with CampaignStore.create(folder, FOCUS, {}) as store:
+    with CampaignStore.create(folder, FOCUS, Manifest()) as store:
         store.append([first, second, third])
 
     summary = write_report(folder, CODE, write, ratio="g3:g1=2:1")
@@ -245,7 +247,7 @@ def test_a_campaign_interrupted_in_its_first_generation_has_a_report(tmp_path: P
 
 def test_a_campaign_interrupted_before_its_first_evaluation_has_a_report(tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    CampaignStore.create(folder, FOCUS, {}).close()
+    CampaignStore.create(folder, FOCUS, Manifest()).close()
 
     summary = write_report(folder, CODE, write, ratio="g3:g1=2:1")
 
@@ -259,7 +261,7 @@ def test_a_campaign_interrupted_before_its_first_evaluation_has_a_report(tmp_pat
 
 def test_a_generation_without_survivors_is_left_out_of_the_fronts(tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    with CampaignStore.create(folder, FOCUS, {}) as store:
+    with CampaignStore.create(folder, FOCUS, Manifest()) as store:
         found = evaluation(0, (1, 0, 1, 0, 0, 0))
         store.append([found])
         store.append(generations=[Generation(0, statistics([found]), (0,), "[]")])

@@ -6,10 +6,11 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.manifest import Manifest
 from tests.support.campaigns import SETTINGS
 
 
 @pytest.fixture
 def store(tmp_path: Path) -> Iterator[CampaignStore]:
-    with CampaignStore.create(tmp_path / "run", SETTINGS, {"version": "1"}) as opened:
+    with CampaignStore.create(tmp_path / "run", SETTINGS, Manifest()) as opened:
         yield opened

@@ -15,8 +15,17 @@ from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.campaign import CampaignStore, FailedEvaluation, Generation
 from mrsfi_runtime.record.encoding import specification_from_text, specification_text
+from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 from tests.support.campaigns import SETTINGS, evaluation, outcome
 
+MANIFEST = Manifest(
+    mission="uuv_sampling",
+    case="b",
+    engine=EngineRecord("rosbridge", "ws://127.0.0.1:9090", "twisted", "ci", is_bundled=True),
+    versions={"python": "3.11.2"},
+    machine="x86_64",
+    sha256={"mission.xmi": "00ff"},
+)
 STATISTICS = {"n_evaluations": 2, "mean": 0.1 + 0.2, "std": 1e-300, "min": -0.0, "max": 5.0}
 
 
@@ -30,7 +39,7 @@ def test_what_was_appended_is_read_back_after_reopening(tmp_path: Path) -> None:
     generation = Generation(0, STATISTICS, (0, 1, 1), '{"state":[3,[1,2],null]}')
     failed = FailedEvaluation(3, 1, (TimedFault("f2", 0, 5, (1.5,)),), "Traceback …\nZeroDivision")
 
-    with CampaignStore.create(folder, SETTINGS, {"version": "1"}) as store:
+    with CampaignStore.create(folder, SETTINGS, MANIFEST) as store:
         store.append(written[:3])
         store.append(iter(written[3:]), [failed])
         store.append(generations=[generation])
@@ -41,9 +50,8 @@ def test_what_was_appended_is_read_back_after_reopening(tmp_path: Path) -> None:
         assert store.n_evaluations == 4
         assert store.generations() == (generation,)
         assert store.failures() == (failed,)
-        assert dict(store.settings) == SETTINGS
-        assert list(store.settings) == list(SETTINGS)
-        assert dict(store.manifest) == {"version": "1"}
+        assert store.settings == SETTINGS
+        assert store.manifest == MANIFEST
 
 
 def test_a_specification_is_stored_as_canonical_json() -> None:
@@ -131,7 +139,7 @@ def test_an_unknown_evaluation_is_named_with_those_there_are(store: CampaignStor
 
 
 def digest_of(folder: Path, *chunks: list) -> str:
-    with CampaignStore.create(folder, SETTINGS, {}) as store:
+    with CampaignStore.create(folder, SETTINGS, Manifest()) as store:
         for chunk in chunks:
             store.append(chunk)
         return store.digest()
@@ -187,8 +195,10 @@ from pathlib import Path
 sys.path[:0] = {path!r}
 from mrsfi_runtime.record import database
 from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation
-store = CampaignStore.create(Path({folder!r}), {{}}, {{}})
+store = CampaignStore.create(Path({folder!r}), CampaignSettings(), Manifest())
 for first in range(0, 30, 10):
     store.append([evaluation(i, (i,)) for i in range(first, first + 10)])
 with database.transaction(store.path, store._connection) as connection:
@@ -250,7 +260,7 @@ def test_a_creation_that_was_killed_is_begun_anew(tmp_path: Path) -> None:
     for name in ("campaign.sqlite.new", "campaign.sqlite.new-journal"):
         (tmp_path / name).write_bytes(b"half")
 
-    CampaignStore.create(tmp_path, SETTINGS, {}).close()
+    CampaignStore.create(tmp_path, SETTINGS, Manifest()).close()
 
     assert [entry.name for entry in tmp_path.iterdir()] == ["campaign.sqlite"]
 
@@ -274,8 +284,10 @@ from pathlib import Path
 sys.path[:0] = {path!r}
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation
-with CampaignStore.create(Path({folder!r}), {{}}, {{}}) as store:
+with CampaignStore.create(Path({folder!r}), CampaignSettings(), Manifest()) as store:
     store.append([evaluation(0, (0,))])
     size = store.path.stat().st_size
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))

@@ -9,6 +9,8 @@ import pytest
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation
 
 NOBODY = 65534
@@ -38,7 +40,7 @@ def test_a_second_campaign_in_one_folder_is_refused(store: CampaignStore, tmp_pa
     store.append([evaluation(0, (1,))])
 
     with pytest.raises(RecordError, match=r"run.campaign\.sqlite: found a campaign there already"):
-        CampaignStore.create(tmp_path / "run", {}, {})
+        CampaignStore.create(tmp_path / "run", CampaignSettings(), Manifest())
 
     assert store.n_evaluations == 1
 
@@ -59,7 +61,7 @@ def test_another_programs_database_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_newer_version_is_refused_with_both_numbers(tmp_path: Path) -> None:
-    CampaignStore.create(tmp_path, {}, {}).close()
+    CampaignStore.create(tmp_path, CampaignSettings(), Manifest()).close()
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as newer:
         newer.execute("PRAGMA user_version = 2")
 
@@ -75,7 +77,7 @@ def test_a_file_of_noise_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_truncated_file_is_refused(tmp_path: Path) -> None:
-    with CampaignStore.create(tmp_path, {}, {}) as store:
+    with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(i, (i,) * 50) for i in range(200)])
     path = tmp_path / "campaign.sqlite"
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
@@ -96,7 +98,7 @@ def test_a_truncated_file_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_a_damaged_row_is_refused(tmp_path: Path, column: str, text: str) -> None:
-    with CampaignStore.create(tmp_path, {}, {}) as store:
+    with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(0, (1,))])
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
         other.execute(f"UPDATE evaluation SET {column} = ?", (text,))
@@ -109,8 +111,28 @@ def test_a_damaged_row_is_refused(tmp_path: Path, column: str, text: str) -> Non
         store.evaluations()
 
 
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ('{"poplation":4}', "found unknown key 'poplation'"),
+        ('{"population":0}', "population: found 0; expected a whole number >= 1"),
+        ("[]", r"found \[\]; expected an object"),
+    ],
+)
+def test_settings_that_make_no_sense_are_a_damaged_record(
+    tmp_path: Path, text: str, reason: str
+) -> None:
+    CampaignStore.create(tmp_path, CampaignSettings(), Manifest()).close()
+    with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
+        other.execute("UPDATE meta SET value = ? WHERE key = 'settings'", (text,))
+        other.commit()
+
+    with pytest.raises(RecordError, match=f"the record is damaged: .*{reason}"):
+        CampaignStore.open(tmp_path)
+
+
 def test_missing_settings_are_refused(tmp_path: Path) -> None:
-    CampaignStore.create(tmp_path, {}, {}).close()
+    CampaignStore.create(tmp_path, CampaignSettings(), Manifest()).close()
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
         other.execute("DELETE FROM meta WHERE key = 'settings'")
         other.commit()
@@ -127,13 +149,13 @@ def test_a_folder_that_cannot_be_written_is_refused(
 
     for folder in (guest_folder, guest_folder / "run"):
         with pytest.raises(RecordError, match=r"campaign\.sqlite: cannot be opened or written"):
-            CampaignStore.create(folder, {}, {})
+            CampaignStore.create(folder, CampaignSettings(), Manifest())
 
 
 def test_a_folder_that_cannot_be_written_can_be_read(
     guest_folder: Path, request: pytest.FixtureRequest
 ) -> None:
-    with CampaignStore.create(guest_folder, {}, {}) as store:
+    with CampaignStore.create(guest_folder, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(0, (1,))])
     (guest_folder / "campaign.sqlite").chmod(0o444)
     guest_folder.chmod(0o555)

@@ -6,10 +6,10 @@ import pytest
 
 from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import Algorithm, GenerationSummary
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.specifications import random_specification
 from tests.support.search import paper_space, stand_in_outcome
 

@@ -9,10 +9,10 @@ import pytest
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.archive import Archive
 from mrsfi_runtime.search.campaign import EvaluateMany, Progress, run_campaign
-from mrsfi_runtime.search.settings import CampaignSettings
 from mrsfi_runtime.search.specifications import fault_ticks
 from tests.support.search import (
     MemoryRecorder,

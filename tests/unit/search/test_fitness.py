@@ -1,6 +1,7 @@
 import pytest
 
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import (
     FITNESS_FUNCTIONS,
     Findings,
@@ -9,7 +10,6 @@ from mrsfi_runtime.search.fitness import (
     averaged,
     goal_vector,
 )
-from mrsfi_runtime.search.settings import CampaignSettings
 from tests.support.search import outcome_of, paper_mission
 
 VIOLATIONS = (10, 0, 5, 0, 0, 85)

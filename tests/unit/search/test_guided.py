@@ -5,10 +5,10 @@ from itertools import count
 import pytest
 
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import Algorithm
-from mrsfi_runtime.search.settings import CampaignSettings
 from tests.support.search import paper_space
 
 TWO_GOALS = ("g1", "g3")

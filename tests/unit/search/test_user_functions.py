@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.errors import SpecificationError, UsageError
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import require_settings, run_campaign
-from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.search.user_functions import chosen
 from tests.support.search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
 
 MODULE = """
@@ -101,7 +102,7 @@ def test_a_selection_of_the_user_selects() -> None:
 def test_the_current_folder_does_not_stay_on_pythons_path() -> None:
     before = list(sys.path)
 
-    campaign(fitness="own_functions:first_goal").chosen("fitness", {})
+    chosen(campaign(fitness="own_functions:first_goal"), "fitness", {})
 
     assert sys.path == before
 
@@ -174,3 +175,10 @@ def test_what_an_operator_must_not_make_is_refused(operator: str, message: str) 
         run(campaign(mutation_operator=f"own_functions:{operator}"))
 
     assert f"case.toml: [search] 'own_functions:{operator}' made" in str(refused.value)
+
+
+def test_a_name_that_no_table_has_is_refused() -> None:
+    settings = CampaignSettings(algorithm="magic", source="case.toml")
+
+    with pytest.raises(UsageError, match=r"algorithm: found 'magic'; expected one of 'a', 'b'"):
+        chosen(settings, "algorithm", {"a": 1, "b": 2})

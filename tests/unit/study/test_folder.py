@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study import folder as study_folder
 from mrsfi_runtime.study.comparison import Comparison, as_json, compare
 from mrsfi_runtime.study.folder import ComparisonFolder
@@ -17,11 +18,9 @@ SUBJECT = {"population": 20, "evaluations": 40, "goals": ["g1", "g3"]}
 def result(algorithm: str, seed: int) -> RunResult:
     evaluations = [one for members in generations_of_evaluations(4, 10, seed) for one in members]
     return measure_run(
+        CampaignSettings(algorithm=algorithm, seed=seed, goals=("g1", "g3")),
         mission(),
         evaluations,
-        algorithm=algorithm,
-        seed=seed,
-        goals=("g1", "g3"),
         n_failures=0,
         seconds=0.5,
         digest=f"{seed:064x}",

@@ -9,12 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, Self, TypeVar, cast
+from typing import Any, NamedTuple, Self
 
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.search.user_functions import user_function
-
-T = TypeVar("T")
 
 _LARGEST_SEED = 2**63 - 1
 
@@ -148,24 +145,6 @@ class CampaignSettings:
             (self.mission_seed + number) % (_LARGEST_SEED + 1)
             for number in range(self.replications)
         )
-
-    def chosen(self, key: str, table: Mapping[str, T]) -> T:
-        """Return the entry of a table that a setting names, or the function of a user's module.
-
-        Raises
-        ------
-        UsageError
-            If the table has no such entry, or there is no such function.
-        """
-        name = getattr(self, key)
-        where = f"{self.source}: [search] {key}"
-        if ":" in name:
-            return cast("T", user_function(name, where))
-        if name not in table:
-            known = ", ".join(f"'{entry}'" for entry in table)
-            message = f"{where}: found '{name}'; expected one of {known}, or 'module:function'"
-            raise UsageError(message)
-        return table[name]
 
 
 class _Rule(NamedTuple):

@@ -1,14 +1,13 @@
 """Which violations a campaign counts: its own measure, as its record keeps it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation
-
-BELIEVED = "believed"
+from mrsfi_runtime.record.settings import CampaignSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,14 +32,14 @@ class Measure:
     chosen: tuple[str, ...]
 
     @classmethod
-    def of(cls, settings: Mapping[str, Any], mission: Mission) -> Self:
+    def of(cls, settings: CampaignSettings, mission: Mission) -> Self:
         """Return the measure that the settings of a campaign name."""
         goals = mission.goal_ids
         return cls(
-            kind=str(settings.get("violations", BELIEVED)),
-            n_seeds=int(settings.get("replications", 1)),
+            kind=settings.violations,
+            n_seeds=settings.replications,
             goals=goals,
-            chosen=tuple(settings.get("goals") or ()) or goals,
+            chosen=settings.goals or goals,
         )
 
     def __str__(self) -> str:
@@ -54,7 +53,7 @@ class Measure:
     @property
     def is_shown_by_outcomes(self) -> bool:
         """Whether an outcome's believed and true counts already show it."""
-        return self.n_seeds == 1 and self.kind in {BELIEVED, "true"}
+        return self.n_seeds == 1 and self.kind in {"believed", "true"}
 
     def require(self, goals: Sequence[str]) -> None:
         """Refuse goals of which the record does not keep this measure.
@@ -87,18 +86,6 @@ class Measure:
 def ticks(count: float) -> str:
     """Return a count, or a mean of counts, as text."""
     return str(count) if isinstance(count, int) else f"{count:.2f}"
-
-
-def goal_columns(mission: Mission, goals: Sequence[str]) -> tuple[int, ...]:
-    """Return the position of each goal in an outcome's counts.
-
-    Raises
-    ------
-    UsageError
-        If the mission has no such goal.
-    """
-    _require(goals, mission.goal_ids, f"a goal of mission '{mission.name}'")
-    return tuple(mission.goal_ids.index(goal) for goal in goals)
 
 
 def _require(goals: Sequence[str], known: Sequence[str], expected: str) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.search.settings import CampaignSettings
+from mrsfi_runtime.record.settings import CampaignSettings
 
 CASE = """
 [search]
@@ -105,13 +105,6 @@ def test_a_missing_or_unreadable_file_is_refused(tmp_path: Path) -> None:
     for name in ("none.toml", "latin.toml"):
         with pytest.raises(UsageError, match="cannot be read"):
             CampaignSettings.load(tmp_path / name)
-
-
-def test_a_name_that_no_table_has_is_refused() -> None:
-    settings = CampaignSettings(algorithm="magic", source="case.toml")
-
-    with pytest.raises(UsageError, match=r"algorithm: found 'magic'; expected one of 'a', 'b'"):
-        settings.chosen("algorithm", {"a": 1, "b": 2})
 
 
 def test_replications_fly_on_the_mission_seeds_that_follow() -> None:

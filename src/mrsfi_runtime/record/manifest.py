@@ -1,0 +1,108 @@
+"""What a campaign runs on: mission, engine, versions, and the hash of every file it copied."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+from mrsfi_runtime.record.encoding import JSON
+
+BOTH, CI = "both", "ci"
+"""Sides that a campaign ran: simulation and collective intelligence, or the latter alone."""
+
+
+@dataclass(frozen=True, slots=True)
+class EngineRecord:
+    """The engine that a campaign was flown by.
+
+    Attributes
+    ----------
+    name
+        Empty in a record that does not say.
+    url
+        The rosbridge server on which the sides met, without its token; ``None`` if it was embedded.
+    client
+        Kind of roslibpy's connection; ``None`` of an engine without a bus.
+    side
+        ``both`` or ``ci``.
+    is_bundled
+        Whether all messages of a tick travelled as one.
+    """
+
+    name: str = ""
+    url: str | None = None
+    client: str | None = None
+    side: str = BOTH
+    is_bundled: bool = False
+
+    @property
+    def is_foreign(self) -> bool:
+        """Whether the simulation was somebody else's."""
+        return self.side == CI
+
+    def as_json(self) -> dict[str, JSON]:
+        """Return the entries of a manifest."""
+        if self.client is None:
+            return {"engine": self.name}
+        bus: dict[str, JSON] = {"url": self.url, "client": self.client, "side": self.side}
+        if self.is_bundled:
+            bus["bundle"] = True
+        return {"engine": self.name, "bus": bus}
+
+    @classmethod
+    def from_json(cls, manifest: Mapping[str, Any]) -> Self:
+        """Return what the entries of a manifest say."""
+        bus = manifest.get("bus", {})
+        return cls(
+            name=manifest.get("engine", ""),
+            url=bus.get("url"),
+            client=bus.get("client"),
+            side=bus.get("side", BOTH),
+            is_bundled=bool(bus.get("bundle", False)),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """What a campaign runs on.
+
+    Attributes
+    ----------
+    case
+        Campaign file, as the command line named it.
+    versions
+        Of Python and of the distributions that decide what is found, by name.
+    machine
+        Kind of processor.
+    sha256
+        Hash of every copied file, by name.
+    """
+
+    mission: str = ""
+    case: str = ""
+    engine: EngineRecord = field(default_factory=EngineRecord)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    machine: str = ""
+    sha256: Mapping[str, str] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, JSON]:
+        """Return the manifest as values of JSON."""
+        return {
+            "mission": self.mission,
+            "case": self.case,
+            **self.engine.as_json(),
+            "versions": self.versions,
+            "machine": self.machine,
+            "sha256": self.sha256,
+        }
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Self:
+        """Return the manifest that ``as_json`` described; what is missing is empty."""
+        return cls(
+            mission=values.get("mission", ""),
+            case=values.get("case", ""),
+            engine=EngineRecord.from_json(values),
+            versions=values.get("versions", {}),
+            machine=values.get("machine", ""),
+            sha256=values.get("sha256", {}),
+        )
