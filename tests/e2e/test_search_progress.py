@@ -4,11 +4,11 @@ import pytest
 
 from mrsfi_runtime.cli.progress import PlainLines, share_done
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import Progress
+from mrsfi_runtime.search.campaign import CampaignProgress
 
 
-def state(generation: int, n_evaluations: int = 0, n_failures: int = 0) -> Progress:
-    return Progress(
+def state(generation: int, n_evaluations: int = 0, n_failures: int = 0) -> CampaignProgress:
+    return CampaignProgress(
         generation=generation,
         best=12.0,
         mean=3.456,
@@ -35,7 +35,7 @@ def ticking(seconds: float) -> Iterator[float]:
     ],
 )
 def test_share_done_counts_generations_or_evaluations(
-    settings: CampaignSettings, at: Progress, share: float
+    settings: CampaignSettings, at: CampaignProgress, share: float
 ) -> None:
     assert share_done(settings, at) == share
 

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from mrsfi_runtime.analysis import tables
+from mrsfi_runtime.analysis.drawing_process import Drawing
 from mrsfi_runtime.analysis.fronts import Front, Pick, find_front
-from mrsfi_runtime.analysis.studio import Drawing
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation, Generation

@@ -24,8 +24,8 @@ from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from mrsfi_runtime.analysis.fronts import Front, Pick
+from mrsfi_runtime.analysis.goal_discs import goal_discs, working_window
 from mrsfi_runtime.analysis.patterns import TypePattern
-from mrsfi_runtime.analysis.places import goal_places, working_window
 from mrsfi_runtime.analysis.trend import Trend
 from mrsfi_runtime.model.mission import Mission
 
@@ -98,7 +98,7 @@ def mission_map(mission: Mission) -> Figure:
             robot.id: SERIES[index % len(SERIES)] for index, robot in enumerate(mission.robots)
         }
         near = figure.add_subplot(grid[:, 0])
-        _draw_places(near, mission, colours, is_labelled=True)
+        _draw_mission(near, mission, colours, is_labelled=True)
         x, y, half = working_window(mission)
         near.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
         near.set_anchor("N")
@@ -106,7 +106,7 @@ def mission_map(mission: Mission) -> Figure:
         near.set_title(f"Mission {mission.name}: working area")
 
         far = figure.add_subplot(grid[0, 1])
-        _draw_places(far, mission, colours, is_labelled=False)
+        _draw_mission(far, mission, colours, is_labelled=False)
         centre, radius = mission.area.center, mission.area.radius
         far.add_patch(
             Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, ec=INK, lw=1.2)
@@ -314,26 +314,24 @@ def _draw_pick(axes: Axes, front: Front, pick: Pick) -> None:
     axes.scatter([x], [y], s=150, fc="none", ec=ORANGE, lw=2.2, label=words, zorder=4)
 
 
-def _draw_places(
+def _draw_mission(
     axes: Axes, mission: Mission, colours: Mapping[str, str], *, is_labelled: bool
 ) -> None:
     centre = mission.area.center
     axes.add_patch(
         Circle((centre.x, centre.y), mission.area.radius, fc="#f1f6fa", ec=BLUE, lw=1.4, zorder=0)
     )
-    for place in goal_places(mission):
-        colour = colours.get(place.goal.members[0], SOFT)
+    for disc in goal_discs(mission):
+        colour = colours.get(disc.goal.members[0], SOFT)
+        axes.add_patch(Circle((disc.x, disc.y), disc.radius, fc=colour, alpha=0.14, lw=0, zorder=1))
         axes.add_patch(
-            Circle((place.x, place.y), place.radius, fc=colour, alpha=0.14, lw=0, zorder=1)
-        )
-        axes.add_patch(
-            Circle((place.x, place.y), place.radius, fill=False, ec=colour, lw=1.2, zorder=1.1)
+            Circle((disc.x, disc.y), disc.radius, fill=False, ec=colour, lw=1.2, zorder=1.1)
         )
         if is_labelled:
-            words = f"{place.goal.id} {place.goal.name}"
+            words = f"{disc.goal.id} {disc.goal.name}"
             axes.annotate(
                 words,
-                (place.x, place.y + place.radius),
+                (disc.x, disc.y + disc.radius),
                 (0, 5),
                 textcoords="offset points",
                 ha="center",

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Protocol, TypeAlias
 
 from mrsfi_runtime.analysis import tables
+from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
 from mrsfi_runtime.analysis.figures import Illustration, illustrate
 from mrsfi_runtime.analysis.markdown import report_text
-from mrsfi_runtime.analysis.studio import Draw, draw_here
 from mrsfi_runtime.analysis.summary import Summary, as_json, parameter_values, summarise
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -75,17 +75,17 @@ def write_report(
     with CampaignStore.open(folder) as store:
         evaluations, generations = store.evaluations(), store.generations()
         summary = summarise(folder, store, code.mission, code.pool, ratio, evaluations)
-    places = CampaignFolder(folder)
+    layout = CampaignFolder(folder)
     try:
         shown = tuple(illustrate(summary, code.mission, evaluations, generations))
-        _emptied(places.figures, "figure_*.*")
-        finish = draw([(each.drawing, places.figures / each.name) for each in shown])
-        _write_critical(places, summary, code.pool, write_specification)
-        _write_tables(places, summary, shown, evaluations)
+        _emptied(layout.figures, "figure_*.*")
+        finish = draw([(each.drawing, layout.figures / each.name) for each in shown])
+        _write_critical(layout, summary, code.pool, write_specification)
+        _write_tables(layout, summary, shown, evaluations)
         content = json.dumps(as_json(summary, code.pool), indent=2, ensure_ascii=False)
-        places.summary.write_text(content + "\n", encoding="utf-8")
+        layout.summary.write_text(content + "\n", encoding="utf-8")
         captions = {each.name: each.caption for each in shown}
-        places.report.write_text(report_text(summary, captions), encoding="utf-8")
+        layout.report.write_text(report_text(summary, captions), encoding="utf-8")
         finish()
     except OSError as error:
         message = f"{folder}: cannot write the report: {error}; expected a folder to write to"
@@ -109,25 +109,25 @@ def specification_rows(
 
 
 def _write_critical(
-    places: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
+    layout: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
 ) -> None:
-    _emptied(places.critical, "[0-9][0-9].xmi")
+    _emptied(layout.critical, "[0-9][0-9].xmi")
     for rank, evaluation in enumerate(summary.top, start=1):
         rows = specification_rows(pool, evaluation.specification)
-        write(rows, places.critical / critical_name(rank), f"evaluation_{evaluation.index}")
+        write(rows, layout.critical / critical_name(rank), f"evaluation_{evaluation.index}")
 
 
 def _write_tables(
-    places: CampaignFolder,
+    layout: CampaignFolder,
     summary: Summary,
     shown: Sequence[Illustration],
     evaluations: Sequence[Evaluation],
 ) -> None:
-    _emptied(places.tables, "*.csv")
+    _emptied(layout.tables, "*.csv")
     for each in shown:
-        tables.write_table(places.tables / f"{each.name}.csv", each.rows)
+        tables.write_table(layout.tables / f"{each.name}.csv", each.rows)
     tables.write_table(
-        places.tables / "evaluations.csv",
+        layout.tables / "evaluations.csv",
         tables.evaluations_table(evaluations, summary.measure),
     )
 

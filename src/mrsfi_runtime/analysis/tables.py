@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TypeAlias
 
 from mrsfi_runtime.analysis.fronts import Front
+from mrsfi_runtime.analysis.goal_discs import goal_discs
 from mrsfi_runtime.analysis.patterns import TypePattern
-from mrsfi_runtime.analysis.places import goal_places
 from mrsfi_runtime.analysis.trend import Trend
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation
@@ -46,8 +46,8 @@ def map_table(mission: Mission) -> Rows:
         for obstacle in mission.obstacles
     ]
     rows += [
-        ("goal area", place.goal.id, place.goal.name, place.x, place.y, place.radius)
-        for place in goal_places(mission)
+        ("goal area", disc.goal.id, disc.goal.name, disc.x, disc.y, disc.radius)
+        for disc in goal_discs(mission)
     ]
     return rows
 

@@ -13,11 +13,11 @@ from mrsfi_runtime.study.run_results import MOST_OBJECTIVES
 def quartile_table(comparison: Comparison) -> Table:
     """Return the quartiles of every measure, one line for each measure and algorithm."""
     table = plain_table(("measure", "algorithm"), ("lower quartile", "median", "upper quartile"))
-    for measure in comparison.measures:
+    for criterion in comparison.criteria:
         for number, name in enumerate(comparison.algorithms):
-            found = comparison.quartiles[measure.name][name]
+            found = comparison.quartiles[criterion.name][name]
             table.add_row(
-                Text(measure.name if number == 0 else ""),
+                Text(criterion.name if number == 0 else ""),
                 Text(name),
                 *(number_text(value) for value in (found.lower, found.median, found.upper)),
             )
@@ -48,7 +48,7 @@ def rank_test_table(comparison: Comparison) -> Table:
 
 def legend(comparison: Comparison) -> list[str]:
     """Return what the names of measures mean, line by line."""
-    names = [measure.name for measure in comparison.measures]
+    names = [criterion.name for criterion in comparison.criteria]
     lines = ["fitness      best of a run"]
     if "hypervolume" in names:
         lines.append(

@@ -6,9 +6,9 @@ from typing import Any
 
 import click
 
+from mrsfi_runtime.analysis.drawing_process import DrawingProcess
 from mrsfi_runtime.analysis.figures import map_drawing
 from mrsfi_runtime.analysis.fronts import parse_ratio
-from mrsfi_runtime.analysis.studio import Studio
 from mrsfi_runtime.cli.campaigns import (
     OpenCampaign,
     free_folder,
@@ -112,9 +112,9 @@ def command(
         path, writer = resume, resumed(resume, ctx)
     with writer, open_campaign(path) as campaign:
         _require_ratio(campaign.store.settings, campaign.code.mission, ratio)
-        with Studio(map_drawing(campaign.code.mission)) as studio:
+        with DrawingProcess(map_drawing(campaign.code.mission)) as process:
             _search(campaign, engine.settings(campaign.store.manifest.engine, AUTO), workers)
-            report(campaign, ratio, is_json=is_json, draw=studio.draw)
+            report(campaign, ratio, is_json=is_json, draw=process.draw)
 
 
 def _new_campaign(

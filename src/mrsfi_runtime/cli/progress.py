@@ -4,12 +4,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic
 
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
-from rich.progress import Progress as Bar
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from mrsfi_runtime.cli.console import progress_console, tell
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import Progress
+from mrsfi_runtime.search.campaign import CampaignProgress
 
 _LINES = 100
 """About how many plain lines a long search prints."""
@@ -18,7 +17,7 @@ _LINES = 100
 @contextmanager
 def search_progress(
     settings: CampaignSettings, begun: float = 0.0, clock: Callable[[], float] = monotonic
-) -> Iterator[Callable[[Progress], None]]:
+) -> Iterator[Callable[[CampaignProgress], None]]:
     """Yield the function to call after each generation.
 
     Parameters
@@ -38,12 +37,12 @@ def search_progress(
         TextColumn("best {task.fields[best]:.2f}  mean {task.fields[mean]:.2f}  left"),
         TimeRemainingColumn(),
     )
-    with Bar(*columns, console=console) as bar:
+    with Progress(*columns, console=console) as bar:
         task = bar.add_task("", total=1.0, generation="0", best=0.0, mean=0.0)
 
         bar.update(task, completed=begun)
 
-        def advance(state: Progress) -> None:
+        def advance(state: CampaignProgress) -> None:
             bar.update(
                 task,
                 completed=share_done(settings, state),
@@ -77,7 +76,7 @@ class PlainLines:
         self._began = clock()
         self._told = -1.0
 
-    def __call__(self, state: Progress) -> None:
+    def __call__(self, state: CampaignProgress) -> None:
         """Tell how far the search is after a generation."""
         done = share_done(self._settings, state)
         fresh = done - self._recorded
@@ -93,7 +92,7 @@ class PlainLines:
         )
 
 
-def share_done(settings: CampaignSettings, state: Progress) -> float:
+def share_done(settings: CampaignSettings, state: CampaignProgress) -> float:
     """Return the share of a search that is done, above 0, at most 1."""
     return share(settings, state.generation + 1, state.n_evaluations + state.n_failures)
 
@@ -105,7 +104,7 @@ def share(settings: CampaignSettings, n_generations: int, n_asked: int) -> float
     return min(1.0, n_generations / (settings.generations + 1))
 
 
-def _generation(settings: CampaignSettings, state: Progress) -> str:
+def _generation(settings: CampaignSettings, state: CampaignProgress) -> str:
     if settings.evaluations is not None:
         return str(state.generation)
     width = len(str(settings.generations))

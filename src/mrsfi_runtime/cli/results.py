@@ -8,9 +8,9 @@ import click
 
 from m2t.load import load_mission_folder
 from m2t.specification import write_specification
+from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
 from mrsfi_runtime.analysis.fronts import Front
 from mrsfi_runtime.analysis.report import SpecificationRow, write_report
-from mrsfi_runtime.analysis.studio import Draw, draw_here
 from mrsfi_runtime.analysis.summary import RatioPick, Summary, as_json
 from mrsfi_runtime.cli.campaigns import OpenCampaign
 from mrsfi_runtime.cli.console import print_json, print_table

@@ -14,7 +14,7 @@ from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.search.ledger import EvaluateMany
+from mrsfi_runtime.search.resumable_record import EvaluateMany
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.cluster.connection import Cluster

@@ -28,20 +28,20 @@ from mrsfi_runtime.search.fitness import (
     Score,
     averaged,
 )
-from mrsfi_runtime.search.ledger import (
+from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
+from mrsfi_runtime.search.resumable_record import (
     WORST_FITNESS,
-    Entry,
     EvaluateMany,
     FailedOutcome,
-    Ledger,
     Recorder,
+    Result,
+    ResumableRecord,
 )
-from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
-from mrsfi_runtime.search.overseer import overseen
 from mrsfi_runtime.search.selection import SELECTIONS
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import fault_ticks
 from mrsfi_runtime.search.steps import MUTATIONS
+from mrsfi_runtime.search.user_algorithm import begin_search
 from mrsfi_runtime.search.user_functions import chosen
 from mrsfi_runtime.search.variation import CROSSOVERS
 
@@ -49,7 +49,7 @@ _CHUNK = 100  # specifications that are handed out together, and after which fai
 
 
 @dataclass(frozen=True, slots=True)
-class Progress:
+class CampaignProgress:
     """How far a campaign is, after a generation.
 
     Attributes
@@ -108,7 +108,7 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     pool: FaultPool,
     evaluate_many: EvaluateMany,
     store: Recorder,
-    on_generation: Callable[[Progress], None] = lambda _: None,
+    on_generation: Callable[[CampaignProgress], None] = lambda _: None,
     *,
     replicas: Sequence[EvaluateMany] = (),
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
@@ -118,7 +118,7 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     """Run a search to its end and record every evaluation, but for those recorded already.
 
     Whatever ends the run early, what was evaluated until then is recorded. Only the death of
-    the process loses evaluations: the few that ``Ledger.keep`` had not written yet.
+    the process loses evaluations: the few that ``ResumableRecord.keep`` had not written yet.
 
     Parameters
     ----------
@@ -151,13 +151,13 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     if len(replicas) != settings.replications - 1:
         message = f"found {len(replicas)} replicas; expected {settings.replications - 1}"
         raise ValueError(message)
-    algorithm = overseen(SearchSpace.of(mission, pool), settings, algorithms)
-    ledger = Ledger(store, settings.source, clock)
+    algorithm = begin_search(SearchSpace.of(mission, pool), settings, algorithms)
+    record = ResumableRecord(store, settings.source, clock)
     judge = Judge(settings, mission, fitness_functions)
     evaluators = (evaluate_many, *replicas)
-    assessment = _Assessment(settings, mission.duration, judge, evaluators, ledger)
+    assessment = _Assessment(settings, mission.duration, judge, evaluators, record)
     index = 0
-    with ledger.writing():
+    with record.writing():
         while not algorithm.is_finished:
             summary = algorithm.tell(assessment.scores_of(algorithm.ask(), index))
             progress = assessment.progress(summary)
@@ -167,8 +167,8 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
                 population=assessment.evaluation_indexes(summary),
                 random_state=algorithm.random_state(),
             )
-            if not ledger.has(generation):
-                ledger.keep(generation)
+            if not record.has(generation):
+                record.keep(generation)
                 on_generation(progress)
             index += 1
     return assessment.archive
@@ -183,14 +183,14 @@ class _Assessment:
         duration: int,
         judge: Judge,
         evaluators: Sequence[EvaluateMany],
-        ledger: Ledger,
+        record: ResumableRecord,
     ) -> None:
         self.archive = Archive()
         self._settings = settings
         self._duration = duration
         self._judge = judge
         self._evaluators = evaluators
-        self._ledger = ledger
+        self._record = record
         self._indexes: list[int | None] = []  # evaluation of each specification asked for
         self._n_evaluations = 0
         self._last_failure = ""
@@ -201,41 +201,42 @@ class _Assessment:
         for first in range(0, len(specifications), _CHUNK):
             chunk = specifications[first : first + _CHUNK]
             n_failures = self._n_failures
-            with closing(self._entries(chunk, generation)) as entries:
-                scores += [self._counted(entry) for entry in entries]
+            with closing(self._results(chunk, generation)) as results:
+                scores += [self._counted(result) for result in results]
             if self._n_failures > n_failures:
                 self._require_few_failures()
         return scores
 
-    def _entries(
+    def _results(
         self, specifications: Sequence[Specification], generation: int
-    ) -> Generator[Entry, None, None]:
+    ) -> Generator[Result, None, None]:
         """Yield what is recorded of a chunk, then evaluate and record the rest."""
         number = len(self._indexes)
-        recorded = self._ledger.recorded(number, self._n_evaluations, specifications, generation)
-        for place, entry in enumerate(recorded, number):
-            self._require_same_score(entry, place)
-            yield entry
+        recorded = self._record.recorded(number, self._n_evaluations, specifications, generation)
+        for place, result in enumerate(recorded, number):
+            self._require_same_score(result, place)
+            yield result
         rest = specifications[len(recorded) :]
         if not rest:
             return
-        results = zip(*(evaluate(rest) for evaluate in self._evaluators), strict=True)
-        for specification, found in zip(rest, results, strict=True):
-            entry = self._entry(specification, found, generation)
-            yield entry
-            self._ledger.keep(entry)
+        flown = zip(*(evaluate(rest) for evaluate in self._evaluators), strict=True)
+        for specification, found in zip(rest, flown, strict=True):
+            result = self._result(specification, found, generation)
+            yield result
+            self._record.keep(result)
 
-    def _entry(
+    def _result(
         self,
         specification: Specification,
         found: Sequence[Outcome | FailedOutcome],
         generation: int,
-    ) -> Entry:
-        outcomes = [result for result in found if isinstance(result, Outcome)]
-        for result in found:
-            if not isinstance(result, Outcome):
+    ) -> Result:
+        outcomes = []
+        for flown in found:
+            if not isinstance(flown, Outcome):
                 number = len(self._indexes)
-                return FailedEvaluation(number, generation, specification, result.traceback)
+                return FailedEvaluation(number, generation, specification, flown.traceback)
+            outcomes.append(flown)
         return Evaluation(
             index=self._n_evaluations,
             generation=generation,
@@ -249,31 +250,31 @@ class _Assessment:
         """Return what the record keeps of a score; the rest follows from the first outcome."""
         return (score.fitness,) if len(self._evaluators) == 1 else (score.fitness, *score.goals)
 
-    def _score(self, entry: Evaluation) -> Score:
+    def _score(self, result: Evaluation) -> Score:
         if len(self._evaluators) == 1:
-            return Score(entry.fitness[0], self._judge.goals(entry.outcome))
-        return Score(entry.fitness[0], entry.fitness[1:])
+            return Score(result.fitness[0], self._judge.goals(result.outcome))
+        return Score(result.fitness[0], result.fitness[1:])
 
-    def _require_same_score(self, entry: Entry, place: int) -> None:
+    def _require_same_score(self, result: Result, place: int) -> None:
         """Refuse a record whose fitness function was another one.
 
         With replications the record lacks the outcomes that a mean comes from.
         """
-        if isinstance(entry, Evaluation) and len(self._evaluators) == 1:
-            score = self._judge.score(entry.outcome)
-            if self._recorded(score) != entry.fitness:
-                raise RecordError(self._ledger.astray(f"the fitness of specification {place}"))
+        if isinstance(result, Evaluation) and len(self._evaluators) == 1:
+            score = self._judge.score(result.outcome)
+            if self._recorded(score) != result.fitness:
+                raise RecordError(self._record.astray(f"the fitness of specification {place}"))
 
-    def _counted(self, entry: Entry) -> Score:
-        """Count an entry, offer it to the archive, and return its score."""
-        if isinstance(entry, FailedEvaluation):
+    def _counted(self, result: Result) -> Score:
+        """Count a result, offer it to the archive, and return its score."""
+        if isinstance(result, FailedEvaluation):
             self._indexes.append(None)
-            self._last_failure = entry.traceback
+            self._last_failure = result.traceback
             return Score(WORST_FITNESS, (0.0,) * self._judge.n_goals)
-        self._indexes.append(entry.index)
+        self._indexes.append(result.index)
         self._n_evaluations += 1
-        score = self._score(entry)
-        self.archive.add(entry.index, entry.specification, score)
+        score = self._score(result)
+        self.archive.add(result.index, result.specification, score)
         return score
 
     def _require_few_failures(self) -> None:
@@ -295,11 +296,11 @@ class _Assessment:
         indexes = (self._indexes[number] for number in summary.population)
         return tuple(index for index in indexes if index is not None)
 
-    def progress(self, summary: GenerationSummary) -> Progress:
+    def progress(self, summary: GenerationSummary) -> CampaignProgress:
         """Return how far the campaign is and enter the generation in the logbook."""
         self.archive.log(summary.index, summary.statistics)
         best = self.archive.hall_of_fame
-        return Progress(
+        return CampaignProgress(
             generation=summary.index,
             best=best[0].fitness.values[0] if best else WORST_FITNESS,
             mean=summary.statistics["mean"],

@@ -27,7 +27,7 @@ SCHEMA = 1
 
 
 @dataclass(frozen=True, slots=True)
-class Measure:
+class Criterion:
     """A number by which runs are compared.
 
     Attributes
@@ -82,7 +82,7 @@ class Comparison:
     algorithms: tuple[str, ...]
     seeds: tuple[int, ...]
     runs: tuple[RunResult, ...]
-    measures: tuple[Measure, ...]
+    criteria: tuple[Criterion, ...]
     quartiles: Mapping[str, Mapping[str, Quartiles]]
     tests: tuple[PairTest, ...]
 
@@ -102,49 +102,49 @@ def compare(algorithms: Sequence[str], runs: Sequence[RunResult]) -> Comparison:
         All on one mission, with one number of evaluations.
     """
     ordered = tuple(sorted(runs, key=lambda run: (algorithms.index(run.algorithm), run.seed)))
-    measures = _measures(ordered)
+    criteria = _criteria(ordered)
     values = {
-        measure.name: {
-            name: [measure.value(run) for run in ordered if run.algorithm == name]
+        criterion.name: {
+            name: [criterion.value(run) for run in ordered if run.algorithm == name]
             for name in algorithms
         }
-        for measure in measures
+        for criterion in criteria
     }
     return Comparison(
         algorithms=tuple(algorithms),
         seeds=tuple(sorted({run.seed for run in runs})),
         runs=ordered,
-        measures=measures,
+        criteria=criteria,
         quartiles={
             measure: {name: quartiles(found) for name, found in by_algorithm.items()}
             for measure, by_algorithm in values.items()
         },
         tests=tuple(
             test
-            for measure in measures
-            if measure.is_tested
-            for test in _tests(measure, values[measure.name])
+            for criterion in criteria
+            if criterion.is_tested
+            for test in _tests(criterion, values[criterion.name])
         ),
     )
 
 
-def _measures(runs: Sequence[RunResult]) -> tuple[Measure, ...]:
+def _criteria(runs: Sequence[RunResult]) -> tuple[Criterion, ...]:
     """Return what can be told of the runs; a number of goals that none broke is left out."""
-    measures = [Measure("fitness", "best fitness", True, lambda run: run.best_fitness)]
+    criteria = [Criterion("fitness", "best fitness", True, lambda run: run.best_fitness)]
     if all(run.hypervolume is not None for run in runs):
-        measures.append(
-            Measure("hypervolume", "hypervolume", True, lambda run: run.hypervolume or 0.0)
+        criteria.append(
+            Criterion("hypervolume", "hypervolume", True, lambda run: run.hypervolume or 0.0)
         )
     for name, words in (("at_once", "by one specification"), ("together", "by all so far")):
         n_most = max(sum(place is not None for place in getattr(run, name)) for run in runs)
-        measures += [_breaking(name, n_goals, words) for n_goals in range(1, n_most + 1)]
-    size = Measure("front_size", "front size", True, lambda run: run.front_size, is_tested=False)
-    time = Measure("seconds", "wall time (s)", False, lambda run: run.seconds, is_tested=False)
-    return (*measures, size, time)
+        criteria += [_breaking(name, n_goals, words) for n_goals in range(1, n_most + 1)]
+    size = Criterion("front_size", "front size", True, lambda run: run.front_size, is_tested=False)
+    time = Criterion("seconds", "wall time (s)", False, lambda run: run.seconds, is_tested=False)
+    return (*criteria, size, time)
 
 
-def _breaking(name: str, n_goals: int, words: str) -> Measure:
-    return Measure(
+def _breaking(name: str, n_goals: int, words: str) -> Criterion:
+    return Criterion(
         f"{name}_{n_goals}",
         f"evaluations to break {n_goals} goal{'s' if n_goals > 1 else ''} {words}",
         False,
@@ -152,15 +152,15 @@ def _breaking(name: str, n_goals: int, words: str) -> Measure:
     )
 
 
-def _tests(measure: Measure, values: Mapping[str, Sequence[float]]) -> list[PairTest]:
-    sign = 1.0 if measure.is_more_better else -1.0
+def _tests(criterion: Criterion, values: Mapping[str, Sequence[float]]) -> list[PairTest]:
+    sign = 1.0 if criterion.is_more_better else -1.0
     pairs = list(combinations(values, 2))
     found = [
         compare_ranks([sign * v for v in values[first]], [sign * v for v in values[second]])
         for first, second in pairs
     ]
     return [
-        PairTest(measure.name, first, second, ranks, adjusted)
+        PairTest(criterion.name, first, second, ranks, adjusted)
         for (first, second), ranks, adjusted in zip(
             pairs, found, holm([ranks.p_value for ranks in found]), strict=True
         )

@@ -215,7 +215,7 @@ def runs_table(comparison: Comparison) -> Rows:
             "seed",
             "n_evaluations",
             "n_failures",
-            *(measure.name for measure in comparison.measures),
+            *(criterion.name for criterion in comparison.criteria),
             "digest",
         )
     ]
@@ -225,7 +225,7 @@ def runs_table(comparison: Comparison) -> Rows:
             run.seed,
             run.n_evaluations,
             run.n_failures,
-            *(_cell(measure.value(run)) for measure in comparison.measures),
+            *(_cell(criterion.value(run)) for criterion in comparison.criteria),
             run.digest,
         )
         for run in comparison.runs

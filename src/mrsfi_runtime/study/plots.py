@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter
 
 from mrsfi_runtime.analysis.plots import INK, PAPER, SERIES, drawing, legend_below, whole_numbers
-from mrsfi_runtime.study.comparison import Comparison, Measure
+from mrsfi_runtime.study.comparison import Comparison, Criterion
 from mrsfi_runtime.study.rank_tests import Quartiles, quartiles
 from mrsfi_runtime.study.run_results import RunResult
 
@@ -18,18 +18,18 @@ def illustrate(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
     """Yield the figures of a comparison with their names."""
     yield "results", results(comparison)
     yield "course", course(comparison)
-    if any(measure.name.startswith("at_once") for measure in comparison.measures):
+    if any(criterion.name.startswith("at_once") for criterion in comparison.criteria):
         yield "goals", goals(comparison)
 
 
 def results(comparison: Comparison) -> Figure:
     """Draw every run's best fitness and hypervolume, with median and quartiles."""
-    shown = [m for m in comparison.measures if m.name in ("fitness", "hypervolume")]
+    shown = [m for m in comparison.criteria if m.name in ("fitness", "hypervolume")]
     with drawing((5.2 * len(shown), 1.7 + 0.55 * len(comparison.algorithms))) as figure:
-        for number, measure in enumerate(shown):
+        for number, criterion in enumerate(shown):
             axes = figure.add_subplot(1, len(shown), number + 1)
-            axes.set_title(measure.title.capitalize())
-            _draw_runs(axes, comparison, measure)
+            axes.set_title(criterion.title.capitalize())
+            _draw_runs(axes, comparison, criterion)
             axes.set_yticks(
                 range(len(comparison.algorithms)),
                 labels=comparison.algorithms if not number else [],
@@ -38,11 +38,11 @@ def results(comparison: Comparison) -> Figure:
     return figure
 
 
-def _draw_runs(axes: Axes, comparison: Comparison, measure: Measure) -> None:
+def _draw_runs(axes: Axes, comparison: Comparison, criterion: Criterion) -> None:
     for row, name in enumerate(comparison.algorithms):
         runs = comparison.of(name)
-        values = [measure.value(run) for run in runs]
-        found = comparison.quartiles[measure.name][name]
+        values = [criterion.value(run) for run in runs]
+        found = comparison.quartiles[criterion.name][name]
         spread = [row + 0.3 * ((7 * number % 11) / 10 - 0.5) for number in range(len(runs))]
         axes.hlines(row, found.lower, found.upper, color=INK, lw=5, alpha=0.3, label="quartiles")
         axes.scatter([found.median], [row], marker="|", s=320, color=INK, lw=2.5, label="median")
@@ -82,7 +82,7 @@ def goals(comparison: Comparison) -> Figure:
 
     A quartile that was never reached stands at the upper edge, above the last evaluation.
     """
-    shown = [m for m in comparison.measures if m.name.startswith("at_once")]
+    shown = [m for m in comparison.criteria if m.name.startswith("at_once")]
     edge = 2.0 * max(run.n_evaluations for run in comparison.runs)
     with drawing((8.4, 4.8)) as figure:
         axes = figure.add_subplot()
@@ -92,7 +92,7 @@ def goals(comparison: Comparison) -> Figure:
         for row, name in enumerate(comparison.algorithms):
             shift = 0.5 * ((row + 0.5) / n_algorithms - 0.5)
             places = [number + shift for number in range(1, len(shown) + 1)]
-            found = [comparison.quartiles[measure.name][name] for measure in shown]
+            found = [comparison.quartiles[criterion.name][name] for criterion in shown]
             lower, medians, upper = (
                 [min(getattr(at, part), edge) for at in found]
                 for part in ("lower", "median", "upper")

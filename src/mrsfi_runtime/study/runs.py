@@ -18,7 +18,7 @@ from mrsfi_runtime.record.lock import only_writer
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
-from mrsfi_runtime.search.ledger import EvaluateMany
+from mrsfi_runtime.search.resumable_record import EvaluateMany
 from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.run_results import RunResult, measure_run
 

@@ -12,7 +12,7 @@ from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.archive import Archive
-from mrsfi_runtime.search.campaign import EvaluateMany, Progress, run_campaign
+from mrsfi_runtime.search.campaign import CampaignProgress, EvaluateMany, run_campaign
 from mrsfi_runtime.search.specifications import fault_ticks
 from tests.support.search import (
     MemoryRecorder,
@@ -36,7 +36,7 @@ class Run:
 
     def __post_init__(self) -> None:
         self.recorder = MemoryRecorder()
-        self.progress: list[Progress] = []
+        self.progress: list[CampaignProgress] = []
 
     def start(self) -> Archive:
         return run_campaign(

@@ -42,7 +42,7 @@ def test_runs_stand_by_algorithm_as_given_and_by_seed() -> None:
 
 
 def test_measures_that_no_run_reached_are_left_out() -> None:
-    names = [measure.name for measure in three().measures]
+    names = [criterion.name for criterion in three().criteria]
 
     assert names == [
         "fitness",
@@ -59,7 +59,7 @@ def test_measures_that_no_run_reached_are_left_out() -> None:
 def test_hypervolume_is_left_out_where_it_was_not_computed() -> None:
     runs = [replace(one, hypervolume=None) for one in three().runs]
 
-    names = [measure.name for measure in compare(("bad", "good", "fair"), runs).measures]
+    names = [criterion.name for criterion in compare(("bad", "good", "fair"), runs).criteria]
 
     assert "hypervolume" not in names
 

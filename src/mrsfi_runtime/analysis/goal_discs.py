@@ -1,4 +1,4 @@
-"""Where in the mission things are: the goals' areas, and the window that shows them all."""
+"""The discs that goals are about, and the window of a map that shows them all."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ from mrsfi_runtime.model.mission import ROBOT_RADIUS, Goal, Mission
 
 
 @dataclass(frozen=True, slots=True)
-class GoalPlace:
+class GoalDisc:
     """A disc that a goal is about, in distance units."""
 
     goal: Goal
@@ -15,13 +15,13 @@ class GoalPlace:
     radius: float
 
 
-def goal_places(mission: Mission) -> tuple[GoalPlace, ...]:
+def goal_discs(mission: Mission) -> tuple[GoalDisc, ...]:
     """Return the discs that the goals' tasks read, in model order.
 
     Goals whose area plays no part in their task have none.
     """
     return tuple(
-        GoalPlace(goal, area.center.x, area.center.y, area.radius + goal.terms.tolerance)
+        GoalDisc(goal, area.center.x, area.center.y, area.radius + goal.terms.tolerance)
         for goal in mission.goals
         if (area := goal.terms.area) is not None
     )
@@ -35,7 +35,7 @@ def working_window(mission: Mission) -> tuple[float, float, float]:
     tuple of float
         Centre x, centre y and half width, in distance units.
     """
-    discs = [(place.x, place.y, place.radius) for place in goal_places(mission)]
+    discs = [(disc.x, disc.y, disc.radius) for disc in goal_discs(mission)]
     discs += [(robot.position.x, robot.position.y, ROBOT_RADIUS) for robot in mission.robots]
     discs += [
         (obstacle.area.center.x, obstacle.area.center.y, obstacle.area.radius)

@@ -1,6 +1,7 @@
 """Controls that tell where ``guided`` begins from how it searches.
 
-Algorithms for ``mrsfi compare``, named ``beginnings:NAME`` with this folder on Python's path:
+Algorithms for ``mrsfi compare``, named ``first_populations:NAME`` with this folder on the path of
+Python:
 
 - ``long_windows``: random search with windows as long as they fit; values are the pool's, as in
   plain random search.
@@ -11,7 +12,7 @@ Algorithms for ``mrsfi compare``, named ``beginnings:NAME`` with this folder on 
 
 For example, from the project's folder::
 
-    PYTHONPATH=benchmarks mrsfi compare uuv_sampling --algorithms guided,beginnings:both
+    PYTHONPATH=benchmarks mrsfi compare uuv_sampling --algorithms guided,first_populations:both
 """
 
 from collections.abc import Callable

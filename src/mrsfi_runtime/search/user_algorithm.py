@@ -1,4 +1,4 @@
-"""Keeps an eye on functions that a team wrote: what they make must be what a search may fly."""
+"""A search of which a team wrote a part: what it makes must be what may be flown."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,20 +13,20 @@ from mrsfi_runtime.search.user_functions import chosen, told_by_line
 _OPERATORS = ("algorithm", "crossover_operator", "mutation_operator")
 
 
-def overseen(
+def begin_search(
     space: SearchSpace, settings: CampaignSettings, algorithms: Mapping[str, AlgorithmFactory]
 ) -> Algorithm:
-    """Begin the search that settings name; watch it if a team wrote a part of it."""
+    """Begin the search that settings name; check what it makes if a team wrote a part of it."""
     algorithm = chosen(settings, "algorithm", algorithms)(space, settings)
     written = [name for name in (getattr(settings, key) for key in _OPERATORS) if ":" in name]
     if not written:
         return algorithm
     where = f"{settings.source}: [search] {' or '.join(repr(name) for name in written)}"
-    return _Overseen(algorithm, space, where)
+    return _UserAlgorithm(algorithm, space, where)
 
 
 @dataclass(frozen=True, slots=True)
-class _Overseen:
+class _UserAlgorithm:
     algorithm: Algorithm
     space: SearchSpace
     where: str

@@ -15,7 +15,7 @@ WORST_FITNESS = 0.0
 
 _PATIENCE = 20  # a write comes no sooner than so many times as long as the last one took
 
-Entry: TypeAlias = Evaluation | FailedEvaluation
+Result: TypeAlias = Evaluation | FailedEvaluation
 """What became of one specification that the search asked for."""
 
 
@@ -56,7 +56,7 @@ class Recorder(Protocol):
         """Keep evaluations, failures and finished generations, all or none."""
 
 
-class Ledger:
+class ResumableRecord:
     """The record of a campaign in the order in which its search asked.
 
     Parameters
@@ -74,13 +74,13 @@ class Ledger:
         self._source = source
         self._clock = clock
         self._due = -inf  # when the next write may come
-        self._pending: list[Entry | Generation] = []
+        self._pending: list[Result | Generation] = []
         self._failures = {failure.number: failure for failure in store.failures()}
         self._n_recorded = store.n_evaluations + len(self._failures)
 
     def recorded(
         self, number: int, index: int, specifications: Sequence[Specification], generation: int
-    ) -> list[Entry]:
+    ) -> list[Result]:
         """Return what a record from before has of specifications: all, the first ones or none.
 
         Parameters
@@ -97,13 +97,13 @@ class Ledger:
         """
         n_known = max(0, min(len(specifications), self._n_recorded - number))
         evaluations = iter(self._store.evaluations(index, n_known) if n_known else ())
-        entries: list[Entry] = []
+        results: list[Result] = []
         for place, asked in enumerate(specifications[:n_known], number):
-            entry = self._failures.get(place) or next(evaluations, None)
-            if entry is None or (entry.specification, entry.generation) != (asked, generation):
+            result = self._failures.get(place) or next(evaluations, None)
+            if result is None or (result.specification, result.generation) != (asked, generation):
                 raise RecordError(self.astray(f"specification {place} of the search"))
-            entries.append(entry)
-        return entries
+            results.append(result)
+        return results
 
     def has(self, generation: Generation) -> bool:
         """Return whether a generation is recorded.
@@ -135,13 +135,13 @@ class Ledger:
         finally:
             self._write()
 
-    def keep(self, entry: Entry | Generation) -> None:
-        """Write a new entry or a finished generation, at once or with later ones.
+    def keep(self, result: Result | Generation) -> None:
+        """Write a new result or a finished generation, at once or with later ones.
 
         At once, unless writing would then take more than a small share of the time; those that
         wait are lost if the process is killed.
         """
-        self._pending.append(entry)
+        self._pending.append(result)
         begin = self._clock()
         if begin >= self._due:
             self._write()
@@ -149,10 +149,10 @@ class Ledger:
             self._due = end + _PATIENCE * (end - begin)
 
     def _write(self) -> None:
-        entries, self._pending = self._pending, []  # first: an interrupt must not write them twice
-        if entries:
+        results, self._pending = self._pending, []  # first: an interrupt must not write them twice
+        if results:
             self._store.append(
-                [entry for entry in entries if isinstance(entry, Evaluation)],
-                [entry for entry in entries if isinstance(entry, FailedEvaluation)],
-                [entry for entry in entries if isinstance(entry, Generation)],
+                [result for result in results if isinstance(result, Evaluation)],
+                [result for result in results if isinstance(result, FailedEvaluation)],
+                [result for result in results if isinstance(result, Generation)],
             )

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.analysis.studio import Drawing, Studio, draw_here
+from mrsfi_runtime.analysis.drawing_process import Drawing, DrawingProcess, draw_here
 from tests.support.campaigns import mission
 
 
@@ -10,8 +10,8 @@ def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
     drawing = Drawing("mission_map", (mission(),))
     draw_here([(drawing, tmp_path / "here")])()
 
-    with Studio() as studio:
-        studio.draw([(drawing, tmp_path / "there")])()
+    with DrawingProcess() as drawing_process:
+        drawing_process.draw([(drawing, tmp_path / "there")])()
 
     for suffix in (".png", ".svg"):
         here, there = (tmp_path / f"{name}{suffix}" for name in ("here", "there"))
@@ -21,15 +21,15 @@ def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
 def test_what_saving_met_is_raised_here(tmp_path: Path) -> None:
     drawings = [(Drawing("mission_map", (mission(),)), tmp_path / "missing" / "map")]
 
-    with Studio() as studio, pytest.raises(FileNotFoundError, match="missing"):
-        studio.draw(drawings)()
+    with DrawingProcess() as drawing_process, pytest.raises(FileNotFoundError, match="missing"):
+        drawing_process.draw(drawings)()
 
 
 def test_what_cannot_be_drawn_anywhere_is_raised_here(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with Studio() as studio, pytest.raises(AttributeError, match="no_such_figure"):
-        studio.draw([(Drawing("no_such_figure", ()), tmp_path / "figure")])()
+    with DrawingProcess() as drawing_process, pytest.raises(AttributeError, match="no_such_figure"):
+        drawing_process.draw([(Drawing("no_such_figure", ()), tmp_path / "figure")])()
 
     assert "no_such_figure" in capfd.readouterr().err
 
@@ -38,33 +38,33 @@ def test_a_studio_that_is_killed_leaves_the_drawing_to_this_process(tmp_path: Pa
     drawing = Drawing("mission_map", (mission(),))
     draw_here([(drawing, tmp_path / "here")])()
 
-    with Studio() as studio:
-        studio._process.kill()
-        studio._process.wait()
-        studio.draw([(drawing, tmp_path / "there")])()
+    with DrawingProcess() as drawing_process:
+        drawing_process._process.kill()
+        drawing_process._process.wait()
+        drawing_process.draw([(drawing, tmp_path / "there")])()
 
     assert (tmp_path / "there.svg").read_bytes() == (tmp_path / "here.svg").read_bytes()
 
 
 @pytest.mark.parametrize("error", [None, KeyboardInterrupt])
 def test_a_studio_that_never_draws_ends_with_its_block(error: type[BaseException] | None) -> None:
-    studio = Studio()
+    drawing_process = DrawingProcess()
 
     try:
-        with studio:
+        with drawing_process:
             if error is not None:
                 raise error
     except KeyboardInterrupt:
         pass
 
-    assert studio._process.returncode is not None
+    assert drawing_process._process.returncode is not None
 
 
 def test_what_was_drawn_ahead_is_the_same(tmp_path: Path) -> None:
     drawing = Drawing("mission_map", (mission(),))
     draw_here([(drawing, tmp_path / "here")])()
 
-    with Studio(drawing) as studio:
-        studio.draw([(drawing, tmp_path / "there")])()
+    with DrawingProcess(drawing) as drawing_process:
+        drawing_process.draw([(drawing, tmp_path / "there")])()
 
     assert (tmp_path / "there.svg").read_bytes() == (tmp_path / "here.svg").read_bytes()

@@ -27,7 +27,7 @@ class Drawing:
 Drawings: TypeAlias = Sequence[tuple[Drawing, Path]]
 """Drawings with the path of each one's files, without suffix."""
 
-Files: TypeAlias = Mapping[str, bytes]
+FigureFiles: TypeAlias = Mapping[str, bytes]
 """What the files of a figure hold, by suffix."""
 
 Draw: TypeAlias = Callable[[Drawings], Callable[[], None]]
@@ -39,7 +39,7 @@ def draw_here(drawings: Drawings) -> Callable[[], None]:
     return partial(_draw, drawings, [])
 
 
-def _draw(drawings: Drawings, ready: Sequence[tuple[Drawing, Files]]) -> None:
+def _draw(drawings: Drawings, ready: Sequence[tuple[Drawing, FigureFiles]]) -> None:
     """Save figures, those that are ready as they are."""
     for drawing, stem in drawings:
         files = next((files for known, files in ready if known == drawing), None)
@@ -47,13 +47,13 @@ def _draw(drawings: Drawings, ready: Sequence[tuple[Drawing, Files]]) -> None:
             stem.with_suffix(suffix).write_bytes(content)
 
 
-def _drawn(drawing: Drawing) -> Files:
+def _drawn(drawing: Drawing) -> FigureFiles:
     from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - matplotlib takes its time
 
     return plots.rendered(getattr(plots, drawing.function)(*drawing.arguments))
 
 
-class Studio:
+class DrawingProcess:
     """A process that draws once; it ends with the ``with`` block, or when this process does.
 
     Parameters
