@@ -21,8 +21,8 @@ from pathlib import Path
 
 from m2t.manifest import GENERATOR, MANIFEST, PENDING, Manifest, dumps, loads
 from m2t.protected_regions import (
-    Document,
     FileRecord,
+    GeneratedFile,
     is_hand_written,
     merge,
     parse,
@@ -33,7 +33,7 @@ from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class GenerationPlan:
     """What a generation would do.
 
     Attributes
@@ -84,7 +84,7 @@ class GenerationResult:
 
 def plan_files(
     target: Path, rendered: Mapping[str, str], sources: Mapping[str, str], *, force: bool = False
-) -> Plan:
+) -> GenerationPlan:
     """Merge rendered files with those that stand in a folder; write nothing.
 
     Parameters
@@ -107,30 +107,30 @@ def plan_files(
     """
     manifests = _manifests(target)
     remembered = {name: None for manifest in manifests for name in manifest.files}
-    documents = _documents(target, [*rendered, *(name for name in remembered)])
+    standing = _standing(target, [*rendered, *(name for name in remembered)])
     records = {
         name: tuple(manifest.files[name] for manifest in manifests if name in manifest.files)
-        for name in documents
+        for name in standing
     }
     contents: dict[str, str] = {}
     files: dict[str, FileRecord] = {}
     for name, text in rendered.items():
         generated = parse(text, f"{target / name} (as generated)")
         files[name] = record_of(generated)
-        old = documents.get(name)
+        old = standing.get(name)
         contents[name] = merge(generated, old, records[name], force=force) if old else text
-    gone = tuple(name for name in remembered if name in documents and name not in rendered)
+    gone = tuple(name for name in remembered if name in standing and name not in rendered)
     for name in gone:
-        _require_no_code(documents[name], records[name])
-    existing = {name: document.text for name, document in documents.items()}
+        _require_no_code(standing[name], records[name])
+    existing = {name: file.text for name, file in standing.items()}
     recorded = _read(target / MANIFEST)
     if recorded is not None:
         existing[MANIFEST] = recorded
     is_unfinished = (target / PENDING).exists()
     settled = {
-        name: _settled(documents[name], records[name]) for name in remembered & documents.keys()
+        name: _settled(standing[name], records[name]) for name in remembered & standing.keys()
     }
-    return Plan(
+    return GenerationPlan(
         target,
         existing,
         contents,
@@ -140,7 +140,7 @@ def plan_files(
     )
 
 
-def write(plan: Plan) -> GenerationResult:
+def write(plan: GenerationPlan) -> GenerationResult:
     """Carry out a plan, as the module describes; what does not change is not touched.
 
     Raises
@@ -161,7 +161,7 @@ def write(plan: Plan) -> GenerationResult:
     return GenerationResult(changed, unchanged, plan.gone)
 
 
-def _replace(plan: Plan, changed: tuple[str, ...]) -> None:
+def _replace(plan: GenerationPlan, changed: tuple[str, ...]) -> None:
     target = plan.target.resolve()
     staging = target.parent / f".{target.name}.staging"
     if staging.exists():
@@ -202,13 +202,13 @@ def _manifests(target: Path) -> list[Manifest]:
     return found
 
 
-def _documents(target: Path, names: list[str]) -> dict[str, Document]:
-    documents = {}
+def _standing(target: Path, names: list[str]) -> dict[str, GeneratedFile]:
+    standing = {}
     for name in names:
         text = _read(target / name)
         if text is not None:
-            documents[name] = parse(text, str(target / name))
-    return documents
+            standing[name] = parse(text, str(target / name))
+    return standing
 
 
 def _read(path: Path) -> str | None:
@@ -224,11 +224,11 @@ def _read(path: Path) -> str | None:
     return text.replace("\r\n", "\n")
 
 
-def _settled(document: Document, records: tuple[FileRecord, ...]) -> FileRecord:
+def _settled(file: GeneratedFile, records: tuple[FileRecord, ...]) -> FileRecord:
     """Return the record of an existing file, taking from each record what is true of it."""
-    skeleton = text_hash(document.skeleton)
+    skeleton = text_hash(file.skeleton)
     regions = dict(records[0].regions)
-    for region in document.regions.values():
+    for region in file.regions.values():
         body = text_hash(region.body)
         if any(record.regions.get(region.id) == body for record in records):
             regions[region.id] = body
@@ -236,9 +236,9 @@ def _settled(document: Document, records: tuple[FileRecord, ...]) -> FileRecord:
     return FileRecord(skeleton if is_known else records[0].skeleton, regions)
 
 
-def _require_no_code(document: Document, records: tuple[FileRecord, ...]) -> None:
-    if is_hand_written(document, records):
+def _require_no_code(file: GeneratedFile, records: tuple[FileRecord, ...]) -> None:
+    if is_hand_written(file, records):
         raise ProtectedRegionError(
-            f"{document.name}: is no longer generated but holds hand-written code; "
+            f"{file.name}: is no longer generated but holds hand-written code; "
             "move the code elsewhere and delete the file"
         )

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from jinja2 import Environment
 
-from m2t.emit import GenerationResult, Plan, plan_files, write
+from m2t.emit import GenerationPlan, GenerationResult, plan_files, write
 from m2t.environment import template_environment
 from m2t.line_difference import unified_difference
 from m2t.load import LoadedModels, load_mission_folder
@@ -65,7 +65,7 @@ def generate(models: Path, target: Path, *, force: bool = False) -> GenerationRe
     return write(plan(models, target, force=force))
 
 
-def plan(models: Path, target: Path, *, force: bool = False) -> Plan:
+def plan(models: Path, target: Path, *, force: bool = False) -> GenerationPlan:
     """Return what ``generate`` would do with the same arguments; write nothing."""
     loaded = load_mission_folder(models)
     rendered = {str(kind.target): _render(kind(), loaded) for kind in VISITORS}

@@ -57,7 +57,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Document:
+class GeneratedFile:
     """A generated file, cut into skeleton text and regions, in order."""
 
     name: str
@@ -98,13 +98,13 @@ def text_hash(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def record_of(document: Document) -> FileRecord:
+def record_of(file: GeneratedFile) -> FileRecord:
     """Return what the manifest is to remember of a file as generated, before any merge."""
-    regions = {region.id: text_hash(region.body) for region in document.regions.values()}
-    return FileRecord(text_hash(document.skeleton), regions)
+    regions = {region.id: text_hash(region.body) for region in file.regions.values()}
+    return FileRecord(text_hash(file.skeleton), regions)
 
 
-def parse(text: str, name: str) -> Document:
+def parse(text: str, name: str) -> GeneratedFile:
     r"""Cut a file into skeleton and regions.
 
     Parameters
@@ -132,7 +132,7 @@ class _Parser:
         self.seen: dict[str, int] = {}
         self.opened: tuple[re.Match[str], str, int] | None = None
 
-    def parse(self, text: str) -> Document:
+    def parse(self, text: str) -> GeneratedFile:
         for number, line in enumerate(text_lines(text), start=1):
             content = line.removesuffix("\n")
             marker = _MARKER.fullmatch(content)
@@ -155,7 +155,7 @@ class _Parser:
                 number, f"protected region '{marker['id']}' has no end; put its end marker back"
             )
         self.close_skeleton()
-        return Document(self.name, tuple(self.parts))
+        return GeneratedFile(self.name, tuple(self.parts))
 
     def begin(self, marker: re.Match[str], line: str, number: int) -> None:
         region = marker["id"]
@@ -207,7 +207,11 @@ def text_lines(text: str) -> list[str]:
 
 
 def merge(
-    generated: Document, existing: Document, records: tuple[FileRecord, ...], *, force: bool = False
+    generated: GeneratedFile,
+    existing: GeneratedFile,
+    records: tuple[FileRecord, ...],
+    *,
+    force: bool = False,
 ) -> str:
     """Return the generated file with the hand-written code of the existing one.
 
@@ -239,14 +243,14 @@ def merge(
     return text
 
 
-def is_hand_written(existing: Document, records: tuple[FileRecord, ...]) -> bool:
+def is_hand_written(existing: GeneratedFile, records: tuple[FileRecord, ...]) -> bool:
     """Return whether anything in a file was edited since it was generated."""
     return not any(text_hash(existing.skeleton) == record.skeleton for record in records) or any(
         _is_edited(region, records) for region in existing.regions.values()
     )
 
 
-def _merged(region: Region, existing: Document, records: tuple[FileRecord, ...]) -> str:
+def _merged(region: Region, existing: GeneratedFile, records: tuple[FileRecord, ...]) -> str:
     old = existing.regions.get(region.id)
     if old is None:
         return region.text
@@ -266,7 +270,7 @@ def _is_edited(region: Region, records: tuple[FileRecord, ...]) -> bool:
 
 
 def _require_no_orphans(
-    generated: Document, existing: Document, records: tuple[FileRecord, ...]
+    generated: GeneratedFile, existing: GeneratedFile, records: tuple[FileRecord, ...]
 ) -> None:
     """Refuse to drop a region that holds code; one that was emptied may go."""
     orphans = [
@@ -288,7 +292,7 @@ def _require_no_orphans(
 
 
 def _require_generated_skeleton(
-    existing: Document, records: tuple[FileRecord, ...], text: str
+    existing: GeneratedFile, records: tuple[FileRecord, ...], text: str
 ) -> None:
     """Refuse to overwrite a skeleton that no record knows; ``text`` is what would replace it."""
     place = f"{existing.name}:{_first_difference(existing.text, text)}"

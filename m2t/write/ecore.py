@@ -8,14 +8,50 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from pyecore.ecore import EAttribute, EClass, EEnum, EOperation, EProxy, EReference
+from pyecore.ecore import EAnnotation, EProxy, EReference
 
 from m2t.namespaces import ECORE, XMI, XSI
-from m2t.write.xmi import ATTRIBUTE_ESCAPES, encoded, escaped
+from m2t.write.xmi import ATTRIBUTE_ESCAPES, element_lines, encoded, escaped
 from mrsfi_runtime.errors import ModelError
 
 _WIDTH = 80
 _NO_HREFS: Mapping[Any, str] = MappingProxyType({})
+
+_ATTRIBUTES: Mapping[str, object] = MappingProxyType(
+    {
+        **dict.fromkeys(("name", "nsURI", "nsPrefix", "source", "instanceClassName")),
+        **dict.fromkeys(("abstract", "interface"), False),
+        "value": 0,
+        "literal": None,
+        **dict.fromkeys(("ordered", "unique"), True),
+        "lowerBound": 0,
+        "upperBound": 1,
+        "eType": None,
+        **dict.fromkeys(("eSuperTypes", "eExceptions", "references")),
+        "changeable": True,
+        **dict.fromkeys(("volatile", "transient"), False),
+        "defaultValueLiteral": None,
+        **dict.fromkeys(("unsettable", "derived", "iD", "containment"), False),
+        **dict.fromkeys(("serializable", "resolveProxies"), True),
+        "eOpposite": None,
+    }
+)
+"""Attributes in the order of Eclipse, each with its default, whatever element they belong to."""
+
+_CHILDREN = (
+    "eAnnotations",
+    "eClassifiers",
+    "eSubpackages",
+    "eOperations",
+    "eParameters",
+    "eStructuralFeatures",
+    "eLiterals",
+)
+"""Containments in the order of Eclipse."""
+
+_TYPED = frozenset({"eClassifiers", "eStructuralFeatures"})
+_ON = frozenset({"serializable", "resolveProxies"})
+_GENERIC = ("eTypeParameters", "eGenericSuperTypes", "eGenericExceptions", "contents")
 
 
 def dumps_metamodel(
@@ -61,98 +97,50 @@ class _EcoreWriter:
 
     def document(self) -> Iterator[str]:
         """Return the lines of the root element."""
-        lines = list(self._package_content(self._root, "  "))
+        lines = list(self._children(self._root, "  "))
         head = [("xmi:version", "2.0"), ("xmlns:xmi", XMI)]
         if any(" xsi:type=" in line for line in lines):
             head.append(("xmlns:xsi", XSI))
         head.append(("xmlns:ecore", ECORE))
-        tag = "<ecore:EPackage"
+        start = "<ecore:EPackage"
         # Eclipse inserts the namespaces last, so that they do not count for what follows.
-        own = _broken(tag, "", self._package_attributes(self._root)).removeprefix(tag)
-        yield from _closed(_broken(tag, "", head) + own, "", "ecore:EPackage", lines)
+        own = [_broken(start, "", each) for each in (head, self._attributes(self._root))]
+        attributes = "".join(text.removeprefix(start) for text in own)
+        yield from element_lines("", "ecore:EPackage", attributes, lines)
 
-    def _package_attributes(self, package: Any) -> list[tuple[str, str]]:
-        return _given(package, ("name", "nsURI", "nsPrefix"))
+    def _children(self, element: Any, indent: str) -> Iterator[str]:
+        for name in (name for name in _CHILDREN if _feature(element, name) is not None):
+            for child in getattr(element, name):
+                kind = [("xsi:type", f"ecore:{_kind(child)}")] if name in _TYPED else []
+                attributes = kind + self._attributes(child)
+                lines = list(self._children(child, indent + "  "))
+                yield from _element(indent, name, attributes, lines)
+        for key, value in element.details.items() if isinstance(element, EAnnotation) else ():
+            entry = [("key", key)] + ([] if value is None else [("value", value)])
+            yield from _element(indent, "details", entry, [])
 
-    def _package_content(self, package: Any, indent: str) -> Iterator[str]:
-        yield from self._annotations(package, indent)
-        for classifier in package.eClassifiers:
-            yield from self._classifier(classifier, indent)
-        for inner in package.eSubpackages:
-            lines = list(self._package_content(inner, indent + "  "))
-            yield from _element(indent, "eSubpackages", self._package_attributes(inner), lines)
+    def _attributes(self, element: Any) -> list[tuple[str, str]]:
+        """Return what an element says in attributes: all that is not the default."""
+        _require_plain(element)
+        found = []
+        for name, usual in _ATTRIBUTES.items():
+            feature = _feature(element, name)
+            value = None if feature is None else getattr(element, name)
+            if isinstance(feature, EReference):
+                value = self._names(name, value if feature.many else [value])
+            if name in _ON and feature not in element._isset:  # noqa: SLF001 # eIsSet asks the class
+                value = None  # pyecore takes it for off by default
+            if value is not None and value != usual:
+                found.append((name, str(value).lower() if isinstance(value, bool) else str(value)))
+        return found
 
-    def _classifier(self, classifier: Any, indent: str) -> Iterator[str]:
-        _require_plain(classifier, ("eTypeParameters", "eGenericSuperTypes"))
-        attributes = [("xsi:type", f"ecore:{_kind(classifier)}")]
-        attributes += _given(classifier, ("name", "instanceClassName"))
-        lines = list(self._annotations(classifier, indent + "  "))
-        if isinstance(classifier, EClass):
-            attributes += _switched(classifier, ("abstract", "interface"), default=False)
-            attributes += self._names("eSuperTypes", classifier.eSuperTypes)
-            for operation in classifier.eOperations:
-                lines += self._operation(operation, indent + "  ")
-            for feature in classifier.eStructuralFeatures:
-                lines += self._feature(feature, indent + "  ")
-        else:
-            attributes += _switched_if_set(classifier, "serializable")
-        if isinstance(classifier, EEnum):
-            for literal in classifier.eLiterals:
-                lines += self._literal(literal, indent + "  ")
-        yield from _element(indent, "eClassifiers", attributes, lines)
-
-    def _literal(self, literal: Any, indent: str) -> Iterator[str]:
-        attributes = _given(literal, ("name",))
-        if literal.value:
-            attributes.append(("value", str(literal.value)))
-        if literal.literal is not None:
-            attributes.append(("literal", literal.literal))
-        lines = list(self._annotations(literal, indent + "  "))
-        yield from _element(indent, "eLiterals", attributes, lines)
-
-    def _operation(self, operation: Any, indent: str) -> Iterator[str]:
-        _require_plain(operation, ("eTypeParameters", "eGenericExceptions"))
-        attributes = self._typed(operation) + self._names("eExceptions", operation.eExceptions)
-        lines = list(self._annotations(operation, indent + "  "))
-        for parameter in operation.eParameters:
-            inner = list(self._annotations(parameter, indent + "    "))
-            lines += _element(indent + "  ", "eParameters", self._typed(parameter), inner)
-        yield from _element(indent, "eOperations", attributes, lines)
-
-    def _feature(self, feature: Any, indent: str) -> Iterator[str]:
-        attributes = [("xsi:type", f"ecore:{_kind(feature)}"), *self._typed(feature)]
-        attributes += _switched(feature, ("changeable",), default=True)
-        attributes += _switched(feature, ("volatile", "transient"), default=False)
-        attributes += _given(feature, ("defaultValueLiteral",))
-        attributes += _switched(feature, ("unsettable", "derived"), default=False)
-        if isinstance(feature, EAttribute):
-            attributes += _switched(feature, ("iD",), default=False)
-        else:
-            attributes += _switched(feature, ("containment",), default=False)
-            attributes += _switched_if_set(feature, "resolveProxies")
-            opposite = [] if feature.eOpposite is None else [feature.eOpposite]
-            attributes += self._names("eOpposite", opposite)
-        lines = list(self._annotations(feature, indent + "  "))
-        yield from _element(indent, "eStructuralFeatures", attributes, lines)
-
-    def _typed(self, element: Any) -> list[tuple[str, str]]:
-        attributes = _given(element, ("name",))
-        attributes += _switched(element, ("ordered", "unique"), default=True)
-        if element.lowerBound:
-            attributes.append(("lowerBound", str(element.lowerBound)))
-        if element.upperBound != 1:
-            attributes.append(("upperBound", str(element.upperBound)))
-        kind = _resolved(element.eType)
-        if kind is None:
-            _require_plain(element, ("eGenericType",))
-            return attributes
-        target = self._name(kind)
-        prefix = "" if target.startswith("#") else f"ecore:{_kind(kind)} "
-        return [*attributes, ("eType", prefix + target)]
-
-    def _names(self, attribute: str, values: Any) -> list[tuple[str, str]]:
-        names = [self._name(_resolved(value)) for value in values]
-        return [(attribute, " ".join(names))] if names else []
+    def _names(self, attribute: str, values: Any) -> str | None:
+        """Return the names of what a reference leads to; that of a type with its kind."""
+        targets = [_resolved(value) for value in values if value is not None]
+        names = [self._name(target) for target in targets]
+        if attribute == "eType" and names and not names[0].startswith("#"):
+            names[0] = f"ecore:{_kind(targets[0])} {names[0]}"
+        return " ".join(names) or None
 
     def _name(self, element: Any) -> str:
         """Return how references name an element, such as ``mission.ecore#//Robot/name``."""
@@ -173,23 +161,19 @@ class _EcoreWriter:
             "one whose file is known; give its address"
         )
 
-    def _annotations(self, element: Any, indent: str) -> Iterator[str]:
-        for annotation in element.eAnnotations:
-            _require_plain(annotation, ("contents",))
-            attributes = _given(annotation, ("source",))
-            attributes += self._names("references", annotation.references)
-            lines = list(self._annotations(annotation, indent + "  "))
-            for key, value in annotation.details.items():
-                entry = [("key", key)] + ([] if value is None else [("value", value)])
-                lines += _element(indent + "  ", "details", entry, [])
-            yield from _element(indent, "eAnnotations", attributes, lines)
+
+def _feature(element: Any, name: str) -> Any:
+    """Return the feature of Ecore that an element has by a name, if there is one."""
+    return type(element).eClass.findEStructuralFeature(name)
 
 
 def _element(
     indent: str, name: str, attributes: list[tuple[str, str]], lines: list[str]
 ) -> Iterator[str]:
     """Yield the lines of an element."""
-    yield from _closed(_broken(f"{indent}<{name}", indent, attributes), indent, name, lines)
+    start = f"{indent}<{name}"
+    head = _broken(start, indent, attributes).removeprefix(start)
+    yield from element_lines(indent, name, head, lines)
 
 
 def _broken(start: str, indent: str, attributes: list[tuple[str, str]]) -> str:
@@ -205,38 +189,11 @@ def _broken(start: str, indent: str, attributes: list[tuple[str, str]]) -> str:
     return done + line
 
 
-def _closed(start: str, indent: str, name: str, lines: list[str]) -> Iterator[str]:
-    if not lines:
-        yield f"{start}/>"
-        return
-    yield f"{start}>"
-    yield from lines
-    yield f"{indent}</{name}>"
-
-
-def _given(element: Any, names: tuple[str, ...]) -> list[tuple[str, str]]:
-    """Return the texts that an element has, by name."""
-    found = ((name, getattr(element, name)) for name in names)
-    return [(name, str(value)) for name, value in found if value is not None]
-
-
-def _switched(element: Any, names: tuple[str, ...], *, default: bool) -> list[tuple[str, str]]:
-    """Return the switches of an element that differ from their default."""
-    found = ((name, bool(getattr(element, name))) for name in names)
-    return [(name, str(value).lower()) for name, value in found if value is not default]
-
-
-def _switched_if_set(element: Any, name: str) -> list[tuple[str, str]]:
-    """Return a switch that is on unless it was set: pyecore takes it for off by default."""
-    feature = type(element).eClass.findEStructuralFeature(name)
-    is_off = feature in element._isset and not getattr(element, name)  # noqa: SLF001 # eIsSet asks the class
-    return [(name, "false")] if is_off else []
-
-
-def _require_plain(element: Any, names: tuple[str, ...]) -> None:
+def _require_plain(element: Any) -> None:
     """Refuse what this writer would lose."""
-    for name in names:
-        if getattr(element, name, None):
+    generic = _GENERIC if getattr(element, "eType", None) else (*_GENERIC, "eGenericType")
+    for name in generic:
+        if _feature(element, name) is not None and getattr(element, name):
             raise ModelError(
                 f"metamodel element '{getattr(element, 'name', 'annotation')}' has {name}; "
                 "expected plain classes and types; remove the generic part"
@@ -245,10 +202,7 @@ def _require_plain(element: Any, names: tuple[str, ...]) -> None:
 
 def _kind(element: Any) -> str:
     """Return the Ecore class of an element."""
-    for kind in (EClass, EEnum, EReference, EAttribute, EOperation):
-        if isinstance(element, kind):
-            return str(kind.__name__)
-    return "EDataType"
+    return str(type(element).eClass.name)
 
 
 def _container(element: Any) -> Any:

@@ -172,13 +172,13 @@ class _Writer:
             attributes, lines = self._content(self._roots[0], "  ")
             identity = self._identity(self._roots[0])
             return list(
-                _element("", _tag(self._roots[0]), self._head() + identity + attributes, lines)
+                element_lines("", _tag(self._roots[0]), self._head() + identity + attributes, lines)
             )
         lines = []
         for root in self._roots:
             attributes, inner = self._content(root, "    ")
-            lines.extend(_element("  ", _tag(root), self._identity(root) + attributes, inner))
-        return list(_element("", "xmi:XMI", self._head(), lines))
+            lines.extend(element_lines("  ", _tag(root), self._identity(root) + attributes, inner))
+        return list(element_lines("", "xmi:XMI", self._head(), lines))
 
     def _head(self) -> str:
         xsi = f' xmlns:xsi="{XSI}"' if self._uses_xsi else ""
@@ -223,7 +223,7 @@ class _Writer:
                 continue
             attributes, lines = self._content(value, indent + "  ")
             head = kind + self._identity(value) + attributes
-            yield from _element(indent, slot.name, head, lines)
+            yield from element_lines(indent, slot.name, head, lines)
 
     def _reference(self, slot: Slot, value: Any, kind: str, indent: str) -> str:
         target = f"{self._address(value)}#{self._fragment(value)}"
@@ -327,7 +327,8 @@ def _tag(root: Any) -> str:
     return f"{root.eClass.ePackage.nsPrefix}:{root.eClass.name}"
 
 
-def _element(indent: str, name: str, attributes: str, lines: list[str]) -> Iterator[str]:
+def element_lines(indent: str, name: str, attributes: str, lines: list[str]) -> Iterator[str]:
+    """Yield the lines of an element: its tags around those of what it holds."""
     if not lines:
         yield f"{indent}<{name}{attributes}/>"
         return
