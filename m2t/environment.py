@@ -167,10 +167,10 @@ def _tuple_of(entries: list[str]) -> str:
     return f"({entries[0]},)" if len(entries) == 1 else f"({', '.join(entries)})"
 
 
-def template_environment() -> Environment:
-    """Return the environment that renders ``m2t/templates``; an undefined name is an error."""
+def template_environment(folder: str = "templates") -> Environment:
+    """Return the environment that renders a folder of ``m2t``; an undefined name is an error."""
     environment = Environment(
-        loader=PackageLoader("m2t"),
+        loader=PackageLoader("m2t", folder),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -21,7 +21,8 @@ from pyecore.ecore import (
 )
 
 from generated.metamodel import elements, faults, mission
-from m2t.classes import class_files, main, write_classes
+from m2t.classes.__main__ import main
+from m2t.classes.generator import class_files, write_classes
 from m2t.load import LoadedFile, LoadedModels, load_mission_folder
 from m2t.metamodels import load_metamodels
 from m2t.saving import save, saved

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 from pyecore.ecore import EClass, EEnum
 
-from m2t.class_names import (
+from m2t.classes.names import (
     global_name,
     identifier_of,
     python_name,

@@ -1,0 +1,1 @@
+"""Static Python classes of the metamodels; ``python -m m2t.classes`` generates them."""
