@@ -5,14 +5,14 @@ References
 Source paper, section III-E.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from random import Random
 from types import MappingProxyType
-from typing import Any
-
-from deap import base
+from typing import Any, TypeAlias
 
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.search.breeding import Breeder
 from mrsfi_runtime.search.deap_algorithms import (
     ea_generate_update,
     ea_mu_comma_lambda,
@@ -21,14 +21,12 @@ from mrsfi_runtime.search.deap_algorithms import (
     nsga2,
 )
 from mrsfi_runtime.search.guided import guided
-from mrsfi_runtime.search.individuals import Individual, mate, mutate
-from mrsfi_runtime.search.loop import Algorithm, AlgorithmFactory, GenerationalLoop
-from mrsfi_runtime.search.selection import SELECTIONS, Selection, uniform
+from mrsfi_runtime.search.individuals import Individual
+from mrsfi_runtime.search.loop import Algorithm, AlgorithmFactory
+from mrsfi_runtime.search.selection import uniform
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
-from mrsfi_runtime.search.steps import MUTATIONS
-from mrsfi_runtime.search.user_functions import chosen
-from mrsfi_runtime.search.variation import CROSSOVERS
+
+_Select: TypeAlias = Callable[[Sequence[Individual]], list[Individual]]
 
 
 def paper(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -39,62 +37,32 @@ def paper(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     Source paper, section III-E. An offspring that variation left as its parent was keeps
     the parent's fitness and is not evaluated again.
     """
-    return _evolution(space, settings, chosen(settings, "selection", SELECTIONS))
+    breeder = Breeder(space, settings)
+    return _evolution(breeder, settings, breeder.select)
 
 
 def drift(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Return the paper's loop without selection pressure: variation alone, as a control."""
-    return _evolution(space, settings, uniform)
+    breeder = Breeder(space, settings)
+    select = partial(uniform, n_selected=breeder.size, rng=breeder.rng)
+    return _evolution(breeder, settings, select)
 
 
 def random_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Return a control that draws every generation afresh."""
-    rng = Random(settings.seed)
-    return GenerationalLoop(settings, rng, lambda _: _random_population(space, settings, rng))
+    breeder = Breeder(space, settings)
+    return breeder.loop(lambda _: breeder.first())
 
 
-def _evolution(space: SearchSpace, settings: CampaignSettings, select: Selection) -> Algorithm:
-    rng = Random(settings.seed)
-    toolbox = base.Toolbox()
-    toolbox.register("population", _random_population, space, settings, rng)
-    toolbox.register("select", lambda parents: select(parents, settings.population, rng))
-    toolbox.register("clone", Individual.clone)
-    toolbox.register(
-        "mate",
-        mate,
-        space=space,
-        rng=rng,
-        operator=chosen(settings, "crossover_operator", CROSSOVERS),
-    )
-    toolbox.register(
-        "mutate",
-        mutate,
-        space=space,
-        rng=rng,
-        share=settings.mutation_share,
-        operator=chosen(settings, "mutation_operator", MUTATIONS),
-    )
-    return GenerationalLoop(
-        settings, rng, lambda parents: _offspring(parents, settings, rng, toolbox)
-    )
+def _evolution(breeder: Breeder, settings: CampaignSettings, select: _Select) -> Algorithm:
+    rng, toolbox = breeder.rng, breeder.toolbox(breeder.rng)
+    return breeder.loop(lambda parents: _varied(select(parents), settings, rng, toolbox))
 
 
-def _random_population(
-    space: SearchSpace, settings: CampaignSettings, rng: Random
+def _varied(
+    selected: Sequence[Individual], settings: CampaignSettings, rng: Random, toolbox: Any
 ) -> list[Individual]:
-    return [
-        Individual(random_specification(space, settings.faults, rng))
-        for _ in range(settings.population)
-    ]
-
-
-def _offspring(
-    parents: Sequence[Individual], settings: CampaignSettings, rng: Random, toolbox: Any
-) -> list[Individual]:
-    if not parents:
-        first: list[Individual] = toolbox.population()
-        return first
-    offspring = [toolbox.clone(parent) for parent in toolbox.select(parents)]
+    offspring = [toolbox.clone(parent) for parent in selected]
     for one, other in zip(offspring[::2], offspring[1::2], strict=False):  # an odd one stays alone
         if rng.random() < settings.crossover:
             toolbox.mate(one, other)
