@@ -151,5 +151,4 @@ def _shown_pick(summary: Summary, front: Front) -> Pick | None:
     if pick is None or pick.point is None or set(pick.ratio.goals) != set(front.goals):
         return None
     drawn = {point.evaluation: point for point in front.points}
-    point = drawn.get(pick.point.evaluation)
-    return None if point is None else Pick(pick.ratio, point)
+    return Pick(pick.ratio, drawn.get(pick.point.evaluation), front.goals)

@@ -83,10 +83,19 @@ def find_front(measure: Measure, evaluations: Iterable[Evaluation], goals: Seque
 
 @dataclass(frozen=True, slots=True)
 class Pick:
-    """A point of a front to mark, and the ratio that it was picked by."""
+    """The point of a front that comes nearest to a wanted ratio.
+
+    Attributes
+    ----------
+    point
+        ``None`` if no specification violates a goal of the ratio.
+    goals
+        Goals of the front, in the order of the point's violations.
+    """
 
     ratio: Ratio
-    point: FrontPoint
+    point: FrontPoint | None
+    goals: tuple[str, ...]
 
 
 def parse_ratio(text: str) -> Ratio:

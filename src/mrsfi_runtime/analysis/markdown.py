@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from mrsfi_runtime.analysis.fronts import Front
+from mrsfi_runtime.analysis.fronts import Front, Pick
 from mrsfi_runtime.analysis.ranking import score
-from mrsfi_runtime.analysis.summary import RatioPick, Summary
+from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.trend import Trend
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure, ticks
@@ -54,7 +54,7 @@ def trend_in_words(trend: Trend) -> str:
     )
 
 
-def pick_in_words(pick: RatioPick, measure: Measure) -> str:
+def pick_in_words(pick: Pick, measure: Measure) -> str:
     """Return one sentence on the specification that comes nearest to a ratio."""
     if pick.point is None:
         goals = " nor ".join(pick.ratio.goals)

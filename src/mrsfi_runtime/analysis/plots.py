@@ -23,7 +23,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from mrsfi_runtime.analysis.fronts import Front, Pick
+from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Pick, Ratio
 from mrsfi_runtime.analysis.goal_discs import goal_discs, working_window
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.trend import Trend
@@ -197,8 +197,8 @@ def whole_front(front: Front, cloud: Sequence[tuple[float, ...]], pick: Pick | N
         xs, ys = zip(*(point.violations for point in front.points), strict=True)
         words = f"non-dominated ({len(front.points)})"
         axes.scatter(xs, ys, s=52, color=BLUE, ec=PAPER, lw=0.7, label=words, zorder=3)
-        if pick is not None:
-            _draw_pick(axes, front, pick)
+        if pick is not None and pick.point is not None:
+            _draw_pick(axes, pick.ratio, pick.point, front.goals)
         legend_below(figure, ncols=3)
     return figure
 
@@ -302,15 +302,14 @@ def _staircase(axes: Axes, front: Front, colour: str) -> None:
     axes.step(xs, ys, where="pre", color=colour, lw=1.2, alpha=0.75, zorder=2)
 
 
-def _draw_pick(axes: Axes, front: Front, pick: Pick) -> None:
-    order = [pick.ratio.goals.index(goal) for goal in front.goals]
-    parts = [pick.ratio.parts[index] for index in order]
-    x, y = pick.point.violations
+def _draw_pick(axes: Axes, ratio: Ratio, point: FrontPoint, goals: Sequence[str]) -> None:
+    parts = [ratio.parts[ratio.goals.index(goal)] for goal in goals]
+    x, y = point.violations
     scale = min(end / part for end, part in zip((x, y), parts, strict=True) if part)
     axes.plot(
         [0, parts[0] * scale], [0, parts[1] * scale], color=ORANGE, ls=(0, (5, 3)), lw=1.3, zorder=2
     )
-    words = f"nearest to {pick.ratio}: evaluation {pick.point.evaluation}"
+    words = f"nearest to {ratio}: evaluation {point.evaluation}"
     axes.scatter([x], [y], s=150, fc="none", ec=ORANGE, lw=2.2, label=words, zorder=4)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from mrsfi_runtime.analysis.fronts import (
     Front,
-    FrontPoint,
+    Pick,
     Ratio,
     find_front,
     nearest_ratio,
@@ -26,23 +26,6 @@ SCHEMA = 1
 """Version of ``summary.json``."""
 
 N_TOP = 10
-
-
-@dataclass(frozen=True, slots=True)
-class RatioPick:
-    """The specification of a front that comes nearest to a wanted ratio.
-
-    Attributes
-    ----------
-    point
-        ``None`` if no specification violates a goal of the ratio.
-    goals
-        Goals of the front, in the order of the point's violations.
-    """
-
-    ratio: Ratio
-    point: FrontPoint | None
-    goals: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +59,7 @@ class Summary:
     digest: str
     top: tuple[Evaluation, ...]
     front: Front | None
-    pick: RatioPick | None
+    pick: Pick | None
     trend: Trend
     patterns: tuple[TypePattern, ...]
 
@@ -169,11 +152,11 @@ def _front_goals(settings: CampaignSettings, wanted: Ratio | None) -> tuple[str,
 
 def _pick(
     measure: Measure, evaluations: tuple[Evaluation, ...], front: Front | None, wanted: Ratio
-) -> RatioPick:
+) -> Pick:
     """Pick from the campaign's front, or from one over the ratio's own goals if that lacks them."""
     if front is None or not set(wanted.goals) <= set(front.goals):
         front = find_front(measure, evaluations, wanted.goals)
-    return RatioPick(wanted, nearest_ratio(front, wanted), front.goals)
+    return Pick(wanted, nearest_ratio(front, wanted), front.goals)
 
 
 def _ranked(summary: Summary, pool: FaultPool, evaluation: Evaluation) -> dict[str, Any]:
@@ -217,7 +200,7 @@ def _front(front: Front | None) -> dict[str, Any] | None:
     }
 
 
-def _picked(pick: RatioPick | None) -> dict[str, Any] | None:
+def _picked(pick: Pick | None) -> dict[str, Any] | None:
     if pick is None:
         return None
     return {

@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import astuple, fields
 from pathlib import Path
 from typing import TypeAlias
 
@@ -9,7 +10,7 @@ from mrsfi_runtime.analysis.fronts import Front
 from mrsfi_runtime.analysis.goal_discs import goal_discs
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.trend import Trend
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.mission import Area, Mission
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
 
@@ -27,91 +28,54 @@ def write_table(path: Path, rows: Rows) -> Path:
 
 def map_table(mission: Mission) -> Rows:
     """Return everything with a place in the mission, in distance units."""
-    area = mission.area
-    rows: Rows = [("kind", "id", "name", "x", "y", "radius")]
-    rows.append(("mission area", area.id, mission.name, area.center.x, area.center.y, area.radius))
-    rows += [
-        ("robot", robot.id, robot.name, robot.position.x, robot.position.y, 1.0)
-        for robot in mission.robots
+
+    def row(kind: str, identifier: str, name: str, area: Area) -> tuple[Cell, ...]:
+        return kind, identifier, name, area.center.x, area.center.y, area.radius
+
+    return [
+        ("kind", "id", "name", "x", "y", "radius"),
+        row("mission area", mission.area.id, mission.name, mission.area),
+        *(
+            ("robot", each.id, each.name, each.position.x, each.position.y, 1.0)
+            for each in mission.robots
+        ),
+        *(row("obstacle", each.id, "", each.area) for each in mission.obstacles),
+        *(
+            ("goal area", disc.goal.id, disc.goal.name, disc.x, disc.y, disc.radius)
+            for disc in goal_discs(mission)
+        ),
     ]
-    rows += [
-        (
-            "obstacle",
-            obstacle.id,
-            "",
-            obstacle.area.center.x,
-            obstacle.area.center.y,
-            obstacle.area.radius,
-        )
-        for obstacle in mission.obstacles
-    ]
-    rows += [
-        ("goal area", disc.goal.id, disc.goal.name, disc.x, disc.y, disc.radius)
-        for disc in goal_discs(mission)
-    ]
-    return rows
 
 
 def mean_table(trend: Trend) -> Rows:
     """Return mean and standard deviation of fitness per generation."""
-    rows: Rows = [("generation", "mean", "std")]
-    rows += [(row.generation, row.mean, row.std) for row in trend.generations]
-    return rows
+    rows = ((row.generation, row.mean, row.std) for row in trend.generations)
+    return [("generation", "mean", "std"), *rows]
 
 
 def best_table(trend: Trend) -> Rows:
     """Return the best fitness per generation."""
-    rows: Rows = [("generation", "best")]
-    rows += [(row.generation, row.best) for row in trend.generations]
-    return rows
+    return [("generation", "best"), *((row.generation, row.best) for row in trend.generations)]
 
 
 def generation_fronts_table(fronts: Mapping[int, Front], goals: Sequence[str]) -> Rows:
     """Return the front of each of some generations, by generation."""
-    rows: Rows = [("generation", "evaluation", *goals)]
-    rows += [
-        (generation, point.evaluation, *point.violations)
-        for generation, front in fronts.items()
-        for point in front.points
-    ]
-    return rows
+    rows = (
+        (generation, *row) for generation, front in fronts.items() for row in front_table(front)[1:]
+    )
+    return [("generation", "evaluation", *goals), *rows]
 
 
 def front_table(front: Front) -> Rows:
     """Return the points of a front."""
-    rows: Rows = [("evaluation", *front.goals)]
-    rows += [(point.evaluation, *point.violations) for point in front.points]
-    return rows
+    rows = ((point.evaluation, *point.violations) for point in front.points)
+    return [("evaluation", *front.goals), *rows]
 
 
 def patterns_table(patterns: Iterable[TypePattern]) -> Rows:
     """Return the occurrences of every fault type, with what its base share would give."""
-    rows: Rows = [
-        (
-            "type",
-            "occurrences",
-            "specifications",
-            "share",
-            "pool_share",
-            "campaign_share",
-            "pool_expected",
-            "campaign_expected",
-        )
-    ]
-    rows += [
-        (
-            pattern.type,
-            pattern.n_occurrences,
-            pattern.n_specifications,
-            pattern.share,
-            pattern.pool_share,
-            pattern.campaign_share,
-            pattern.pool_expected,
-            pattern.campaign_expected,
-        )
-        for pattern in patterns
-    ]
-    return rows
+    header = tuple(field.name.removeprefix("n_") for field in fields(TypePattern))
+    return [header, *map(astuple, patterns)]
 
 
 def evaluations_table(evaluations: Iterable[Evaluation], measure: Measure) -> Rows:
@@ -120,18 +84,8 @@ def evaluations_table(evaluations: Iterable[Evaluation], measure: Measure) -> Ro
     The counts are those of the first mission seed.
     """
     kinds = ("believed", "true", "phantom", "masked")
-    rows: Rows = [
-        (
-            "evaluation",
-            "generation",
-            "fitness",
-            "n_faults",
-            "fault_ticks",
-            *(f"{kind}_{goal}" for kind in kinds for goal in measure.goals),
-            "digest",
-        )
-    ]
-    rows += [
+    counted = (f"{kind}_{goal}" for kind in kinds for goal in measure.goals)
+    rows = (
         (
             evaluation.index,
             evaluation.generation,
@@ -142,5 +96,6 @@ def evaluations_table(evaluations: Iterable[Evaluation], measure: Measure) -> Ro
             evaluation.outcome.digest,
         )
         for evaluation in evaluations
-    ]
-    return rows
+    )
+    first = ("evaluation", "generation", "fitness", "n_faults", "fault_ticks")
+    return [(*first, *counted, "digest"), *rows]

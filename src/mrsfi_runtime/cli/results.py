@@ -9,9 +9,9 @@ import click
 from m2t.load import load_mission_folder
 from m2t.specification import write_specification
 from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
-from mrsfi_runtime.analysis.fronts import Front
+from mrsfi_runtime.analysis.fronts import Front, Pick
 from mrsfi_runtime.analysis.report import SpecificationRow, write_report
-from mrsfi_runtime.analysis.summary import RatioPick, Summary, as_json
+from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.cli.campaigns import OpenCampaign
 from mrsfi_runtime.cli.console import print_json, print_table
 from mrsfi_runtime.cli.tables import critical_table, plain_table
@@ -71,7 +71,7 @@ def _print_front(front: Front) -> None:
     print_table(title, table)
 
 
-def _picked(campaign: OpenCampaign, pick: RatioPick, measure: Measure) -> str:
+def _picked(campaign: OpenCampaign, pick: Pick, measure: Measure) -> str:
     if pick.point is None:
         return f"nearest to {pick.ratio}: none, because no specification violates these goals"
     violations = measure.by_goal(campaign.store.evaluation(pick.point.evaluation))

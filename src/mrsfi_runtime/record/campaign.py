@@ -7,11 +7,10 @@ earlier one.
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from sqlite3 import Connection
-from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from mrsfi_runtime.errors import RecordError, UsageError
@@ -87,7 +86,7 @@ class FailedEvaluation:
     traceback: str
 
 
-class CampaignStore:
+class CampaignStore(AbstractContextManager["CampaignStore"]):
     """Read and extend one campaign; use ``create`` or ``open``, and close it.
 
     Attributes
@@ -144,15 +143,7 @@ class CampaignStore:
         """Close the file; everything appended stays."""
         self._connection.close()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def append(

@@ -4,67 +4,51 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
 from mrsfi_runtime.errors import RecordError
 
 
-@dataclass(frozen=True, slots=True)
 class CampaignFolder:
     """The folder ``runs/<name>`` of one campaign.
 
     ``model`` and ``generated`` are copies of what the campaign runs on, so that a replay does
     not depend on what was edited since.
+
+    Attributes
+    ----------
+    model
+        Copy of the mission folder: models and campaign settings.
+    generated
+        Copy of the generated code with its hand-written regions.
+    database
+        Every evaluation and generation.
+    lock
+        Locked by the process that runs the campaign.
+    critical
+        The most critical specifications as XMI.
+    figures
+        Plots as PNG and SVG.
+    tables
+        Numbers behind the figures as CSV.
+    summary
+        What a script reads of the report.
+    report
+        What a person reads.
     """
 
-    path: Path
-
-    @property
-    def model(self) -> Path:
-        """Copy of the mission folder: models and campaign settings."""
-        return self.path / "model"
-
-    @property
-    def generated(self) -> Path:
-        """Copy of the generated code with its hand-written regions."""
-        return self.path / "generated"
-
-    @property
-    def database(self) -> Path:
-        """Every evaluation and generation."""
-        return self.path / "campaign.sqlite"
-
-    @property
-    def lock(self) -> Path:
-        """Locked by the process that runs the campaign."""
-        return self.path / "campaign.lock"
-
-    @property
-    def critical(self) -> Path:
-        """The most critical specifications as XMI."""
-        return self.path / "critical"
-
-    @property
-    def figures(self) -> Path:
-        """Plots as PNG and SVG."""
-        return self.path / "figures"
-
-    @property
-    def tables(self) -> Path:
-        """Numbers behind the figures as CSV."""
-        return self.path / "tables"
-
-    @property
-    def summary(self) -> Path:
-        """What a script reads of the report."""
-        return self.path / "summary.json"
-
-    @property
-    def report(self) -> Path:
-        """What a person reads."""
-        return self.path / "report.md"
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.model = path / "model"
+        self.generated = path / "generated"
+        self.database = path / "campaign.sqlite"
+        self.lock = path / "campaign.lock"
+        self.critical = path / "critical"
+        self.figures = path / "figures"
+        self.tables = path / "tables"
+        self.summary = path / "summary.json"
+        self.report = path / "report.md"
 
     @classmethod
     def reserve(cls, path: Path) -> Self:
@@ -100,18 +84,14 @@ class CampaignFolder:
         if not self.path.exists():
             return
         found = {entry.name for entry in self.path.iterdir()} if self.path.is_dir() else {"a file"}
-        begun = {self.lock.name, self.model.name, self.generated.name, *self._new_database}
+        new = new_name(self.database)
+        begun = {self.lock.name, self.model.name, self.generated.name, new, f"{new}-journal"}
         if found and not {self.lock.name} <= found <= begun:
             message = (
                 f"{self.path}: found something there already; expected a new or empty folder. "
                 "Give the campaign another name, or move the old one away"
             )
             raise RecordError(message)
-
-    @property
-    def _new_database(self) -> tuple[str, str]:
-        name = new_name(self.database)
-        return name, f"{name}-journal"
 
 
 def new_name(path: Path) -> str:

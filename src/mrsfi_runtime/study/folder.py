@@ -11,7 +11,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import astuple
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -29,26 +29,24 @@ SCHEMA = 1
 _SCRATCH = "unfinished-"
 
 
-@dataclass(frozen=True, slots=True)
 class ComparisonFolder:
-    """Layout of the folder."""
+    """Layout of the folder.
 
-    path: Path
+    Attributes
+    ----------
+    runs
+        One file for each finished run.
+    figures
+        Plots as PNG and SVG.
+    summary
+        What a script reads.
+    """
 
-    @property
-    def runs(self) -> Path:
-        """One file for each finished run."""
-        return self.path / "runs"
-
-    @property
-    def figures(self) -> Path:
-        """Plots as PNG and SVG."""
-        return self.path / "figures"
-
-    @property
-    def summary(self) -> Path:
-        """What a script reads."""
-        return self.path / "comparison.json"
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.runs = path / "runs"
+        self.figures = path / "figures"
+        self.summary = path / "comparison.json"
 
     def run_file(self, algorithm: str, seed: int) -> Path:
         """Return the file of a run."""
@@ -209,17 +207,8 @@ def _cell(value: float | None) -> float | str:
 
 def runs_table(comparison: Comparison) -> Rows:
     """Return one row for each run with all measures."""
-    rows: Rows = [
-        (
-            "algorithm",
-            "seed",
-            "n_evaluations",
-            "n_failures",
-            *(criterion.name for criterion in comparison.criteria),
-            "digest",
-        )
-    ]
-    rows += [
+    names = (criterion.name for criterion in comparison.criteria)
+    rows = (
         (
             run.algorithm,
             run.seed,
@@ -229,27 +218,23 @@ def runs_table(comparison: Comparison) -> Rows:
             run.digest,
         )
         for run in comparison.runs
-    ]
-    return rows
+    )
+    return [("algorithm", "seed", "n_evaluations", "n_failures", *names, "digest"), *rows]
 
 
 def quartiles_table(comparison: Comparison) -> Rows:
     """Return the quartiles of every measure for every algorithm; never reached is empty."""
-    rows: Rows = [("measure", "algorithm", "n_runs", "lower", "median", "upper")]
-    rows += [
-        (measure, name, len(comparison.of(name)), *map(_cell, asdict(found).values()))
+    rows = (
+        (measure, name, len(comparison.of(name)), *map(_cell, astuple(found)))
         for measure, by_algorithm in comparison.quartiles.items()
         for name, found in by_algorithm.items()
-    ]
-    return rows
+    )
+    return [("measure", "algorithm", "n_runs", "lower", "median", "upper"), *rows]
 
 
 def tests_table(comparison: Comparison) -> Rows:
     """Return every test of two algorithms on a measure."""
-    rows: Rows = [
-        ("measure", "first", "second", "u", "p_value", "holm_p_value", "method", "a12", "magnitude")
-    ]
-    rows += [
+    rows = (
         (
             test.measure,
             test.first,
@@ -262,8 +247,9 @@ def tests_table(comparison: Comparison) -> Rows:
             test.ranks.magnitude,
         )
         for test in comparison.tests
-    ]
-    return rows
+    )
+    names = ("measure", "first", "second", "u", "p_value", "holm_p_value", "method", "a12")
+    return [(*names, "magnitude"), *rows]
 
 
 _TABLES: Mapping[str, Callable[[Comparison], Rows]] = {

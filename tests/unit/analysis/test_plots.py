@@ -19,7 +19,7 @@ TREND = Trend(
 )
 FRONT = Front(("g1", "g3"), tuple(FrontPoint(i, (10 * i, 90 - i * i)) for i in range(5)))
 CLOUD = [(i % 40, i % 17) for i in range(100)]
-PICK = plots.Pick(Ratio(("g3", "g1"), (2.0, 1.0)), FRONT.points[4])
+PICK = plots.Pick(Ratio(("g3", "g1"), (2.0, 1.0)), FRONT.points[4], FRONT.goals)
 
 
 def types_figure() -> Figure:
