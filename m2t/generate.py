@@ -27,10 +27,12 @@ from m2t.visitors.fault_loader import FaultLoaderVisitor
 from m2t.visitors.mission_loader import MissionLoaderVisitor
 from m2t.visitors.sim_interface import SimInterfaceVisitor
 from m2t.visitors.simulation import SimulationVisitor
+from m2t.visitors.topics import TopicsVisitor
 
 VISITORS: tuple[type[ModelVisitor], ...] = (
     MissionLoaderVisitor,
     FaultLoaderVisitor,
+    TopicsVisitor,
     SimInterfaceVisitor,
     SimulationVisitor,
     CollectiveIntelligenceVisitor,

@@ -1,8 +1,11 @@
 """The names that generated code may import, and nothing else."""
 
-from mrsfi_runtime.hosting.truth import true_values
+from mrsfi_runtime.hosting.interface_parts import RobotInterface, SensorInterface
+from mrsfi_runtime.hosting.simulation_parts import SimulatedRobot, SimulatedSensor
+from mrsfi_runtime.hosting.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.kernel import commands, forecast, geometry, guidance, randomness
 from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.flight import move
 from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.fixed_distance_between_robots import FixedDistanceBetweenRobots
@@ -15,7 +18,6 @@ from mrsfi_runtime.kernel.goal_tasks.sufficient_energy import SufficientEnergy
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.kernel.motion import advance, reports_position
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import (
@@ -33,7 +35,7 @@ from mrsfi_runtime.model.mission import (
     Sensor,
     Server,
 )
-from mrsfi_runtime.transport.topics import Payload, Publisher, Topic, Transport
+from mrsfi_runtime.transport.topics import Transport
 
 __all__ = [
     "Area",
@@ -51,21 +53,23 @@ __all__ = [
     "MotionSource",
     "Obstacle",
     "Patrol",
-    "Payload",
     "Property",
-    "Publisher",
     "Robot",
+    "RobotInterface",
+    "RobotTopics",
     "Sensor",
+    "SensorInterface",
+    "SensorTopics",
     "Server",
+    "SimulatedRobot",
+    "SimulatedSensor",
     "State",
     "Stay",
     "StayWithinMissionArea",
     "SufficientEnergy",
-    "Topic",
     "Track",
     "Transport",
     "Visit",
-    "advance",
     "commands",
     "forecast",
     "geometry",
@@ -73,8 +77,7 @@ __all__ = [
     "guidance",
     "initial_state",
     "kernel",
+    "move",
     "progress_of_goals",
     "randomness",
-    "reports_position",
-    "true_values",
 ]

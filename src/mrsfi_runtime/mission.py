@@ -62,13 +62,13 @@ def load_code(directory: Path) -> MissionCode:
         If a file cannot be imported, because of an edited region, say.
     """
     collective = _module(directory, "collective_intelligence")
-    simulation = _module(directory, "simulation")
+    topics, interface, simulation = _siblings(directory, "topics", "sim_interface", "simulation")
     return MissionCode(
         mission=_module(directory, "mission_loader").load_mission(),
         pool=_module(directory, "fault_loader").load_faults(),
         simulation=simulation.Simulation,
-        interface=_module(directory, "sim_interface").SimInterface,
-        truth=tuple(getattr(simulation, "TRUTH", ())),  # campaigns of older versions have none
+        interface=interface.SimInterface,
+        truth=tuple(robot.truth for robot in topics.ROBOTS),
         functions=_functions(directory, collective),
         directory=directory,
     )
@@ -103,11 +103,30 @@ def _module(directory: Path, stem: str) -> ModuleType:
 
     The name follows from the content, so that compiled code is found again in another folder.
     """
+    path = _generated(directory, stem)
+    return load_module(f"{_name_of(path)}_{stem}", path)
+
+
+def _siblings(directory: Path, *stems: str) -> list[ModuleType]:
+    """Import generated files in an order in which each finds those before it as its siblings."""
+    paths = [_generated(directory, stem) for stem in stems]
+    package = ModuleType(_name_of(*paths))
+    package.__path__ = []  # what was not imported here is not found
+    sys.modules[package.__name__] = package
+    return [load_module(f"{package.__name__}.{path.stem}", path) for path in paths]
+
+
+def _generated(directory: Path, stem: str) -> Path:
     path = directory / f"{stem}.py"
     if not path.is_file():
         message = f"{path}: no such file; run `mrsfi generate` to make it"
         raise GenerationError(message)
-    return load_module(f"mrsfi_generated_{sha256(path.read_bytes()).hexdigest()[:16]}_{stem}", path)
+    return path
+
+
+def _name_of(*paths: Path) -> str:
+    content = b"".join(path.read_bytes() for path in paths)
+    return f"mrsfi_generated_{sha256(content).hexdigest()[:16]}"
 
 
 def load_module(name: str, path: Path) -> ModuleType:

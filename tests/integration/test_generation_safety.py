@@ -160,7 +160,7 @@ def test_formatter_run_over_hand_written_code_edits_nothing_outside_regions(mode
 
 def test_edit_outside_regions_is_refused_unless_forced(models, target):
     write_code(target)
-    edit(target / "simulation.py", "self.is_running = True", "self.is_running = False")
+    edit(target / "simulation.py", "move(self.world, tick)", "move(self.world, tick)  # twice")
 
     with pytest.raises(ProtectedRegionError, match=r"simulation\.py:\d+: .*edited outside"):
         generate(models, target)
@@ -235,9 +235,11 @@ def test_hostile_code_leaves_no_trace_when_executed(models, tmp_path):
     generate(models, folder)
 
     for file in FILES:
-        subprocess.run([sys.executable, folder / file], cwd=folder, check=True)
+        module = f"out.{file.removesuffix('.py')}"
+        subprocess.run([sys.executable, "-B", "-m", module], cwd=tmp_path, check=True)
 
     assert sorted(path.name for path in folder.iterdir()) == sorted((*FILES, "manifest.json"))
+    assert not (tmp_path / "owned").exists()
 
 
 def test_huge_name_is_refused_clearly_or_stays_out_of_comments(models, tmp_path):

@@ -4,7 +4,6 @@ import os
 import signal
 import threading
 import time
-from dataclasses import replace
 from functools import lru_cache
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
@@ -16,7 +15,6 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import (
-    GenerationError,
     TransportClosed,
     TransportError,
     TransportTimeout,
@@ -356,8 +354,3 @@ def test_a_server_that_speaks_something_else_is_told():
         finally:
             other.shutdown()
             thread.join()
-
-
-def test_code_without_true_state_is_refused():
-    with pytest.raises(GenerationError, match="generate the mission anew"):
-        engine(replace(SHORT, truth=()))

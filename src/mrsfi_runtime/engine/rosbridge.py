@@ -22,7 +22,6 @@ from mrsfi_runtime.engine import flights
 from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.engine.simulation_process import request
 from mrsfi_runtime.errors import (
-    GenerationError,
     TransportClosed,
     TransportError,
     TransportTimeout,
@@ -155,8 +154,6 @@ class RosbridgeEngine:
     ------
     UsageError
         If these do not go together.
-    GenerationError
-        If the code is of a version that did not publish the true state.
     TransportError
         If the server or the simulation cannot be reached.
     """
@@ -174,7 +171,7 @@ class RosbridgeEngine:
     ) -> None:
         self.code = code
         self.seed = seed
-        _require_sense(code, seed, url, has_simulation=has_simulation)
+        _require_sense(seed, url, has_simulation=has_simulation)
         patience = Patience() if patience is None else patience
         self._simulation: SimulationProcess | None = None
         with ExitStack() as opened:
@@ -261,16 +258,10 @@ class RosbridgeEngine:
             raise TransportClosed(message) from error
 
 
-def _require_sense(code: MissionCode, seed: int, url: str | None, *, has_simulation: bool) -> None:
+def _require_sense(seed: int, url: str | None, *, has_simulation: bool) -> None:
     if not has_simulation and url is None:
         message = "--side ci needs --url: the server on which the simulation is found"
         raise UsageError(message)
     if seed > _GREATEST_SEED:
         message = f"mission seed {seed}: too great for a ROS message; expected at most 2^63 - 1"
         raise UsageError(message)
-    if len(code.truth) != len(code.mission.robots):
-        message = (
-            f"{code.directory}: the simulation publishes no true state, which --engine rosbridge "
-            "needs; generate the mission anew"
-        )
-        raise GenerationError(message)

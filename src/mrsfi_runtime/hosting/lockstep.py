@@ -123,14 +123,14 @@ class Flight:
             is_turned = order.heading_x != last.heading_x or order.heading_y != last.heading_y
             if tells_all or is_turned:
                 last.heading_x, last.heading_y = order.heading_x, order.heading_y
-                interface.set_heading[index](order.heading_x, order.heading_y)
+                interface.robots[index].set_heading(order.heading_x, order.heading_y)
             if tells_all or order.speed != last.speed:
                 last.speed = order.speed
-                interface.set_speed[index](order.speed)
+                interface.robots[index].set_speed(order.speed)
         for index, switch in enumerate(orders.switches):
             if tells_all or switch.active != sent.switches[index].active:
                 sent.switches[index].active = switch.active
-                interface.set_active[index](switch.active == 1)
+                interface.sensors[index].set_active(switch.active == 1)
 
 
 Boarding: TypeAlias = Callable[[SimInterface, State], Flight]
@@ -153,7 +153,6 @@ def fly(simulation: Simulation, flight: Flight, duration: int) -> None:
     for tick in range(duration):
         simulation.step(tick)
         flight.step(tick)
-    simulation.stop()
 
 
 def _orders(state: State) -> Orders:

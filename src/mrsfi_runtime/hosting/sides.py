@@ -1,8 +1,8 @@
 """What the hosts expect of generated code: a simulation and an interface."""
 
-from collections.abc import Callable
 from typing import Protocol
 
+from mrsfi_runtime.hosting.interface_parts import RobotInterface, SensorInterface
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import Transport
@@ -24,24 +24,17 @@ class Simulation(Protocol):
     def publish_truth(self) -> None:
         """Publish the true state, for the judge alone."""
 
-    def stop(self) -> None:
-        """End the run."""
-
 
 class SimInterface(Protocol):
-    """A generated simulation interface: one getter per robot property, one setter per command."""
+    """A generated simulation interface: getters and setters of the robots and sensors."""
 
     @property
-    def set_heading(self) -> tuple[Callable[[float, float], None], ...]:
-        """Heading commands by index of the robot."""
+    def robots(self) -> tuple[RobotInterface, ...]:
+        """What is heard of each robot, and told it."""
 
     @property
-    def set_speed(self) -> tuple[Callable[[float], None], ...]:
-        """Speed commands by index of the robot."""
-
-    @property
-    def set_active(self) -> tuple[Callable[[bool], None], ...]:
-        """Activation commands by index of the sensor."""
+    def sensors(self) -> tuple[SensorInterface, ...]:
+        """What is heard of each sensor, and told it."""
 
     def __init__(self, transport: Transport) -> None: ...
 

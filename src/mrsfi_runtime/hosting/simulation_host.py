@@ -116,7 +116,6 @@ class SimulationHost:
 
     def _on_stop(self, _request: Payload) -> Payload:
         self._ledger.close()
-        self._simulation.stop()
         return {"success": True, "message": ""}
 
     def _on_go(self, payload: Payload) -> None:

@@ -5,7 +5,6 @@ from pyecore.ecore import EAttribute, EClass, EString
 
 from m2t.metamodels import features, lineage
 from m2t.visitors.base import ModelVisitor
-from m2t.visitors.topics import RobotView, SensorView, methods
 from mrsfi_runtime.errors import GenerationError
 
 
@@ -71,18 +70,3 @@ def test_element_goes_to_the_method_of_the_nearest_supertype(metaclasses):
 def test_unknown_metaclass_is_an_error_that_says_what_to_write(metaclasses):
     with pytest.raises(GenerationError, match="write visit_ZeroSpeed"):
         ModelVisitor().visit(metaclasses[2]())
-
-
-def test_methods_follow_the_order_of_robots_and_their_sensors():
-    robots = (
-        RobotView("r1", "R1", 0, "", (SensorView("s1", "S1", 0, "/r1/s1"),)),
-        RobotView("r2", "R2", 1, "", ()),
-    )
-
-    assert methods(robots, ("a_{}", "b_{}"), ("c_{}",)) == (
-        "self.a_r1",
-        "self.b_r1",
-        "self.c_s1",
-        "self.a_r2",
-        "self.b_r2",
-    )
