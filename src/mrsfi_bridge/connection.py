@@ -31,7 +31,7 @@ _FEW_BYTES = 1 << 16
 """What may wait for or from a client before it is counted."""
 
 
-class Room(Protocol):
+class Server(Protocol):
     """What a connection needs of its server."""
 
     settings: ServerSettings
@@ -61,15 +61,15 @@ class Connection(asyncio.Protocol):
 
     Parameters
     ----------
-    room
-        The server.
+    server
+        What accepted it.
     """
 
-    def __init__(self, room: Room) -> None:
-        self._room = room
-        self._limits = room.settings.limits
+    def __init__(self, server: Server) -> None:
+        self._server = server
+        self._limits = server.settings.limits
         self._protocol = ServerProtocol(
-            origins=accepted_origins(room.settings.origins),
+            origins=accepted_origins(server.settings.origins),
             max_size=self._limits.frame_bytes,
             logger=_WIRE,
         )
@@ -91,7 +91,7 @@ class Connection(asyncio.Protocol):
         return self._session is not None
 
     def _now(self) -> float:
-        return self._room.hub.scheduler.time()
+        return self._server.hub.scheduler.time()
 
     # What asyncio calls.
 
@@ -103,7 +103,7 @@ class Connection(asyncio.Protocol):
         raw = transport.get_extra_info("socket")
         raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._set_option = raw.setsockopt
-        if not self._room.enter(self):
+        if not self._server.enter(self):
             self.abort("too many sockets")
 
     def data_received(self, data: bytes) -> None:
@@ -127,8 +127,8 @@ class Connection(asyncio.Protocol):
             self._session.leave()
             self._session = None
         self._outbox.clear()
-        self._room.gone(self)
-        self._room.flush()
+        self._server.gone(self)
+        self._server.flush()
 
     # What the server calls.
 
@@ -148,7 +148,7 @@ class Connection(asyncio.Protocol):
         elif now - self._heard > self._limits.ping_s:
             self._pinged = now
             self._protocol.send_ping(b"")
-            self._room.dirty(self)
+            self._server.dirty(self)
 
     def write(self) -> None:
         """Write everything that waits, in one go."""
@@ -173,7 +173,7 @@ class Connection(asyncio.Protocol):
             self._ending = self._now()
         elif self._protocol.state is State.CONNECTING:
             self.abort(reason)
-        self._room.dirty(self)
+        self._server.dirty(self)
 
     def refuse(self, reason: str) -> None:
         """Tell the client that it uses too much, and cut it off."""
@@ -182,7 +182,7 @@ class Connection(asyncio.Protocol):
         LOGGER.warning("%s: disconnected: %s", self.name, reason)
         if self._protocol.state is State.OPEN:
             self._outbox.append(text_frames({"op": "status", "level": "error", "msg": reason}))
-            self._room.dirty(self)
+            self._server.dirty(self)
         self.close(CloseCode.TRY_AGAIN_LATER, reason[:120])
 
     def abort(self, reason: str) -> None:
@@ -205,8 +205,8 @@ class Connection(asyncio.Protocol):
                 self._shake_hands(event)
             elif isinstance(event, Frame):
                 self._take_frame(event)
-        self._room.dirty(self)
-        self._room.flush()
+        self._server.dirty(self)
+        self._server.flush()
 
     def _shake_hands(self, request: Request) -> None:
         response = self._answer(request)
@@ -216,15 +216,15 @@ class Connection(asyncio.Protocol):
             LOGGER.warning("%s: refused: %s", self.name, response.reason_phrase)
             self._ending = self._now()
             return
-        self._session = Session(self._room.hub, self.name, self._send)
-        self._room.hub.counts.clients += 1
+        self._session = Session(self._server.hub, self.name, self._send)
+        self._server.hub.counts.clients += 1
         LOGGER.info("%s: connected", self.name)
 
     def _answer(self, request: Request) -> "Response":
-        if not self._room.admits_client():
+        if not self._server.admits_client():
             text = f"{self._limits.clients} clients are connected, the limit\n"
             return self._protocol.reject(http.HTTPStatus.SERVICE_UNAVAILABLE, text)
-        token = self._room.settings.token
+        token = self._server.settings.token
         if token is not None and not _shows(request, token):
             text = "show the server's token: ws://HOST:PORT/?token=TOKEN\n"
             return self._protocol.reject(http.HTTPStatus.UNAUTHORIZED, text)
@@ -256,7 +256,7 @@ class Connection(asyncio.Protocol):
     def _send(self, frames: bytes) -> None:
         if self._protocol.state is State.OPEN and self._ending is None:
             self._outbox.append(frames)
-            self._room.dirty(self)
+            self._server.dirty(self)
 
     def _count_held(self) -> None:
         """Refuse a client for which too much waits; tell the server how much it is."""
@@ -270,7 +270,7 @@ class Connection(asyncio.Protocol):
         n_bytes += self._n_unread()
         if n_bytes > _FEW_BYTES or self._held:
             self._held = n_bytes if n_bytes > _FEW_BYTES else 0
-            self._room.hold(self, self._held)
+            self._server.hold(self, self._held)
 
     def _n_unread(self) -> int:
         n_fragments = 0 if self._session is None else self._session.n_waiting_bytes

@@ -20,6 +20,7 @@ from mrsfi_bridge.structures import Structure, now
 from mrsfi_bridge.type_table import full_name
 
 Fields: TypeAlias = dict[str, Any]
+Handler: TypeAlias = Callable[[Fields], Fields]
 
 ROSOUT = "/rosout"
 _BRIDGE = "/rosbridge_websocket"
@@ -30,11 +31,25 @@ _ACTION_TOPICS = ("goal", "cancel", "status", "feedback", "result")
 def provide_rosapi(hub: Hub) -> None:
     """Have the server itself provide the services of rosapi, and advertise ``/rosout``."""
     hub.broker.advertise(OWN, ROSOUT, "rosgraph_msgs/Log")
-    for name, type_name, handler in _services(hub):
-        hub.services.advertise(OWN, f"{_ROSAPI}/{name}", f"rosapi/{type_name}", _ask(hub, handler))
+    handlers = {
+        "get_time": lambda _: {"time": now()},
+        **_about_topics(hub),
+        **_about_services(hub),
+        **_about_types(hub),
+        **_about_nodes(hub),
+        **_about_parameters(Parameters(hub.limits.parameters, hub.limits.parameter_bytes)),
+    }
+    for name, handler in handlers.items():
+        hub.services.advertise(OWN, f"{_ROSAPI}/{name}", _type_name(name), _ask(hub, handler))
 
 
-def _ask(hub: Hub, handler: Callable[[Fields], Fields]) -> Callable[[str, Fields], None]:
+def _type_name(service: str) -> str:
+    """Return the type of a service, which is named after it, but for one."""
+    name = "get_action_servers" if service == "action_servers" else service
+    return "rosapi/" + "".join(word.capitalize() for word in name.split("_"))
+
+
+def _ask(hub: Hub, handler: Handler) -> Callable[[str, Fields], None]:
     """Return what passes a call on to one of the functions below."""
 
     def ask(call_id: str, request: Fields) -> None:
@@ -48,16 +63,7 @@ def _ask(hub: Hub, handler: Callable[[Fields], Fields]) -> Callable[[str, Fields
     return ask
 
 
-def _services(hub: Hub) -> Iterator[tuple[str, str, Callable[[Fields], Fields]]]:
-    yield "get_time", "GetTime", lambda _: {"time": now()}
-    yield from _about_topics(hub)
-    yield from _about_services(hub)
-    yield from _about_types(hub)
-    yield from _about_nodes(hub)
-    yield from _about_parameters(Parameters(hub.limits.parameters, hub.limits.parameter_bytes))
-
-
-def _about_topics(hub: Hub) -> Iterator[tuple[str, str, Callable[[Fields], Fields]]]:
+def _about_topics(hub: Hub) -> dict[str, Handler]:
     topics = hub.broker.topics
 
     def list_topics(_: Fields) -> Fields:
@@ -82,14 +88,16 @@ def _about_topics(hub: Hub) -> Iterator[tuple[str, str, Callable[[Fields], Field
         found = [n for n in names if all(f"{n}/{part}" in topics for part in _ACTION_TOPICS)]
         return {"action_servers": found}
 
-    yield "topics", "Topics", list_topics
-    yield "topic_type", "TopicType", topic_type
-    yield "topics_for_type", "TopicsForType", topics_for_type
-    yield "topics_and_raw_types", "TopicsAndRawTypes", raw_types
-    yield "action_servers", "GetActionServers", action_servers
+    return {
+        "topics": list_topics,
+        "topic_type": topic_type,
+        "topics_for_type": topics_for_type,
+        "topics_and_raw_types": raw_types,
+        "action_servers": action_servers,
+    }
 
 
-def _about_services(hub: Hub) -> Iterator[tuple[str, str, Callable[[Fields], Fields]]]:
+def _about_services(hub: Hub) -> dict[str, Handler]:
     services = hub.services.services
 
     def service_type(request: Fields) -> Fields:
@@ -106,30 +114,29 @@ def _about_services(hub: Hub) -> Iterator[tuple[str, str, Callable[[Fields], Fie
         service = services.get(absolute(request["service"]))
         return {"node": "" if service is None else _node(service.owner)}
 
-    yield "services", "Services", lambda _: {"services": list(services)}
-    yield "service_type", "ServiceType", service_type
-    yield "services_for_type", "ServicesForType", lambda r: {"services": names_of(r["type"])}
-    yield "service_providers", "ServiceProviders", lambda r: {"providers": names_of(r["service"])}
-    yield "service_node", "ServiceNode", node
-    yield "service_host", "ServiceHost", lambda _: {"host": "localhost"}
+    return {
+        "services": lambda _: {"services": list(services)},
+        "service_type": service_type,
+        "services_for_type": lambda request: {"services": names_of(request["type"])},
+        "service_providers": lambda request: {"providers": names_of(request["service"])},
+        "service_node": node,
+        "service_host": lambda _: {"host": "localhost"},
+    }
 
 
-def _about_types(hub: Hub) -> Iterator[tuple[str, str, Callable[[Fields], Fields]]]:
-    def message(request: Fields) -> Fields:
-        return {"typedefs": _type_definitions(hub.types.message(request["type"]))}
+def _about_types(hub: Hub) -> dict[str, Handler]:
+    def defined(structure: Structure) -> Fields:
+        return {"typedefs": _type_definitions(structure)}
 
-    def service_request(request: Fields) -> Fields:
-        return {"typedefs": _type_definitions(hub.types.service(request["type"]).request)}
-
-    def service_response(request: Fields) -> Fields:
-        return {"typedefs": _type_definitions(hub.types.service(request["type"]).response)}
-
-    yield "message_details", "MessageDetails", message
-    yield "service_request_details", "ServiceRequestDetails", service_request
-    yield "service_response_details", "ServiceResponseDetails", service_response
+    types = hub.types
+    return {
+        "message_details": lambda r: defined(types.message(r["type"])),
+        "service_request_details": lambda r: defined(types.service(r["type"]).request),
+        "service_response_details": lambda r: defined(types.service(r["type"]).response),
+    }
 
 
-def _about_nodes(hub: Hub) -> Iterator[tuple[str, str, Callable[[Fields], Fields]]]:
+def _about_nodes(hub: Hub) -> dict[str, Handler]:
     topics, services = hub.broker.topics, hub.services.services
 
     def details(request: Fields) -> Fields:
@@ -140,23 +147,22 @@ def _about_nodes(hub: Hub) -> Iterator[tuple[str, str, Callable[[Fields], Fields
             "services": [n for n, service in services.items() if _node(service.owner) == node],
         }
 
-    def publishers(request: Fields) -> Fields:
-        topic = topics.get(absolute(request["topic"]))
-        return {"publishers": [] if topic is None else _nodes(topic.publishers)}
+    def nodes_of(part: str) -> Handler:
+        def nodes(request: Fields) -> Fields:
+            topic = topics.get(absolute(request["topic"]))
+            return {part: [] if topic is None else _nodes(getattr(topic, part))}
 
-    def subscribers(request: Fields) -> Fields:
-        topic = topics.get(absolute(request["topic"]))
-        return {"subscribers": [] if topic is None else _nodes(topic.subscribers)}
+        return nodes
 
-    yield "nodes", "Nodes", lambda _: {"nodes": [_ROSAPI, _BRIDGE]}
-    yield "node_details", "NodeDetails", details
-    yield "publishers", "Publishers", publishers
-    yield "subscribers", "Subscribers", subscribers
+    return {
+        "nodes": lambda _: {"nodes": [_ROSAPI, _BRIDGE]},
+        "node_details": details,
+        "publishers": nodes_of("publishers"),
+        "subscribers": nodes_of("subscribers"),
+    }
 
 
-def _about_parameters(
-    parameters: Parameters,
-) -> Iterator[tuple[str, str, Callable[[Fields], Fields]]]:
+def _about_parameters(parameters: Parameters) -> dict[str, Handler]:
     def get(request: Fields) -> Fields:
         try:
             return {"value": json_text(parameters.get(request["name"]))}
@@ -175,12 +181,14 @@ def _about_parameters(
         name = request["name"]
         return {"global_name": absolute(name) if name in parameters else ""}
 
-    yield "get_param", "GetParam", get
-    yield "set_param", "SetParam", set_value
-    yield "has_param", "HasParam", lambda r: {"exists": r["name"] in parameters}
-    yield "delete_param", "DeleteParam", delete
-    yield "search_param", "SearchParam", search
-    yield "get_param_names", "GetParamNames", lambda _: {"names": parameters.names}
+    return {
+        "get_param": get,
+        "set_param": set_value,
+        "has_param": lambda request: {"exists": request["name"] in parameters},
+        "delete_param": delete,
+        "search_param": search,
+        "get_param_names": lambda _: {"names": parameters.names},
+    }
 
 
 def _value(text: str) -> Any:

@@ -2,23 +2,19 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import wraps
-from typing import Any, TypeVar, cast
+from typing import cast
 
 import click
 
+from mrsfi_runtime.cli.options import F, options_as
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
 
-F = TypeVar("F", bound=Callable[..., Any])
-
 SIMULATION = "simulation"
-
-NAMES = ("engine", "url", "client", "side", "bundle", "timeout")
-"""Parameters that choose an engine; of ours, all find the same."""
+BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +70,7 @@ class EngineOptions:
         )
 
     def _require_sense(self, name: str) -> None:
-        given = [option for option in NAMES[1:] if getattr(self, option) is not None]
+        given = [option for option in BUS_OPTIONS if getattr(self, option) is not None]
         if name != ROSBRIDGE and given:
             message = f"--{given[0]} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
             raise UsageError(message)
@@ -142,16 +138,4 @@ def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
             help=f"How long the other side may be silent [default: {Patience().tick:g}].",
         ),
     )
-
-    def decorate(command: F) -> F:
-        @wraps(command)
-        def collected(*arguments: Any, **given: Any) -> Any:
-            engine = EngineOptions(**{name: given.pop(name) for name in NAMES})
-            return command(*arguments, engine=engine, **given)
-
-        decorated: Any = collected
-        for option in reversed(options):
-            decorated = option(decorated)
-        return cast("F", decorated)
-
-    return decorate
+    return options_as("engine", EngineOptions, options)

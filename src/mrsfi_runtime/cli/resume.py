@@ -4,6 +4,7 @@ import hashlib
 import platform
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,10 @@ from click.core import ParameterSource
 
 from mrsfi_runtime.cli.campaigns import manifest_of
 from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.engines import NAMES as ENGINE_NAMES
-from mrsfi_runtime.cli.engines import recorded_engine
+from mrsfi_runtime.cli.engines import EngineOptions, recorded_engine
 from mrsfi_runtime.cli.missions import MissionFolders
 from mrsfi_runtime.cli.versions import installed_version
-from mrsfi_runtime.cli.workers import NAMES as WORKER_NAMES
+from mrsfi_runtime.cli.workers import WorkerOptions
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -24,7 +24,10 @@ from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.lock import only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
 
-_FREE = frozenset({"resume", "ratio", "is_json", *ENGINE_NAMES, *WORKER_NAMES})
+_FREE = frozenset(
+    {"resume", "ratio", "is_json"}
+    | {option.name for options in (EngineOptions, WorkerOptions) for option in fields(options)}
+)
 """Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
 
 

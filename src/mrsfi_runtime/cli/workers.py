@@ -1,15 +1,15 @@
 """The options that say where a search is evaluated: processes of this machine, or a cluster."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Protocol
 
 import click
 
+from mrsfi_runtime.cli.options import options_as
 from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import ROSBRIDGE, EngineSettings
@@ -18,11 +18,6 @@ from mrsfi_runtime.search.resumable_record import EvaluateMany
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.cluster.connection import Cluster
-
-F = TypeVar("F", bound=Callable[..., Any])
-
-NAMES = ("workers", "dask")
-"""Parameters that say where; all find the same."""
 
 _N_PROCESSORS = os.cpu_count() or 1
 
@@ -138,15 +133,10 @@ class _Elsewhere:
         ]
 
 
-def worker_options(command: F) -> F:
-    """Give a command the options of the workers; it receives them as ``workers``."""
-
-    @wraps(command)
-    def collected(*arguments: Any, **given: Any) -> Any:
-        workers = WorkerOptions(**{name: given.pop(name) for name in NAMES})
-        return command(*arguments, workers=workers, **given)
-
-    options = (
+worker_options = options_as(
+    "workers",
+    WorkerOptions,
+    (
         click.option(
             "--workers",
             type=click.IntRange(1),
@@ -157,8 +147,6 @@ def worker_options(command: F) -> F:
             metavar="tcp://…|local",
             help="Evaluate on a dask cluster: its scheduler, or a local one of --workers.",
         ),
-    )
-    decorated: Any = collected
-    for option in reversed(options):
-        decorated = option(decorated)
-    return cast("F", decorated)
+    ),
+)
+"""Gives a command the options of the workers; it receives them as ``workers``."""
