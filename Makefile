@@ -16,6 +16,7 @@ BIN := $(VENV)/bin
 BASE := $(VENV)/.installed
 DEV := $(VENV)/.installed-dev
 SETUP := pyproject.toml constraints.txt
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist worksteal --ignore=tests/interop
 
 mission = $(or $(MISSION),uuv_sampling)
 pythons = $(or $(PYTHON),python3 python3.13 python3.12 python3.11)
@@ -34,11 +35,11 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report test interop check docs clean
+.PHONY: help install generate validate simulate evolve report quick test test-all interop check docs clean
 
 help: ## print this list
 	@echo "Targets:"
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
 	@echo
 	@echo "Variables: MISSION=$(MISSION) CASE=$(CASE) SEED=$(SEED) ENGINE=$(ENGINE) URL=$(URL) OUT=$(OUT) RESUME=$(RESUME) WORKERS=$(WORKERS) PYTHON=$(PYTHON)"
 	@echo "           CASE is a, b or a campaign file; ENGINE is auto, compiled, reference or rosbridge,"
@@ -64,12 +65,18 @@ evolve: generate ## search critical fault specifications of MISSION; ends with t
 report: $(BASE) ## write the report of campaign folder OUT anew (default: the latest of runs/)
 	$(BIN)/mrsfi report $(if $(OUT),"$(OUT)")
 
-test: $(DEV) generate ## run the tests, but for those against Eclipse
-	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --ignore=tests/interop
+quick: $(DEV) ## run the units and laws of the tests, in less than a minute
+	$(PYTEST) --tier quick
+
+test: $(DEV) generate ## run the tests, in some minutes
+	$(PYTEST) --tier test
+
+test-all: $(DEV) generate ## run what make test leaves out: more seeds, kills, thousands of sockets
+	$(PYTEST) --tier rest
 
 interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib and MuJoCo
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[examples]"
-	$(BIN)/python -m pytest tests/interop
+	$(BIN)/python -m pytest --tier all tests/interop
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
 	$(BIN)/ruff format --check .

@@ -241,6 +241,7 @@ def _drawn(folder: Path, seed: int) -> Path:
 def _recording(folder: Path) -> subprocess.Popen[str]:
     """Start the tests that judge models, and have each model recorded that EVL can judge."""
     command = [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "tests.interop.recorder"]
+    command += ["--tier", "all"]
     command += ["-p", "no:cacheprovider", "-k", _RECORDED, *RECORDED_TESTS]
     environment = {
         **os.environ,

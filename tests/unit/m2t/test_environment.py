@@ -1,8 +1,6 @@
 """Filters through which model text reaches code."""
 
 import ast
-import subprocess
-import sys
 
 import pytest
 from hypothesis import given
@@ -22,15 +20,6 @@ VALUES = st.recursive(SCALARS, lambda inner: st.lists(inner, max_size=4).map(tup
 HOSTILE = (
     'x"); import os; os.system("touch owned")  #\n\'{{ 7*7 }}{% raw %}\\ # noqa\u202e\x00\ud800'
 )
-
-
-def is_formatted(source: str) -> bool:
-    command = [sys.executable, "-m", "ruff", "format", "--isolated", "--line-length", "100"]
-    done = subprocess.run(
-        [*command, "--diff", "-"], input=source, text=True, capture_output=True, check=False
-    )
-    assert done.returncode in (0, 1), done.stderr
-    return done.returncode == 0
 
 
 @given(VALUES)
@@ -131,42 +120,6 @@ def test_expression_has_one_argument_a_line():
         "    properties=(),\n"
         ")"
     )
-
-
-def trees() -> st.SearchStrategy:
-    words = st.text("ab'\" é\n\\{", max_size=30) | st.text("a", min_size=60, max_size=110)
-    scalars = words | st.floats(allow_nan=False, allow_infinity=False) | st.integers() | st.none()
-
-    def nested(inner: st.SearchStrategy) -> st.SearchStrategy:
-        arguments = st.lists(inner, max_size=3).map(
-            lambda values: tuple((f"argument_{i}", value) for i, value in enumerate(values))
-        )
-        return (
-            st.lists(inner, max_size=3).map(tuple)
-            | st.builds(Call, st.just("Robot"), arguments, st.booleans())
-            | st.lists(inner, max_size=2).map(
-                lambda values: Table(tuple((f"P{i}", value) for i, value in enumerate(values)))
-            )
-        )
-
-    return st.recursive(scalars, nested, max_leaves=12).map(
-        lambda tree: Call("Mission", (("value", tree),))
-    )
-
-
-def test_expression_is_what_the_formatter_would_write():
-    collected = []
-
-    @given(trees())
-    def collect(tree):
-        text = f"    return {expression(tree, 4, 7)}"
-        ast.parse(f"def f():\n{text}\n")
-        collected.append(text)
-
-    collect()
-
-    source = "\n\n".join(f"def f{i}():\n{text}\n" for i, text in enumerate(collected))
-    assert is_formatted(source)
 
 
 def test_undefined_name_in_a_template_is_an_error():

@@ -6,8 +6,6 @@ from shutil import copytree
 
 import pytest
 
-from mrsfi_runtime.engine.flights import Failure
-from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
 from mrsfi_runtime.mission import load_code
@@ -15,10 +13,6 @@ from mrsfi_runtime.model.faults import TimedFault
 from tests.support.world import ROOT, paper_code
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
-SPECIFICATIONS = [
-    (TimedFault(fault.id, 10 * number, 10 * number + 300, fault.values),)
-    for number, fault in enumerate(paper_code().pool)
-][:6]
 
 
 def edited(tmp_path: Path, region: str, body: str) -> Path:
@@ -95,29 +89,6 @@ def test_the_digest_tells_outcomes_apart():
 
     assert engine.evaluate((TimedFault("f14", 10, 20, (50.0,)),)).digest == base.digest
     assert engine.evaluate((TimedFault("f14", 10, 21, (50.0,)),)).digest != base.digest
-
-
-def test_any_number_of_workers_gives_the_same_results_in_order():
-    results = []
-    for n_workers in (1, 2):
-        with WorkerPool(GENERATED, 1, n_workers) as pool:
-            results.append(list(pool.evaluate_many(SPECIFICATIONS)))
-
-    assert results[0] == results[1]
-    engine = ReferenceEngine(load_code(GENERATED), 1)
-    assert results[0] == [engine.evaluate(specification) for specification in SPECIFICATIONS]
-
-
-@pytest.mark.parametrize("n_workers", [1, 2])
-def test_a_failed_evaluation_comes_back_with_its_traceback(tmp_path, n_workers):
-    body = "    return 1 // (len(ci.robots) - 3) > 9\n"
-    folder = edited(tmp_path, "g2.check", body)
-
-    with WorkerPool(folder, 1, n_workers) as pool:
-        results = list(pool.evaluate_many(SPECIFICATIONS[:2]))
-
-    assert all(isinstance(result, Failure) for result in results)
-    assert all("ZeroDivisionError" in result.traceback for result in results)
 
 
 def test_a_mission_of_one_tick_flies():

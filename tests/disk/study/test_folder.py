@@ -1,5 +1,3 @@
-import csv
-import json
 from pathlib import Path
 
 import pytest
@@ -43,11 +41,6 @@ def compared() -> Comparison:
             for seed in (1, 2, 3)
         ],
     )
-
-
-def table(path: Path) -> list[dict[str, str]]:
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
 
 
 def test_a_finished_run_is_found_again(folder: ComparisonFolder) -> None:
@@ -105,46 +98,6 @@ def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(
 
     assert folder.kept("paper", 1, SUBJECT) == run
     assert len(list(folder.runs.iterdir())) == 1
-
-
-def test_tables_have_every_run_quartile_and_test(folder: ComparisonFolder) -> None:
-    comparison = compared()
-
-    folder.write(comparison, as_json(comparison))
-
-    runs = table(folder.path / "runs.csv")
-    assert [(row["algorithm"], row["seed"]) for row in runs[:4]] == [
-        ("paper", "1"),
-        ("paper", "2"),
-        ("paper", "3"),
-        ("my.own:search", "11"),
-    ]
-    assert float(runs[0]["fitness"]) == comparison.runs[0].best_fitness
-    assert runs[0]["digest"] == f"{1:064x}"
-    assert {row["n_runs"] for row in table(folder.path / "quartiles.csv")} == {"3"}
-    tests = table(folder.path / "tests.csv")
-    assert len(tests) == len(comparison.tests)
-    assert float(tests[0]["p_value"]) == comparison.tests[0].ranks.p_value
-    assert json.loads(folder.summary.read_text()) == json.loads(json.dumps(as_json(comparison)))
-
-
-def test_figures_are_drawn_and_nothing_else_is_left(folder: ComparisonFolder) -> None:
-    comparison = compared()
-
-    folder.write(comparison, as_json(comparison))
-    folder.write(comparison, as_json(comparison))
-
-    assert sorted(file.name for file in folder.figures.iterdir()) == [
-        f"{name}.{suffix}" for name in ("course", "goals", "results") for suffix in ("png", "svg")
-    ]
-    assert sorted(file.name for file in folder.path.iterdir()) == [
-        "comparison.json",
-        "figures",
-        "quartiles.csv",
-        "runs",
-        "runs.csv",
-        "tests.csv",
-    ]
 
 
 def test_what_a_kill_left_is_removed(folder: ComparisonFolder) -> None:

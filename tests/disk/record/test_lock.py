@@ -1,7 +1,5 @@
 import os
 import stat
-import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -46,18 +44,6 @@ def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path: Path
 
     with only_writer(folder), pytest.raises(RecordError, match=message), only_writer(folder):
         pass
-
-
-def test_a_child_process_does_not_keep_the_lock(tmp_path: Path) -> None:
-    folder = CampaignFolder(tmp_path)
-    sleeper = [sys.executable, "-c", "import sys; sys.stdin.read()"]
-
-    with only_writer(folder):
-        child = subprocess.Popen(sleeper, stdin=subprocess.PIPE)
-    with child, only_writer(folder):
-        is_running = child.poll() is None
-
-    assert is_running
 
 
 def test_a_folder_that_cannot_be_written_is_refused(readonly: CampaignFolder) -> None:

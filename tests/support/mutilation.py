@@ -2,7 +2,14 @@
 
 import random
 import re
-from collections.abc import Callable, Mapping
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, metamodel_folder
 
 Mutilation = Callable[[bytes, random.Random], bytes]
 
@@ -159,3 +166,21 @@ MUTILATIONS: Mapping[str, Mutilation] = {
     "several": _several,
 }
 """All ways to break a file; each takes its bytes and a source of random draws."""
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    """Return every file below a folder."""
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+@contextmanager
+def installation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Lead the code to metamodels of its own, as an installation elsewhere would; their folder."""
+    folder = tmp_path / "m2t" / "metamodels"
+    folder.mkdir(parents=True)
+    for name in (MISSION_FILE, FAULTS_FILE):
+        shutil.copy(metamodel_folder() / name, folder / name)
+    monkeypatch.setattr("m2t.metamodels.__file__", str(tmp_path / "m2t" / "metamodels.py"))
+    yield folder
+    load_metamodels.cache_clear()

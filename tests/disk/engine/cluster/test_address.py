@@ -1,0 +1,23 @@
+import pytest
+
+from mrsfi_runtime.engine.cluster.address import require_address
+from mrsfi_runtime.errors import UsageError
+from tests.support.cluster import require_dask
+
+
+@pytest.mark.parametrize("text", ["local", "tcp://127.0.0.1:8786", "tls://[::1]:8786"])
+def test_addresses_of_schedulers_are_taken(text: str) -> None:
+    require_dask()
+
+    require_address(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "remote", "127.0.0.1:8786", "tcp://host", "tcp://:8786", "ws://host:1", "tcp://h:x"],
+)
+def test_what_is_no_address_is_refused_with_what_was_expected(text: str) -> None:
+    require_dask()
+
+    with pytest.raises(UsageError, match=r"expected tcp://HOST:PORT or tls://HOST:PORT"):
+        require_address(text)

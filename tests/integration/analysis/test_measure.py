@@ -1,0 +1,80 @@
+"""A report that says which counts a campaign used."""
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from mrsfi_runtime.analysis.report import write_report
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import CampaignSettings
+from tests.support.campaigns import Code, evaluation, mission, pool, statistics
+
+CODE = Code(mission(), pool())
+GOALS = ("g1", "g3")
+MASKED = CampaignSettings(violations="masked", goals=GOALS, fitness="focused")
+MEANS = replace(MASKED, violations="believed", replications=2)
+
+
+def masking(index: int, masked: tuple[int, ...]) -> Evaluation:
+    """Return an evaluation whose belief says the opposite of what it hides."""
+    believed = tuple(100 - count for count in masked)
+    found = evaluation(index, believed, fitness=float(sum(masked)))
+    return replace(found, outcome=replace(found.outcome, masked=masked))
+
+
+def averaged(index: int, first_seed: tuple[int, ...], means: tuple[float, float]) -> Evaluation:
+    return replace(evaluation(index, first_seed), fitness=(sum(means), *means))
+
+
+HIDING = [masking(0, (3, 0, 1, 0, 0, 0)), masking(1, (2, 0, 5, 0, 0, 0)), masking(2, (1,) * 6)]
+FLOWN_TWICE = [
+    averaged(0, (900, 0, 900, 0, 0, 0), (450.0, 451.5)),
+    averaged(1, (10, 0, 10, 0, 0, 0), (500.5, 12.0)),
+    averaged(2, (999, 0, 0, 0, 0, 0), (499.5, 0.0)),
+]
+
+
+def report_of(folder: Path, settings: CampaignSettings, found: list[Evaluation]) -> str:
+    with CampaignStore.create(folder, settings, Manifest()) as store:
+        population = tuple(each.index for each in found)
+        store.append(found, (), [Generation(0, statistics(found), population, "[]")])
+    write_report(folder, CODE, lambda *_: None, ratio="g1:g3=1:1")
+    return (folder / "report.md").read_text()
+
+
+def table(folder: Path, name: str) -> list[list[str]]:
+    with (folder / "tables" / f"{name}.csv").open(newline="") as file:
+        return list(csv.reader(file))
+
+
+@pytest.mark.parametrize(
+    ("settings", "found", "rows"),
+    [
+        (MASKED, HIDING, [["1", "2", "5"], ["0", "3", "1"]]),
+        (MEANS, FLOWN_TWICE, [["0", "450.0", "451.5"], ["1", "500.5", "12.0"]]),
+    ],
+)
+def test_a_report_uses_the_measure_and_says_which_it_is(
+    settings: CampaignSettings, found: list[Evaluation], rows: list[list[str]], tmp_path: Path
+) -> None:
+    measure = Measure.of(settings, mission())
+    best = max(found, key=lambda each: each.fitness[0])
+
+    report = report_of(tmp_path / "run", settings, found)
+
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    figure = (tmp_path / "run" / "figures" / "figure_11_front.svg").read_text()
+    assert table(tmp_path / "run", "figure_11_front")[1:] == rows
+    assert table(tmp_path / "run", "figure_10_front_by_generation")[1:] == [
+        ["0", *row] for row in rows
+    ]
+    assert f"non-dominated specifications over g1, g3 ({measure};" in report
+    assert f"Violations per goal in ticks, {measure}: believed by" in report
+    assert summary["measure"] == {"violations": measure.kind, "mission_seeds": measure.n_seeds}
+    assert summary["top"][0]["measured"] == measure.by_goal(best)
+    assert f"g1: {measure} (ticks)" in figure

@@ -1,0 +1,54 @@
+"""Evaluation in several processes."""
+
+from pathlib import Path
+from shutil import copytree
+
+import pytest
+
+from mrsfi_runtime.engine.flights import Failure
+from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import TimedFault
+from tests.support.world import ROOT, paper_code
+
+GENERATED = ROOT / "generated" / "uuv_sampling"
+SPECIFICATIONS = [
+    (TimedFault(fault.id, 10 * number, 10 * number + 300, fault.values),)
+    for number, fault in enumerate(paper_code().pool)
+][:6]
+
+
+def edited(tmp_path: Path, region: str, body: str) -> Path:
+    """Return a copy of the generated code with one region replaced."""
+    folder = Path(copytree(GENERATED, tmp_path / "edited"))
+    path = folder / "collective_intelligence.py"
+    text = path.read_text(encoding="utf-8")
+    begin = f"    # protected region {region} on begin\n"
+    end = f"    # protected region {region} end\n"
+    head, rest = text.split(begin)
+    path.write_text(head + begin + body + end + rest.split(end)[1], encoding="utf-8")
+    return folder
+
+
+def test_any_number_of_workers_gives_the_same_results_in_order():
+    results = []
+    for n_workers in (1, 2):
+        with WorkerPool(GENERATED, 1, n_workers) as pool:
+            results.append(list(pool.evaluate_many(SPECIFICATIONS)))
+
+    assert results[0] == results[1]
+    engine = ReferenceEngine(load_code(GENERATED), 1)
+    assert results[0] == [engine.evaluate(specification) for specification in SPECIFICATIONS]
+
+
+@pytest.mark.parametrize("n_workers", [1, 2])
+def test_a_failed_evaluation_comes_back_with_its_traceback(tmp_path, n_workers):
+    body = "    return 1 // (len(ci.robots) - 3) > 9\n"
+    folder = edited(tmp_path, "g2.check", body)
+
+    with WorkerPool(folder, 1, n_workers) as pool:
+        results = list(pool.evaluate_many(SPECIFICATIONS[:2]))
+
+    assert all(isinstance(result, Failure) for result in results)
+    assert all("ZeroDivisionError" in result.traceback for result in results)
