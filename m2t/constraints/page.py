@@ -30,11 +30,11 @@ they quote numbers as Eclipse would write them (`-5.0`, not `-5`).
 ## Why some are not stated in EVL
 
 {reasons}
-- `FaultFreeMission` (warning, told by `mrsfi validate` alone) needs a flight: a goal is violated
-  although nothing fails.
-- `RegionCompiles` and `RegionCompilesAlike` (warnings, told by `mrsfi validate` alone) are said of
-  regions of the generated code, not of models: [the compiled engine](compiled.md) cannot compile a
-  line, or makes something else of it.
+- `FaultFreeMission` (warning) and `MissionFlies` (error) need a flight, and so `mrsfi validate`: a
+  goal is violated although nothing fails; the mission's own code fails.
+- `RegionRuns` (error), `RegionCompiles` and `RegionCompilesAlike` (warnings) are said of regions of
+  the generated code, not of models, by `mrsfi validate` alone: a line cannot run; [the compiled
+  engine](compiled.md) cannot compile it, or makes something else of it.
 - `ResolvedReference` is stated for references to other files; a dangling one within its own file
   makes Eclipse refuse it, or drop the reference without a word if it has a colon.
 

@@ -19,6 +19,7 @@
 Programming mistakes stay ``TypeError`` and ``ValueError``.
 """
 
+from pathlib import Path
 from typing import ClassVar
 
 
@@ -57,9 +58,16 @@ class SpecificationError(MrsfiError):
 
 
 class EvaluationError(MrsfiError):
-    """The decision logic of a mission failed while it was evaluated."""
+    """The decision logic of a mission failed while it was evaluated, or is bound to.
+
+    Attributes
+    ----------
+    line
+        Line of the generated file that failed, if it is one; the message names both.
+    """
 
     exit_code = 6
+    line: tuple[Path, int] | None = None
 
 
 class ReplayMismatch(MrsfiError):

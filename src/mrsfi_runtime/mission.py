@@ -2,6 +2,7 @@
 
 import importlib.util
 import sys
+import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
@@ -147,9 +148,39 @@ def load_module(name: str, path: Path) -> ModuleType:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        message = f"{path}: cannot be imported: {type(error).__name__}: {error}"
-        raise EvaluationError(message) from error
+        raise failed(error, path.parent, "cannot be imported", path) from error
     return module
+
+
+def failed(
+    error: Exception, directory: Path, what: str, file: Path | None = None
+) -> EvaluationError:
+    """Return what to raise for an error that arose in the code of a mission.
+
+    Parameters
+    ----------
+    error
+        What Python raised.
+    directory
+        Folder of the generated code; its line nearest to the error is named.
+    what
+        What failed, such as ``mission 'x' failed at tick 7``.
+    file
+        What to name where no line of that folder took part.
+    """
+    frames = [(f.filename, f.lineno or 1) for f in traceback.extract_tb(error.__traceback__)]
+    if isinstance(error, SyntaxError):
+        frames.append((error.filename or "", error.lineno or 1))
+    lines = [
+        (directory / Path(name).name, line)
+        for name, line in frames
+        if Path(name).parent == directory.absolute()
+    ]
+    place = f"{lines[-1][0]}:{lines[-1][1]}: " if lines else f"{file}: " if file else ""
+    remedy = "; correct the region" if lines else ""
+    found = EvaluationError(f"{place}{what}: {type(error).__name__}: {error}{remedy}")
+    found.line = lines[-1] if lines else None
+    return found
 
 
 class _SourceLoader(SourceFileLoader):

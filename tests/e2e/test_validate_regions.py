@@ -1,4 +1,7 @@
+import json
 from pathlib import Path
+
+import pytest
 
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
 
@@ -6,10 +9,10 @@ BODY = "return goal_tasks.avoid_collision.violated(ci, G1)"
 OWN = "return ci.robots[R1].speed ** 2 > 9000.0"
 
 
-def _edited(place: Path) -> tuple[Path, int]:
+def _edited(place: Path, body: str = OWN) -> tuple[Path, int]:
     code = place / "generated" / MISSION / "collective_intelligence.py"
-    edit(code, BODY, OWN)
-    return code, code.read_text(encoding="utf-8").splitlines().index(f"    {OWN}") + 1
+    edit(code, BODY, body)
+    return code, code.read_text(encoding="utf-8").splitlines().index(f"    {body}") + 1
 
 
 def test_validate_warns_of_a_region_that_compiles_to_something_else(place: Path) -> None:
@@ -55,3 +58,69 @@ def test_a_mission_that_was_not_generated_yet_has_no_regions_to_warn_of(place: P
     text = mrsfi("validate", MISSION, "--generated", "nowhere", cwd=place).stdout
 
     assert "[Region" not in text
+
+
+UNREACHED = "return ci.mission.tick < 0 and nowhere(ci)"
+LATE = "return 1 // (ci.mission.tick - 7) == 0"
+MISSPELT = "return ci.mission.tick < 0 and ci.robots[R1].heading > 0.0"
+
+
+@pytest.mark.parametrize(
+    ("body", "constraint", "said"),
+    [
+        (UNREACHED, "RegionRuns", "region 'g1.check': found `nowhere`, which is not defined"),
+        (MISSPELT, "RegionRuns", "region 'g1.check': found `ci.robots[R1].heading`, but a Robot"),
+        (LATE, "MissionFlies", "mission '1000' failed at tick 7: ZeroDivisionError: "),
+    ],
+)
+def test_a_region_that_fails_is_an_error_of_every_command_before_anything_flies(
+    place: Path, body: str, constraint: str, said: str
+) -> None:
+    _, line = _edited(place, body)
+    where = f"generated/{MISSION}/collective_intelligence.py:{line}: "
+
+    lines = mrsfi("validate", MISSION, cwd=place, expected=6).stdout.splitlines()
+    text = mrsfi("validate", MISSION, "--json", cwd=place, expected=6).stdout
+
+    assert lines[0].startswith(f"{where}error: {said}")
+    assert lines[-1] == f"{MISSION}: 1 error, 0 warnings"
+    (found,) = json.loads(text)["diagnostics"]
+    assert (found["line"], found["severity"], found["constraint"]) == (line, "error", constraint)
+    for command in ("evolve", "compare", "simulate"):
+        error = mrsfi(command, MISSION, cwd=place, expected=6).stderr
+        assert error.startswith(f"mrsfi: {where}{said}")
+        assert len(error.splitlines()) == 1
+    assert not (place / "runs").exists()
+
+
+def test_what_does_not_compile_is_named_in_generated_and_leaves_no_folder(place: Path) -> None:
+    _, line = _edited(place, "return {1: ci} == {}")
+
+    arguments = ("evolve", MISSION, "--engine", "compiled")
+
+    error = mrsfi(*arguments, cwd=place, expected=6).stderr
+    place_of_it = f"generated/{MISSION}/collective_intelligence.py:{line}: region g1.check"
+    assert error.startswith(f"mrsfi: {place_of_it} cannot be compiled: ")
+    assert not (place / "runs").exists()
+
+
+def test_an_error_of_the_models_decides_the_exit_code(place: Path) -> None:
+    _edited(place, UNREACHED)
+    edit(place / "models" / MISSION / "mission.xmi", 'name="LEN" speed="5.0"', 'speed="fast"')
+
+    text = mrsfi("validate", MISSION, cwd=place, expected=3).stdout
+
+    assert "[RegionRuns]" in text
+
+
+def test_a_file_that_cannot_be_imported_is_named_with_its_line(place: Path) -> None:
+    code = place / "generated" / MISSION / "collective_intelligence.py"
+    begin = "# protected region imports on begin\n"
+    edit(code, begin, f"{begin}from nowhere import near\n")
+
+    text = mrsfi("validate", MISSION, cwd=place, expected=6).stdout
+
+    line = code.read_text(encoding="utf-8").splitlines().index("from nowhere import near") + 1
+    assert (
+        f"collective_intelligence.py:{line}: error: cannot be imported: ModuleNotFoundError" in text
+    )

@@ -135,7 +135,9 @@ def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
             list(pool.evaluate_many(specifications[:1]))
 
     assert "on the worker at tcp://127.0.0.1:" in str(refused.value)
-    assert f"{folder}/collective_intelligence.py: cannot be imported" in str(refused.value)
+    file = folder / "collective_intelligence.py"
+    line = file.read_text(encoding="utf-8").splitlines().index("from only_here import HIGHEST") + 1
+    assert f"{file}:{line}: cannot be imported" in str(refused.value)
     assert "has to be installed on every worker" in str(refused.value)
 
 

@@ -12,7 +12,6 @@ from mrsfi_runtime.cli.comparison_tables import legend, quartile_table, rank_tes
 from mrsfi_runtime.cli.console import print_json, print_table, tell
 from mrsfi_runtime.cli.engines import EngineOptions, engine_options
 from mrsfi_runtime.cli.missions import (
-    MissionFolders,
     campaign_file,
     find_mission,
     generated_option,
@@ -22,6 +21,7 @@ from mrsfi_runtime.cli.workers import WorkerOptions, worker_options
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import BOTH
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -134,10 +134,12 @@ def command(  # noqa: PLR0913 - one for each option
     flown_by = engine.settings(default=AUTO)
     workers.require_sense(flown_by)
     folders = find_mission(mission, generated)
-    settings = _settings(folders, case, algorithms, evaluations)
+    code = folders.load()
+    settings = _settings(campaign_file(folders, case), code.mission, algorithms, evaluations)
+    tried = flown_by.tried(code, next(iter(settings.values())).mission_seed, tell)
     path = RUNS / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
     with only_comparison(path, folders.models, folders.generated) as folder:
-        comparison = _compared(folder, settings, seeds, flown_by, workers)
+        comparison = _compared(folder, settings, seeds, tried, workers)
         content = {
             "mission": folders.name,
             "settings": common_settings(next(iter(settings.values()))),
@@ -152,19 +154,17 @@ def command(  # noqa: PLR0913 - one for each option
 
 
 def _settings(
-    folders: MissionFolders, case: str, algorithms: str, evaluations: int
+    file: Path, mission: Mission, algorithms: str, evaluations: int
 ) -> dict[str, CampaignSettings]:
     """Return the settings of each algorithm, or refuse what cannot be searched."""
     names = [name.strip() for name in algorithms.split(",")]
     if not all(names) or len(set(names)) < len(names):
         message = f"--algorithms: found '{algorithms}'; expected different names with commas"
         raise UsageError(message)
-    file = campaign_file(folders, case)
-    flown = folders.load().mission
     settings = {}
     for name in names:
         one = CampaignSettings.load(file, algorithm=name, seed=1, evaluations=evaluations)
-        require_settings(one, flown)
+        require_settings(one, mission)
         settings[name] = one
     return settings
 
@@ -181,7 +181,6 @@ def _compared(
     n_runs = len(settings) * n_seeds
     try:
         with workers.reached() as reached:
-            engine = engine.resolved(code, mission_seeds[0], tell)
             tell(
                 f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, "
                 f"{reached.told(engine)}"

@@ -104,16 +104,17 @@ def command(
     **given: Any,
 ) -> None:
     """Evolve fault specifications against a mission and print the most critical."""
+    tried = None
     if resume is None:
         flown_by = engine.settings(default=AUTO)
         workers.require_sense(flown_by)
-        path, writer = _new_campaign(ratio, flown_by, **given)
+        path, writer, tried = _new_campaign(ratio, flown_by, **given)
     else:
         path, writer = resume, resumed(resume, ctx)
     with writer, open_campaign(path) as campaign:
         _require_ratio(campaign.store.settings, campaign.code.mission, ratio)
         with DrawingProcess(map_drawing(campaign.code.mission)) as process:
-            _search(campaign, engine.settings(campaign.store.manifest.engine, AUTO), workers)
+            _search(campaign, tried or _tried(campaign, engine, workers), workers)
             report(campaign, ratio, is_json=is_json, draw=process.draw)
 
 
@@ -125,19 +126,29 @@ def _new_campaign(
     case: str | None,
     out: Path | None,
     **overrides: object,
-) -> tuple[Path, AbstractContextManager[None]]:
-    """Refuse what cannot be searched; return the campaign's folder and what begins it."""
+) -> tuple[Path, AbstractContextManager[None], EngineSettings]:
+    """Refuse what cannot be searched; return the campaign's folder, what begins it, the engine."""
     if mission is None:
         message = "found no MISSION; expected one, or --resume DIR to go on with a campaign"
         raise UsageError(message)
     case = case or "a"
     folders = find_mission(mission, generated)
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
-    flown = folders.load().mission
-    require_settings(settings, flown)
-    _require_ratio(settings, flown, ratio)
+    code = folders.load()
+    require_settings(settings, code.mission)
+    _require_ratio(settings, code.mission, ratio)
+    tried = engine.tried(code, settings.mission_seed, tell)
     path = free_folder(folders.name, Path(case).stem) if out is None else out
-    return path, begun(path, folders, settings, case, engine)
+    return path, begun(path, folders, settings, case, engine), tried
+
+
+def _tried(
+    campaign: OpenCampaign, options: EngineOptions, workers: WorkerOptions
+) -> EngineSettings:
+    """Return the engine that a campaign from before goes on with."""
+    engine = options.settings(campaign.store.manifest.engine, AUTO)
+    workers.require_sense(engine)
+    return engine.tried(campaign.code, campaign.store.settings.mission_seed, tell)
 
 
 def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | None) -> None:
@@ -147,13 +158,11 @@ def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | No
 
 
 def _search(campaign: OpenCampaign, engine: EngineSettings, workers: WorkerOptions) -> None:
-    workers.require_sense(engine)
     path, code, store = campaign.folder.path, campaign.code, campaign.store
     settings, n_generations = store.settings, store.n_generations
     recorded = share(settings, n_generations, store.n_evaluations + len(store.failures()))
     try:
         with workers.reached() as reached:
-            engine = engine.resolved(code, settings.mission_seed, tell)
             tell(
                 f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.name} "
                 f"engine, {reached.told(engine)}"

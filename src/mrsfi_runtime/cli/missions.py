@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import click
 
 from m2t.generate import stale
+from mrsfi_runtime.engine.region_lint import require_sound_regions
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.mission import MissionCode, load_code
 
@@ -42,8 +43,9 @@ class MissionFolders:
             raise GenerationError(message)
 
     def load(self) -> MissionCode:
-        """Load the generated code, which must be fresh."""
+        """Load the generated code, which must be fresh, and whose regions must be sound."""
         self.require_fresh()
+        require_sound_regions(self.generated)
         return load_code(self.generated)
 
 

@@ -26,7 +26,7 @@ from mrsfi_runtime.cli.missions import (
 )
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
-from mrsfi_runtime.errors import ModelError, MrsfiError, UsageError
+from mrsfi_runtime.errors import EvaluationError, ModelError, MrsfiError, UsageError
 
 _HELP = """Check the models of MISSION and print every defect.
 
@@ -42,10 +42,12 @@ Examples:
   mrsfi validate uuv_sampling --fix
 
 Each defect is one line: file, line, severity, what was found and what was expected, and
-the constraint. Errors end with exit code 3, warnings alone do not. A mission without errors
-is flown once without faults, if its generated code is fresh: a goal that is violated even
-then is worth a warning. So is what the compiled engine could not compile in a region of the
-generated code, or would compile to something else.
+the constraint. Errors of the models end with exit code 3, those of the generated code's
+regions alone with 6, warnings alone with 0. A name or a field that does not exist is such an
+error, whether or not a flight reaches it. A mission without errors is flown once without
+faults, if its generated code is fresh: a flight that fails is an error too, a goal that is
+violated even then is worth a warning. So is what the compiled engine could not compile in a
+region, or would compile to something else.
 
 With --fix, what has one sensible remedy is mended first: the change is shown as a diff, and
 written once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
@@ -80,23 +82,21 @@ def command(
         raise UsageError(message)
     if is_fix:
         _fix(_inspect(mission, generated), is_agreed=is_agreed)
-    counts = ""
     if mission.endswith(".xmi"):
-        name, diagnostics = mission, validate_specification(Path(mission))
+        name, diagnostics, counts = mission, validate_specification(Path(mission)), ""
+        code: tuple[Diagnostic, ...] = ()
     else:
         folders = find_mission(mission, generated)
         name, diagnostics = folders.name, validate_folder(folders.models)
-        if not _n_errors(diagnostics):
-            loaded = load_mission_folder(folders.models)
-            counts = _counts(loaded)
-            diagnostics = (*diagnostics, *_flown(folders, loaded))
-        diagnostics = (*diagnostics, *_linted(folders))
+        code, counts = _of_code(folders, is_sound=not _n_errors(diagnostics))
+    exit_code = ModelError.exit_code if _n_errors(diagnostics) else EvaluationError.exit_code
+    diagnostics = (*diagnostics, *code)
     if is_json:
         print_json(_as_json(name, diagnostics))
     else:
         _print_lines(name, diagnostics, counts)
     if _n_errors(diagnostics):
-        ctx.exit(ModelError.exit_code)
+        ctx.exit(exit_code)
 
 
 def _inspect(mission: str, generated: Path | None) -> Inspection:
@@ -170,27 +170,42 @@ def _n(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
+def _of_code(folders: MissionFolders, *, is_sound: bool) -> tuple[tuple[Diagnostic, ...], str]:
+    """Return what is wrong with the generated code, and what the models hold if they are sound."""
+    regions = tuple(_linted(folders))
+    if not is_sound:
+        return regions, ""
+    loaded = load_mission_folder(folders.models)
+    flown = () if _n_errors(regions) else _flown(folders, loaded)
+    return (*flown, *regions), _counts(loaded)
+
+
 def _linted(folders: MissionFolders) -> Iterator[Diagnostic]:
-    """Yield a warning for every line of a region that may not fly compiled as it is written."""
+    """Yield what is wrong with the regions of the generated code, or will be when compiled."""
     for found in lint_regions(folders.generated):
         yield Diagnostic(
             path=found.path,
             line=found.line,
             element=found.place,
-            constraint="RegionCompilesAlike" if found.does_compile else "RegionCompiles",
-            severity="warning",
+            constraint=found.constraint,
+            severity="error" if found.is_error else "warning",
             message=f"{found.place}: {found.message}",
         )
 
 
 def _flown(folders: MissionFolders, loaded: LoadedModels) -> tuple[Diagnostic, ...]:
-    """Fly the mission without faults and return a warning for every goal that is violated."""
+    """Fly the mission without faults; return where it fails, or each goal that is violated."""
     if loaded.mission.duration > _LONGEST_FLIGHT:
         tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")
         return ()
     try:
         outcome = ReferenceEngine(folders.load(), 1).evaluate(())
-    except MrsfiError as error:  # what is wrong with the code is no defect of the models
+    except EvaluationError as error:
+        path, line = error.line or (folders.generated, 1)
+        message = str(error).removeprefix(f"{path}:{line}: ")
+        element = f"mission '{folders.name}'"
+        return (Diagnostic(path, line, element, "MissionFlies", "error", message),)
+    except MrsfiError as error:  # stale code is no defect of the models
         tell(f"not flown without faults: {error}")
         return ()
     return tuple(

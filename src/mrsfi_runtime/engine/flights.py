@@ -4,7 +4,6 @@ import hashlib
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self, TypeAlias
 
@@ -14,7 +13,7 @@ from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.kernel.injections import Plan, plan
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.mission import MissionCode, failed
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
@@ -121,22 +120,9 @@ def evaluate(
         raise
     except Exception as error:
         tick = boarded[0].world.mission.tick if boarded else 0
-        message = (
-            f"{_place(error, code.directory)}mission '{code.mission.name}' failed at tick "
-            f"{tick}: {type(error).__name__}: {error}; correct the region"
-        )
-        raise EvaluationError(message) from error
+        what = f"mission '{code.mission.name}' failed at tick {tick}"
+        raise failed(error, code.directory, what) from error
     return _outcome(flight, laid_out)
-
-
-def _place(error: Exception, directory: Path) -> str:
-    """Return file and line of the generated code in which an error arose, for a message."""
-    frames = traceback.extract_tb(error.__traceback__)
-    for frame in reversed(frames):
-        path = Path(frame.filename)
-        if path.parent == directory.absolute():
-            return f"{directory / path.name}:{frame.lineno}: "
-    return ""
 
 
 def _outcome(flight: Flight, laid_out: Plan) -> Outcome:

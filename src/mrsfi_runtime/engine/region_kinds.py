@@ -1,34 +1,64 @@
-"""What can be told of the values in a region without running it: int, float, bool, set.
+"""What can be told of the values in a region without running it.
 
-Fields of the state have the kinds that its records declare; a local name has one if all that is
-ever assigned to it has.
+A kind is a type as an annotation gives it, such as ``float``, ``RobotState`` or ``list[int]``;
+``None`` is what cannot be told. Fields have the kinds that the records of the state declare; a
+local name has one if all that is ever assigned to it has.
 """
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import is_dataclass
-from typing import get_args, get_type_hints
+from difflib import get_close_matches
+from functools import cache
+from pkgutil import resolve_name
+from types import ModuleType
+from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
 
+from mrsfi_runtime.engine.region_sources import Source
 from mrsfi_runtime.kernel.state import State
 
-INT, FLOAT, BOOL, SET, INTS = "int", "float", "bool", "set", "list of int"
+Kind: TypeAlias = Any
 
-_CALLS = {"int": INT, "len": INT, "float": FLOAT, "bool": BOOL, "set": SET, "round": INT}
-_LISTS = {name: get_args(hint)[0] for name, hint in get_type_hints(State).items() if get_args(hint)}
-_RECORDS = [kind for kind in _LISTS.values() if is_dataclass(kind)]
+_API = "mrsfi_runtime.api."
+_NUMBERS: Mapping[str, Kind] = {"int": int, "float": float, "bool": bool}
+_CALLS: Mapping[str, Kind] = {**_NUMBERS, "len": int, "round": int, "set": set, "sqrt": float}
+_FIRST = ast.Constant(0)
+_SHOWN = 12
 
-RECORD_LISTS = frozenset(name for name, kind in _LISTS.items() if is_dataclass(kind))
-"""Fields of ``State`` that are lists of records."""
 
-INT_LISTS = frozenset(_LISTS) - RECORD_LISTS
-"""Fields of ``State`` that are lists of integers."""
+@cache
+def fields(record: Kind) -> Mapping[str, Kind]:
+    """Return the kinds of a record's fields."""
+    return get_type_hints(record)
 
-FIELDS: Mapping[str, str] = {
-    name: kind.__name__
-    for record in (get_type_hints(State)["mission"], *_RECORDS)
-    for name, kind in get_type_hints(record).items()
-}
-"""Kinds of the fields of records."""
+
+def is_record(kind: Kind) -> bool:
+    """Return whether a kind is a record of the state, or the state."""
+    return is_dataclass(kind)
+
+
+def element(kind: Kind) -> Kind:
+    """Return the kind of what a list or a tuple holds."""
+    origin: Kind = get_origin(kind)
+    return get_args(kind)[0] if origin in (list, tuple) else None
+
+
+def is_record_list(kind: Kind) -> bool:
+    """Return whether a kind is a list of records."""
+    return is_record(element(kind))
+
+
+def _all_fields() -> Iterator[tuple[str, Kind]]:
+    yield from fields(State).items()
+    for kind in fields(State).values():
+        record = element(kind) or kind
+        if is_record(record):
+            yield from fields(record).items()
+
+
+_FIELDS: Mapping[str, Kind] = dict(_all_fields())
+"""Kinds of fields by name alone, where the record cannot be told."""
 
 
 def literal(node: ast.AST) -> int | float | None:
@@ -59,109 +89,163 @@ class Kinds:
     ----------
     function
         The function.
-    names
-        Kinds of global names.
+    source
+        The file that it stands in.
+
+    Attributes
+    ----------
+    local
+        Its arguments, and the names that it assigns to.
     """
 
-    def __init__(self, function: ast.FunctionDef, names: Mapping[str, str | None]) -> None:
-        self._names = dict(names)
-        for argument in function.args.args:
-            hint = argument.annotation
-            is_known = isinstance(hint, ast.Name) and hint.id in (INT, FLOAT, BOOL)
-            self._names[argument.arg] = hint.id if is_known else None  # type: ignore[union-attr]
+    def __init__(self, function: ast.FunctionDef, source: Source) -> None:
+        self._imports = source.imports
+        self._names: dict[str, Kind] = {
+            name: type(number)
+            for name, value in source.constants.items()
+            if (number := literal(value)) is not None
+        }
+        arguments = dict(_arguments(function, self._imports))
         assigned = [*_assignments(function)]
+        self.local = {*arguments, *(name for name, _ in assigned)}
         for n in range(4):  # a name may depend on itself, or on one assigned further down
-            kinds: dict[str, list[str | None]] = {}
+            kinds: dict[str, list[Kind]] = {name: [kind] for name, kind in arguments.items()}
             for name, value in assigned:
                 kind = self.of(value)
                 if kind is not None or n:
                     kinds.setdefault(name, []).append(kind)
             self._names |= {name: _common(found) for name, found in kinds.items()}
 
-    def of(self, node: ast.AST | None) -> str | None:
+    def dotted(self, node: ast.AST) -> str:
+        """Return the dotted name that an expression stands for; empty if it is none."""
+        if isinstance(node, ast.Attribute):
+            parent = self.dotted(node.value)
+            return f"{parent}.{node.attr}" if parent else ""
+        if not isinstance(node, ast.Name) or node.id in self.local:
+            return ""
+        return self._imports.get(node.id, node.id)
+
+    def of(self, node: ast.AST | None) -> Kind:
         """Return the kind of an expression, or ``None`` where it cannot be told."""
-        found = None if node is None else literal(node)
-        if found is not None:
-            return type(found).__name__
         if isinstance(node, ast.Name):
             return self._names.get(node.id)
+        if isinstance(node, ast.Attribute | ast.Subscript):
+            return self._of_part(node)
+        if isinstance(node, ast.Call):
+            return self._of_call(node)
+        found = None if node is None else literal(node)
+        return self._of_operation(node) if found is None else type(found)
+
+    def _of_part(self, node: ast.Attribute | ast.Subscript) -> Kind:
+        owner = self.of(node.value)
         if isinstance(node, ast.Attribute):
-            return FIELDS.get(node.attr)
-        if isinstance(node, ast.BinOp | ast.UnaryOp | ast.IfExp):
-            return self._of_operation(node)
-        return self._of_display(node)
+            known = fields(owner) if is_record(owner) else _FIELDS
+            return known.get(node.attr)
+        return owner if isinstance(node.slice, ast.Slice) else element(owner)
 
-    def _of_operation(self, node: ast.BinOp | ast.UnaryOp | ast.IfExp) -> str | None:
-        if isinstance(node, ast.UnaryOp):
-            return BOOL if isinstance(node.op, ast.Not) else self.of(node.operand)
-        if isinstance(node, ast.IfExp):
-            return _common([self.of(node.body), self.of(node.orelse)])
+    def _of_operation(self, node: ast.AST | None) -> Kind:
+        match node:
+            case ast.Compare() | ast.UnaryOp(op=ast.Not()):
+                return bool
+            case ast.Set() | ast.SetComp():
+                return set
+            case ast.UnaryOp():
+                return self.of(node.operand)
+            case ast.IfExp():
+                return _common([self.of(node.body), self.of(node.orelse)])
+            case ast.List():
+                return list[int] if {*map(self.of, node.elts)} == {int} else None
+        return self._of_sides(node) if isinstance(node, ast.BinOp) else None
+
+    def _of_sides(self, node: ast.BinOp) -> Kind:
         left, right = self.of(node.left), self.of(node.right)
-        if left == INTS and isinstance(node.op, ast.Mult):
-            return INTS
-        if FLOAT in (left, right) or isinstance(node.op, ast.Div):
-            return FLOAT
-        return INT if {left, right} <= {INT, BOOL} else None
+        if left == list[int] and isinstance(node.op, ast.Mult):
+            return left
+        if float in (left, right) or isinstance(node.op, ast.Div):
+            return float
+        return int if {left, right} <= {int, bool} else None
 
-    def _of_display(self, node: ast.AST | None) -> str | None:
-        if isinstance(node, ast.Compare):
-            return BOOL
-        if isinstance(node, ast.Set | ast.SetComp):
-            return SET
-        if isinstance(node, ast.List):
-            is_ints = node.elts and all(self.of(element) == INT for element in node.elts)
-            return INTS if is_ints else None
-        if isinstance(node, ast.Subscript):
-            is_ints = isinstance(node.value, ast.Attribute) and node.value.attr in INT_LISTS
-            return INT if is_ints and not isinstance(node.slice, ast.Slice) else None
-        return self._of_call(node)
-
-    def _of_call(self, node: ast.AST | None) -> str | None:
-        if not isinstance(node, ast.Call):
+    def _of_call(self, node: ast.Call) -> Kind:
+        if isinstance(node.func, ast.Attribute):
+            return float if node.func.attr == "sqrt" else None
+        if not isinstance(node.func, ast.Name):
             return None
-        if isinstance(node.func, ast.Name):
-            if node.func.id in ("abs", "min", "max"):
-                return _common([self.of(argument) for argument in node.args])
-            return _CALLS.get(node.func.id) if len(node.args) < 2 else None
-        is_root = isinstance(node.func, ast.Attribute) and node.func.attr == "sqrt"
-        return FLOAT if is_root else None
+        if node.func.id in ("abs", "min", "max"):
+            return _common([self.of(argument) for argument in node.args])
+        return _CALLS.get(node.func.id) if len(node.args) < 2 else None
+
+
+def _arguments(function: ast.FunctionDef, imports: Mapping[str, str]) -> Iterator[tuple[str, Kind]]:
+    """Yield the arguments with their kinds; one that is called ``ci`` needs no annotation."""
+    for argument in (*function.args.args, *function.args.kwonlyargs):
+        hint = argument.annotation
+        name = "" if not isinstance(hint, ast.Name) else hint.id
+        is_state = imports.get(name) == f"{_API}State" or (hint is None and argument.arg == "ci")
+        yield argument.arg, State if is_state else _NUMBERS.get(name)
 
 
 def _assignments(function: ast.FunctionDef) -> Iterator[tuple[str, ast.AST | None]]:
-    """Yield the local names with what is assigned to them."""
+    """Yield the local names with what is assigned to them; ``None`` where that cannot be told."""
+    values = {
+        id(target): value
+        for node in ast.walk(function)
+        for target, value in _bound(node)
+        if isinstance(target, ast.Name)
+    }
     for node in ast.walk(function):
-        if isinstance(node, ast.Assign) and len(node.targets) == 1:
-            yield from _bound(node.targets[0], node.value)
-        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            yield node.target.id, node.value
-        elif isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name):
-            yield node.target.id, ast.BinOp(node.target, node.op, node.value)
-        elif isinstance(node, ast.For | ast.comprehension):
-            yield from _bound(node.target, _element(node.iter))
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id, values.get(id(node))
+        elif isinstance(node, ast.Lambda | ast.FunctionDef) and node is not function:
+            yield from ((argument.arg, None) for argument in node.args.args)
 
 
-def _bound(target: ast.AST, value: ast.AST | None) -> Iterator[tuple[str, ast.AST | None]]:
-    if isinstance(target, ast.Name):
-        yield target.id, value
-    else:
-        for inner in ast.walk(target):
-            if isinstance(inner, ast.Name) and isinstance(inner.ctx, ast.Store):
-                yield inner.id, None
+def _bound(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
+    """Yield what a node assigns to."""
+    match node:
+        case ast.Assign():
+            yield from ((target, node.value) for target in node.targets)
+        case ast.AnnAssign() | ast.NamedExpr():
+            yield node.target, node.value
+        case ast.AugAssign():
+            yield node.target, ast.BinOp(node.target, node.op, node.value)
+        case ast.For() | ast.comprehension():
+            is_range = isinstance(node.iter, ast.Call) and ast.unparse(node.iter.func) == "range"
+            yield node.target, _FIRST if is_range else ast.Subscript(node.iter, _FIRST)
 
 
-def _element(iterated: ast.AST) -> ast.AST | None:
-    """Return an expression of the kind of what a loop runs over, if it can be told."""
-    is_range = isinstance(iterated, ast.Call) and isinstance(iterated.func, ast.Name)
-    if is_range and iterated.func.id == "range":  # type: ignore[attr-defined]
-        return ast.Constant(0)
-    if isinstance(iterated, ast.Attribute) and iterated.attr in INT_LISTS:
-        return ast.Constant(0)
-    return None
-
-
-def _common(kinds: list[str | None]) -> str | None:
+def _common(kinds: list[Kind]) -> Kind:
     """Return the kind that a name has if it may hold any of these: int and float make float."""
     found = set(kinds)
     if len(found) == 1:
         return found.pop()
-    return FLOAT if found == {INT, FLOAT} else None
+    return float if found == {int, float} else None
+
+
+def missing(source: Source) -> Iterator[tuple[int, str]]:
+    """Yield lines that ask a record for a field, or a module of ours for a name, in vain."""
+    for function in source.functions.values():
+        kinds = Kinds(function, source)
+        for node in ast.walk(function):
+            if isinstance(node, ast.Attribute):
+                owner, known = _known(node.value, kinds)
+                if known and node.attr not in known:
+                    yield node.lineno, _missed(node, owner, known)
+
+
+def _known(node: ast.AST, kinds: Kinds) -> tuple[str, Sequence[str]]:
+    """Return what an expression is, if that is certain, and which names it has."""
+    kind = kinds.of(node)
+    if is_record(kind):
+        return f"a {kind.__name__}", [*fields(kind)]
+    dotted = kinds.dotted(node)
+    if dotted == "math" or dotted.startswith(_API):
+        with suppress(ImportError, AttributeError):
+            module = resolve_name(dotted)
+            return dotted, dir(module) if isinstance(module, ModuleType) else ()
+    return "", ()
+
+
+def _missed(node: ast.Attribute, owner: str, known: Sequence[str]) -> str:
+    near = get_close_matches(node.attr, known, 3) or [n for n in known if n[0] != "_"]
+    has = ", ".join(near[:_SHOWN]) + (", …" if len(near) > _SHOWN else "")
+    return f"found `{ast.unparse(node)}`, but {owner} has no '{node.attr}'; it has {has}"

@@ -6,23 +6,12 @@ evaluations on the reference engine.
 """
 
 import ast
-from collections.abc import Callable, Iterator, Mapping, Set
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 
-from mrsfi_runtime.engine.region_kinds import (
-    BOOL,
-    FIELDS,
-    FLOAT,
-    INT,
-    INT_LISTS,
-    INTS,
-    RECORD_LISTS,
-    SET,
-    Kinds,
-    literal,
-)
+from mrsfi_runtime.engine.region_kinds import Kind, Kinds, element, is_record_list, literal
 from mrsfi_runtime.engine.region_names import remark_on
+from mrsfi_runtime.engine.region_sources import Source
 
 _CONTAINER = "is a global list, dict or set and cannot be compiled; write a tuple of numbers"
 _HALVES = (
@@ -70,57 +59,20 @@ _LIST_METHODS = frozenset(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Remarked:
-    """A line that would not compile, or not alike.
+def remarks(function: ast.FunctionDef, source: Source) -> Iterator[tuple[int, bool, str]]:
+    """Yield what is to be said of a function that will be compiled.
 
-    Attributes
-    ----------
-    line
-        Line of the file.
-    does_compile
-        Whether it compiles, to something else.
-    message
-        What was found, why it matters and what to write instead.
+    Yields
+    ------
+    tuple
+        Line; whether it compiles, to something else; what was found, why it matters and what
+        to write instead.
     """
-
-    line: int
-    does_compile: bool
-    message: str
-
-
-@dataclass(frozen=True, slots=True)
-class Surroundings:
-    """What a function meets in its file.
-
-    Attributes
-    ----------
-    imports
-        Dotted names by the names that stand for them.
-    kinds
-        Kinds of global numbers.
-    containers
-        Global lists, dicts and sets.
-    unmarked
-        Functions of the file that are not marked ``@kernel``.
-    large
-        Global integers beyond 64 bits.
-    """
-
-    imports: Mapping[str, str]
-    kinds: Mapping[str, str | None]
-    containers: Set[str]
-    unmarked: Set[str]
-    large: Set[str]
-
-
-def remarks(function: ast.FunctionDef, around: Surroundings) -> Iterator[Remarked]:
-    """Yield what is to be said of a function that will be compiled, line by line."""
-    rules = _Rules(function, around)
+    rules = _Rules(function, source)
     for node in ast.walk(function):
         for does_compile, found, why in rules.of(node):
             line = getattr(node, "lineno", function.lineno)
-            yield Remarked(line, does_compile, f"found `{_shown(found)}`, which {why}")
+            yield line, does_compile, f"found `{_shown(found)}`, which {why}"
 
 
 def _shown(node: ast.AST) -> str:
@@ -146,15 +98,10 @@ _SYNTAX: Mapping[type[ast.AST], str] = {
 class _Rules:
     """The rules, by the kind of syntax that they look at."""
 
-    def __init__(self, function: ast.FunctionDef, around: Surroundings) -> None:
+    def __init__(self, function: ast.FunctionDef, source: Source) -> None:
         self._function = function
-        self._around = around
-        self._kinds = Kinds(function, around.kinds)
-        self._local = {
-            node.id
-            for node in ast.walk(function)
-            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-        } | {argument.arg for argument in function.args.args}
+        self._source = source
+        self._kinds = Kinds(function, source)
         self._masked = {
             id(inner)
             for node in ast.walk(function)
@@ -187,36 +134,29 @@ class _Rules:
         if rule is not None:
             yield from rule(node)
 
-    def _dotted(self, node: ast.AST) -> str:
-        """Return the dotted name that an expression stands for; empty if it is none."""
-        if isinstance(node, ast.Attribute):
-            parent = self._dotted(node.value)
-            return f"{parent}.{node.attr}" if parent else ""
-        if not isinstance(node, ast.Name) or node.id in self._local:
-            return ""
-        return self._around.imports.get(node.id, node.id)
-
     def _name(self, node: ast.Name) -> Iterator[Saying]:
-        if node.id in self._local:
+        if node.id in self._kinds.local:
             return
         yield from self._remark(node)
-        if node.id in self._around.containers:
+        value = self._source.constants.get(node.id)
+        if isinstance(value, ast.List | ast.Dict | ast.Set | ast.ListComp | ast.DictComp):
             yield False, node, _CONTAINER
-        if node.id in self._around.unmarked:
+        if node.id in self._source.functions.keys() - self._source.kernels.keys():
             yield False, node, "is not marked @kernel and cannot be compiled; mark it"
-        if node.id in self._around.large:
-            yield True, node, "does not fit into 64 bits and wraps; use smaller numbers"
+        number = None if value is None else literal(value)
+        if isinstance(number, int) and not _fits(number):
+            yield _too_large(node)
 
     def _attribute(self, node: ast.Attribute) -> Iterator[Saying]:
         yield from self._remark(node)
 
     def _remark(self, node: ast.AST) -> Iterator[Saying]:
-        remark = remark_on(self._dotted(node))
+        remark = remark_on(self._kinds.dotted(node))
         if remark is not None:
             yield remark.does_compile, node, f"{remark.why}; {remark.instead}"
 
     def _call(self, node: ast.Call) -> Iterator[Saying]:
-        name = self._dotted(node.func)
+        name = self._kinds.dotted(node.func)
         if name in ("pow", "math.pow") and len(node.args) == 2:
             yield from self._power(node, *node.args)
         elif name in ("math.sqrt", "math.log", "math.acos", "math.asin") and node.args:
@@ -225,7 +165,7 @@ class _Rules:
             yield False, node, "calls its own function and cannot be compiled; write a loop"
         elif name in ("min", "max") and node.keywords:
             yield False, node, "cannot be compiled with keywords; write a loop"
-        elif name == "round" and len(node.args) == 2 and self._kinds.of(node.args[0]) != INT:
+        elif name == "round" and len(node.args) == 2 and not self._is_int(node.args[0]):
             yield True, node, _HALVES
         else:
             yield from self._call_of_container(node, name)
@@ -235,9 +175,9 @@ class _Rules:
         kind = self._kinds.of(first)
         method = node.func.attr if isinstance(node.func, ast.Attribute) else ""
         if name == "sum" and not (isinstance(first, ast.ListComp) and self._is_whole(first.elt)):
-            if kind != INTS and not _is_int_list(first):
+            if element(kind) is not int:
                 yield True, node, _ADDED
-        elif name in ("list", "tuple", "enumerate") and kind == SET:
+        elif name in ("list", "tuple", "enumerate") and kind is set:
             yield True, node, _SET_ORDER
         elif name in ("str", "repr") and not self._is_whole(first):
             yield True, node, _TEXT
@@ -248,10 +188,10 @@ class _Rules:
 
     def _method(self, node: ast.Call, function: ast.Attribute, method: str) -> Iterator[Saying]:
         owner = function.value
-        is_state = isinstance(owner, ast.Attribute) and owner.attr in RECORD_LISTS | INT_LISTS
-        if is_state and method in _LIST_METHODS:
+        is_of_state = isinstance(owner, ast.Attribute) and element(self._kinds.of(owner))
+        if is_of_state and method in _LIST_METHODS:
             yield False, node, "cannot be compiled: lists of `ci` have no methods; write a loop"
-        if method == "pop" and self._kinds.of(owner) == SET:
+        if method == "pop" and self._kinds.of(owner) is set:
             yield True, node, _SET_ORDER
         if method == "format":
             yield False, node, "cannot be compiled; leave texts to the analysis"
@@ -271,7 +211,7 @@ class _Rules:
         power = literal(exponent)
         if literal(node) is not None or power in (0, 1):
             return
-        if self._kinds.of(base) == INT and self._kinds.of(exponent) == INT:
+        if self._is_int(base) and self._is_int(exponent):
             if power is None or power < 0:
                 yield True, node, _WHOLE_POWER
             return
@@ -289,7 +229,7 @@ class _Rules:
             yield True, node, _BEYOND_ONE
 
     def _growth(self, node: ast.BinOp) -> Iterator[Saying]:
-        if literal(node) is not None or FLOAT in map(self._kinds.of, (node.left, node.right)):
+        if literal(node) is not None or float in map(self._kinds.of, (node.left, node.right)):
             return
         if isinstance(node.op, ast.LShift):
             count = literal(node.right)
@@ -301,7 +241,7 @@ class _Rules:
             yield True, node, _WRAPS
 
     def _inversion(self, node: ast.UnaryOp) -> Iterator[Saying]:
-        if isinstance(node.op, ast.Invert) and self._kinds.of(node.operand) == BOOL:
+        if isinstance(node.op, ast.Invert) and self._kinds.of(node.operand) is bool:
             yield True, node, "is always true in Python and a `not` when compiled; write not"
 
     def _identity(self, node: ast.Compare) -> Iterator[Saying]:
@@ -327,27 +267,24 @@ class _Rules:
             for each in inner:
                 yield from self._stored(node, each, kind)
 
-    def _stored(self, node: ast.AST, target: ast.AST, kind: str | None) -> Iterator[Saying]:
+    def _stored(self, node: ast.AST, target: ast.AST, kind: Kind) -> Iterator[Saying]:
         if isinstance(target, ast.Starred):
             yield False, node, "cannot be compiled; unpack by index"
-        if isinstance(target, ast.Attribute) and FIELDS.get(target.attr) == INT and kind == FLOAT:
+        is_field = isinstance(target, ast.Attribute | ast.Subscript)
+        if is_field and kind is float and self._is_int(target):
             yield True, node, _CUT
-        if not isinstance(target, ast.Subscript):
-            return
-        if isinstance(target.value, ast.Attribute) and target.value.attr in RECORD_LISTS:
+        if isinstance(target, ast.Subscript) and is_record_list(self._kinds.of(target.value)):
             yield True, node, _COPIED
-        if kind == FLOAT and (self._kinds.of(target.value) == INTS or _is_int_list(target.value)):
-            yield True, node, _CUT
 
     def _loop(self, node: ast.For) -> Iterator[Saying]:
-        if self._kinds.of(node.iter) == SET:
+        if self._kinds.of(node.iter) is set:
             yield True, node, _SET_ORDER
 
     def _list(self, node: ast.ListComp) -> Iterator[Saying]:
         first = node.generators[0]
-        if any(self._kinds.of(one.iter) == SET for one in node.generators):
+        if any(self._kinds.of(one.iter) is set for one in node.generators):
             yield True, node, _SET_ORDER
-        is_of_records = isinstance(first.iter, ast.Attribute) and first.iter.attr in RECORD_LISTS
+        is_of_records = is_record_list(self._kinds.of(first.iter))
         if is_of_records and ast.dump(node.elt) == ast.dump(first.target).replace("Store", "Load"):
             yield False, node, "is a list of records and cannot be compiled; list their indices"
 
@@ -360,11 +297,14 @@ class _Rules:
             elif not self._is_whole(part.value):
                 yield True, node, _TEXT
 
+    def _is_int(self, node: ast.AST) -> bool:
+        return self._kinds.of(node) is int
+
     def _is_whole(self, node: ast.AST | None) -> bool:
-        return self._kinds.of(node) in (INT, BOOL) or node is None or _is_text(node)
+        return self._kinds.of(node) in (int, bool) or node is None or _is_text(node)
 
     def _handler(self, node: ast.ExceptHandler) -> Iterator[Saying]:
-        is_general = node.type is None or self._dotted(node.type) == "Exception"
+        is_general = node.type is None or self._kinds.dotted(node.type) == "Exception"
         if not is_general or node.name is not None:
             yield False, node, _HANDLER
 
@@ -393,10 +333,6 @@ def _is_singleton(node: ast.AST) -> bool:
 
 def _is_text(node: ast.AST) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
-
-
-def _is_int_list(node: ast.AST | None) -> bool:
-    return isinstance(node, ast.Attribute) and node.attr in INT_LISTS
 
 
 def _is_call_of(node: ast.AST, names: tuple[str, ...]) -> bool:

@@ -43,24 +43,40 @@ class EngineSettings:
     is_bundled: bool = False
     patience: Patience = field(default_factory=Patience)
 
-    def resolved(self, code: MissionCode, seed: int, tell: Callable[[str], None]) -> Self:
-        """Return settings that name an engine: auto becomes compiled, or else reference.
+    def tried(self, code: MissionCode, seed: int, tell: Callable[[str], None]) -> Self:
+        """Fly the mission without faults, and return settings that name an engine.
 
         Parameters
         ----------
         code, seed
-            The mission, which is compiled on trial.
+            The mission. Auto becomes compiled, or else reference. Somebody else's simulation is
+            not asked to fly.
         tell
-            Told why it cannot be.
+            Told why it cannot be compiled.
+
+        Raises
+        ------
+        UsageError
+            If the settings make no sense together, or numba is not installed.
+        EvaluationError
+            If the flight fails, or a region cannot be compiled although it must be.
         """
-        if self.name != AUTO:
-            return self
-        try:
-            _compiled(code, seed, 1).close()
-        except (UsageError, EvaluationError) as error:
-            tell(f"not compiled: {error}; the reference engine evaluates, about 100 times slower")
-            return replace(self, name=REFERENCE)
-        return replace(self, name=COMPILED)
+        settings, engine = self, None
+        if self.name in (AUTO, COMPILED):
+            try:
+                engine = _compiled(code, seed, 1)
+                settings = replace(self, name=COMPILED)
+            except (UsageError, EvaluationError) as error:
+                if self.name == COMPILED:
+                    raise
+                settings = replace(self, name=REFERENCE)
+                tell(
+                    f"not compiled: {error}; the reference engine evaluates, about 100 times slower"
+                )
+        if self.has_simulation:
+            with engine or ReferenceEngine(code, seed) as flown:
+                flown.evaluate(())
+        return settings
 
     def open(self, code: MissionCode, seed: int, n_threads: int = 1) -> Engine:
         """Return the engine, ready to evaluate; the caller closes it.

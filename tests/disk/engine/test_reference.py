@@ -58,7 +58,9 @@ def test_an_error_in_a_region_names_its_line_mission_tick_and_cause(tmp_path):
 def test_a_region_that_does_not_compile_is_named_with_its_file(tmp_path):
     folder = edited(tmp_path, "g2.check", "    return (\n")
 
-    with pytest.raises(EvaluationError, match=r"collective_intelligence\.py: cannot be imported"):
+    lines = (folder / "collective_intelligence.py").read_text(encoding="utf-8").splitlines()
+    line = lines.index("    return (") + 1
+    with pytest.raises(EvaluationError, match=rf"intelligence\.py:{line}: cannot be imported"):
         load_code(folder)
 
 

@@ -1,6 +1,9 @@
 from pathlib import Path
 
-from mrsfi_runtime.engine.region_lint import lint_regions
+import pytest
+
+from mrsfi_runtime.engine.region_lint import COMPILES_ALIKE, lint_regions, require_sound_regions
+from mrsfi_runtime.errors import EvaluationError
 
 FILE = "collective_intelligence.py"
 TEXT = """from mrsfi_runtime.api import State, kernel
@@ -50,7 +53,8 @@ def test_a_warning_names_file_line_region_cause_and_remedy(tmp_path: Path) -> No
     assert found.path == tmp_path / FILE
     assert found.line == _line(found.path, "    return math.hypot(1.0, 2.0) > 2.0")
     assert found.place == "region 'g1.check'"
-    assert found.does_compile
+    assert found.constraint == COMPILES_ALIKE
+    assert not found.is_error
     assert found.message == (
         "found `math.hypot`, which may differ in the last bit when compiled; "
         "write math.sqrt(x * x + y * y)"
@@ -142,7 +146,7 @@ def test_a_region_that_is_no_python_is_named(tmp_path: Path) -> None:
 
     (found,) = lint_regions(tmp_path)
 
-    assert not found.does_compile
+    assert found.is_error
     assert found.line == _line(found.path, "    return (")
     assert found.place == "region 'g1.check'"
     assert "no Python" in found.message
@@ -190,3 +194,127 @@ def test_a_default_that_is_a_list_is_named(tmp_path: Path) -> None:
     (message,) = _messages(tmp_path, "return seen(3) > 2", helpers)
 
     assert message.startswith("found `[]`, which cannot be compiled as a default")
+
+
+def _errors(folder: Path, body: str, imports: str = "", helpers: str = "") -> list[str]:
+    _write(folder, body, imports, helpers)
+    return [found.message for found in lint_regions(folder) if found.is_error]
+
+
+def test_a_name_that_is_defined_nowhere_is_an_error_although_no_flight_reaches_it(
+    tmp_path: Path,
+) -> None:
+    _write(tmp_path, "if ci.mission.tick < 0:\n        return nowhere(ci)\n    return True")
+
+    (found,) = lint_regions(tmp_path)
+
+    assert (found.constraint, found.is_error) == ("RegionRuns", True)
+    assert (found.path, found.place) == (tmp_path / FILE, "region 'g1.check'")
+    assert found.line == _line(found.path, "        return nowhere(ci)")
+    assert found.message == (
+        "found `nowhere`, which is not defined; import or define it in the region 'imports' or "
+        "'helpers'"
+    )
+
+
+def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path: Path) -> None:
+    _write(tmp_path, "return near()", "from team import near")
+    (tmp_path / "team.py").write_text("def near():\n    return far()\n")
+
+    (found,) = lint_regions(tmp_path, [str(tmp_path)])
+
+    assert (found.path, found.line, found.place) == (tmp_path / "team.py", 2, "function 'near'")
+    assert found.message == "found `far`, which is not defined; import or define it"
+
+
+def test_names_that_python_or_the_file_define_are_none_of_these_errors(tmp_path: Path) -> None:
+    helpers = "LIMIT = 3\n\n\ndef far(n: int = LIMIT) -> int:\n    return [k for k in range(n)][-1]"
+
+    assert _errors(tmp_path, "return far() > LIMIT or __name__ == ''", helpers=helpers) == []
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("return '%d %d' % (1,)", "2 placeholder(s) but 1 substitution(s)"),
+        ("return '{} {}'.format(1)", "missing argument(s) for placeholder(s): 1"),
+        ("return True\n    raise NotImplemented", "should be 'raise NotImplementedError'"),
+        ("break", "is no Python: 'break' outside loop"),
+        ("return True\nreturn False", "is no Python: 'return' outside function"),
+    ],
+)
+def test_other_mistakes_that_python_will_not_forgive_are_errors(
+    tmp_path: Path, body: str, said: str
+) -> None:
+    (message,) = _errors(tmp_path, body)
+
+    assert said in message
+
+
+@pytest.mark.parametrize(
+    ("body", "expression", "record"),
+    [
+        ("return ci.robots[0].heading > 0.0", "ci.robots[0].heading", "RobotState"),
+        ("robots = ci.robots\n    return robots[1].sped > 0.0", "robots[1].sped", "RobotState"),
+        ("for s in ci.sensors:\n        s.on = 1\n    return True", "s.on", "SensorState"),
+        ("return [r for r in ci.robots if r.on] == []", "r.on", "RobotState"),
+        ("return ci.robot[0].x > 0.0", "ci.robot", "State"),
+        ("return ci.mission.time > 0", "ci.mission.time", "MissionState"),
+    ],
+)
+def test_a_field_that_records_do_not_have_is_an_error(
+    tmp_path: Path, body: str, expression: str, record: str
+) -> None:
+    (message,) = _errors(tmp_path, body)
+
+    assert message.startswith(f"found `{expression}`, but a {record} has no ")
+
+
+def test_a_field_is_missed_in_a_helper_that_says_what_it_takes(tmp_path: Path) -> None:
+    helpers = "def far(state: State) -> bool:\n    return state.robots[0].far > 1.0"
+
+    (message,) = _errors(tmp_path, "return far(ci)", helpers=helpers)
+
+    assert message.startswith("found `state.robots[0].far`, ")
+
+
+def test_a_misspelt_function_is_an_error_that_names_what_is_near(tmp_path: Path) -> None:
+    (message,) = _errors(
+        tmp_path,
+        "return goals.visit.violatd(ci, 0)",
+        "from mrsfi_runtime.api import goal_tasks as goals",
+    )
+
+    assert message.startswith(
+        "found `goals.visit.violatd`, but mrsfi_runtime.api.goal_tasks.visit has no 'violatd'; it "
+        "has violated"
+    )
+
+
+def test_what_cannot_be_told_is_no_error(tmp_path: Path) -> None:
+    bodies = (
+        "ci = anything()\n    return ci.whatever",
+        "r = ci.robots[0]\n    r = anything()\n    return r.whatever",
+        "r = ci.robots[0]\n    return [r.whatever for r in anything()]",
+        "r = ci.robots[0]\n    return (lambda r: r.whatever)(anything())",
+        "r, s = ci.robots[0], 1\n    return r.whatever",
+        "with anything() as commands:\n        return commands.whatever",
+    )
+    helpers = "from mrsfi_runtime.api import commands\n\n\ndef anything(): ..."
+
+    assert [_errors(tmp_path, body, helpers=helpers) for body in bodies] == [[]] * len(bodies)
+
+
+def test_unsound_regions_are_refused_with_every_error(tmp_path: Path) -> None:
+    _write(tmp_path, "return nowhere(ci) or never or math.hypot(1.0, 2.0) > 2.0", "import math")
+
+    with pytest.raises(EvaluationError) as refused:
+        require_sound_regions(tmp_path)
+
+    place = f"{tmp_path / FILE}:15: region 'g1.check': found `"
+    names = [line.removeprefix(place).partition("`")[0] for line in str(refused.value).split("\n")]
+    assert names == ["never", "nowhere"]
+
+
+def test_regions_with_warnings_alone_are_sound(tmp_path: Path) -> None:
+    require_sound_regions(_write(tmp_path, "return math.hypot(1.0, 2.0) > 2.0", "import math"))

@@ -45,7 +45,8 @@ def explain(code: MissionCode, state_type: Any, error: Exception) -> Compilation
         try:
             numba.njit(boundscheck=True)(function).compile((numba.from_dtype(state_type),))
         except Exception as own:  # noqa: BLE001 - numba raises errors of any kind
-            return CompilationError(f"{_where(function, str(own))} cannot be compiled: {_why(own)}")
+            where = _where(code.directory, function, str(own))
+            return CompilationError(f"{where} cannot be compiled: {_why(own)}")
     return CompilationError(f"{code.directory}: cannot be compiled: {_why(error)}")
 
 
@@ -59,7 +60,7 @@ def _goal_functions(code: MissionCode) -> list[FunctionType]:
     return list(found)
 
 
-def _where(function: Callable[..., Any], text: str) -> str:
+def _where(directory: Path, function: Callable[..., Any], text: str) -> str:
     """Return file, line and region of what numba complains of."""
     path = Path(inspect.getfile(function))
     lines, first = inspect.getsourcelines(function)
@@ -71,6 +72,7 @@ def _where(function: Callable[..., Any], text: str) -> str:
         if Path(file or other).name == path.name
     ]
     line = named[-1] if named else first + n_before + 1
+    path = directory / path.name if path.parent == directory.absolute() else path
     return f"{path}:{line}: region {region}"
 
 
