@@ -1,22 +1,31 @@
-"""The flights whose traces are committed, and how they are recorded.
+"""The flights whose digests are committed, and how they are recorded.
 
 Run ``python -m tests.golden.flights`` to record them anew, on purpose only: a changed digest
 means that a mission now flies differently.
 """
 
 import json
+from collections.abc import Iterator
+from dataclasses import replace
 from random import Random
 
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.record.trace import TraceDigest
+from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
+from tests.golden.frozen import FrozenTrace, outcome_digest
 from tests.support.tree import ROOT
 
-RECORD = ROOT / "tests" / "golden" / "flights.json"
+FLIGHTS = ROOT / "tests" / "golden" / "flights.json"
+EFFECTS = ROOT / "tests" / "golden" / "effects.json"
 MISSIONS = ("uuv_sampling", "tight_margins")
 N_FLIGHTS = 4
+WINDOWS = {"uuv_sampling": (100, 900), "tight_margins": (60, 180), "tight_energy": (60, 340)}
+"""The pages of ``docs/fault-effects``: mission, and the window of each fault."""
 
 
 def flights() -> dict[str, dict[str, object]]:
@@ -26,17 +35,39 @@ def flights() -> dict[str, dict[str, object]]:
         code = load_code(ROOT / "generated" / mission)
         space = SearchSpace.of(code.mission, code.pool)
         for seed in range(N_FLIGHTS):
-            digest = TraceDigest()
+            trace = FrozenTrace()
             specification = random_specification(space, 20, Random(seed)) if seed else ()
-            outcome = ReferenceEngine(code, seed).evaluate(specification, observer=digest)
+            outcome = ReferenceEngine(code, seed).evaluate(specification, observer=trace)
             record[f"{mission}, seed {seed}"] = {
                 "n_faults": len(specification),
                 "believed": list(outcome.believed),
                 "true": list(outcome.true),
-                "trace": digest.hexdigest(),
+                "trace": trace.hexdigest(),
             }
     return record
 
 
+def frozen_outcome(engine: Engine, specification: Specification) -> Outcome:
+    """Evaluate a specification, with the digest of commit 82a3d34 in place of today's."""
+    last: list[State] = []
+
+    def watch(world: State, belief: State, *_: object) -> None:
+        last[:] = world, belief
+
+    outcome = engine.evaluate(specification, observer=watch)
+    return replace(outcome, digest=outcome_digest(outcome, *last))
+
+
+def effects() -> Iterator[tuple[str, str]]:
+    """Fly every fault of every page alone; yield mission and fault, and the outcome's digest."""
+    for mission, (start, finish) in WINDOWS.items():
+        code = load_code(ROOT / "generated" / mission)
+        engine = ReferenceEngine(code, 1)
+        for fault in code.pool:
+            alone = (TimedFault(fault.id, start, finish, fault.values),)
+            yield f"{mission}, {fault.id}", frozen_outcome(engine, alone).digest
+
+
 if __name__ == "__main__":
-    RECORD.write_text(json.dumps(flights(), indent=1) + "\n", encoding="utf-8")
+    for path, record in ((FLIGHTS, flights()), (EFFECTS, dict(effects()))):
+        path.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
