@@ -53,8 +53,10 @@ def opened(stack: ExitStack, name: str, workers: int, *, on_dask: bool) -> Worke
     """Return what evaluates, until the stack is closed."""
     settings = EngineSettings(name)
     if not on_dask:
-        return stack.enter_context(WorkerPool(MISSION, 1, workers, settings))
-    return ClusterPool(stack.enter_context(Cluster(LOCAL, workers)), MISSION, 1, settings)
+        return stack.enter_context(WorkerPool(load_code(MISSION), 1, workers, settings))
+    return ClusterPool(
+        stack.enter_context(Cluster(LOCAL, workers)), load_code(MISSION), 1, settings
+    )
 
 
 def main() -> None:

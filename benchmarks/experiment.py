@@ -59,14 +59,11 @@ class TimedPool:
 def search(case: str, n_workers: int) -> dict[str, float]:
     """Return what the search of a case takes in this process, compiled before it begins."""
     settings = CampaignSettings.load(Path("models") / MISSION / f"case_{case}.toml")
-    directory = Path("generated") / MISSION
-    code = load_code(directory)
+    code = load_code(Path("generated") / MISSION)
     with (
         tempfile.TemporaryDirectory() as name,
         CampaignStore.create(Path(name) / "run", settings, Manifest()) as store,
-        WorkerPool(
-            directory, settings.mission_seed, n_workers, EngineSettings(COMPILED)
-        ) as workers,
+        WorkerPool(code, settings.mission_seed, n_workers, EngineSettings(COMPILED)) as workers,
     ):
         pool = TimedPool(workers)
         start = time.perf_counter(), time.process_time()

@@ -36,7 +36,7 @@ def write(folder: Path, n_evaluations: int) -> float:
     code = load_code(MISSION)
     with (
         CampaignStore.create(folder, settings, Manifest()) as store,
-        WorkerPool(MISSION, settings.mission_seed, 1, EngineSettings(COMPILED)) as pool,
+        WorkerPool(load_code(MISSION), settings.mission_seed, 1, EngineSettings(COMPILED)) as pool,
     ):
         start = time.perf_counter()
         run_campaign(settings, code.mission, code.pool, pool.evaluate_many, store)

@@ -12,9 +12,7 @@ from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.outcome import Outcome
 
 FIELDS = {
-    "robots": (
-        "x y z speed energy nominal_speed energy_per_distance first_sensor n_sensors gps"
-    ),
+    "robots": ("x y z speed energy nominal_speed energy_per_distance first_sensor n_sensors gps"),
     "sensors": "robot count active rate cost nominal_rate nominal_cost first_chance n_chances",
     "obstacles": "x y radius model_x model_y",
     "goals": (

@@ -1,9 +1,30 @@
-"""Committed traces of fixed seeds: every bit of belief and truth at every tick."""
+"""Committed digests of fixed seeds: every bit of belief and truth at every tick."""
 
 import json
 
-from tests.golden.flights import RECORD, flights
+import pytest
+
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.kernel.packing import state_bytes
+from mrsfi_runtime.mission import load_code
+from tests.golden import frozen
+from tests.golden.flights import EFFECTS, FLIGHTS, MISSIONS, effects, flights
+from tests.support.tree import ROOT
 
 
 def test_missions_fly_as_they_were_recorded():
-    assert flights() == json.loads(RECORD.read_text(encoding="utf-8"))
+    assert flights() == json.loads(FLIGHTS.read_text(encoding="utf-8"))
+
+
+def test_every_fault_of_the_effects_pages_does_alone_what_was_recorded():
+    assert dict(effects()) == json.loads(EFFECTS.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("mission", MISSIONS)
+def test_states_are_still_written_as_at_first(mission):
+    def compare(world, belief, *_):
+        for state in (world, belief):
+            assert state_bytes(state) == frozen.state_bytes(state)
+
+    code = load_code(ROOT / "generated" / mission)
+    ReferenceEngine(code, 1).evaluate((), observer=compare)

@@ -51,7 +51,7 @@ def specifications() -> list[Specification]:
 @pytest.fixture(scope="module")
 def expected(specifications: Sequence[Specification]) -> list[object]:
     """What the same specifications come to in this process."""
-    with WorkerPool(GENERATED, 1) as pool:
+    with WorkerPool(load_code(GENERATED), 1) as pool:
         return list(pool.evaluate_many(specifications))
 
 
@@ -74,7 +74,7 @@ def test_results_are_those_of_this_process_in_order(
     two_workers: Scheduler, specifications, expected, name: str
 ) -> None:
     with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, GENERATED, 1, EngineSettings(name))
+        pool = ClusterPool(cluster, load_code(GENERATED), 1, EngineSettings(name))
 
         for order in (1, -1):
             assert list(pool.evaluate_many(specifications[::order])) == expected[::order]
@@ -88,7 +88,7 @@ def test_a_worker_gets_the_code_once_and_is_left_as_it_was(
 
     with Cluster(two_workers.address) as cluster:
         for seed in (1, 2):
-            pool = ClusterPool(cluster, GENERATED, seed, SLOW_ENGINE)
+            pool = ClusterPool(cluster, load_code(GENERATED), seed, SLOW_ENGINE)
             list(pool.evaluate_many(specifications[:4]))
         during = [list(folder.rglob("mission_loader.py")) for folder in folders]
 
@@ -97,8 +97,8 @@ def test_a_worker_gets_the_code_once_and_is_left_as_it_was(
 
 
 def test_mission_seeds_are_kept_apart(two_workers: Scheduler, specifications) -> None:
-    with Cluster(two_workers.address) as cluster, WorkerPool(GENERATED, 2) as other:
-        pools = [ClusterPool(cluster, GENERATED, seed, SLOW_ENGINE) for seed in (1, 2)]
+    with Cluster(two_workers.address) as cluster, WorkerPool(load_code(GENERATED), 2) as other:
+        pools = [ClusterPool(cluster, load_code(GENERATED), seed, SLOW_ENGINE) for seed in (1, 2)]
 
         first, second = (list(pool.evaluate_many(specifications[:4])) for pool in pools)
 
@@ -112,10 +112,10 @@ def test_a_region_that_fails_gives_the_failure_that_it_gives_here(
         tmp_path / "own", "energy.check", "    return 1 // (99 - ci.mission.tick) > 9\n"
     )
 
-    with WorkerPool(folder, 1) as here:
+    with WorkerPool(load_code(folder), 1) as here:
         expected = list(here.evaluate_many(specifications[:2]))
     with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, folder, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)
         found = list(pool.evaluate_many(specifications[:2]))
 
     assert all(isinstance(result, Failure) for result in found)
@@ -130,7 +130,7 @@ def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
     folder = edited(tmp_path / "own", "imports", "from only_here import HIGHEST\n")
 
     with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, folder, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)
         with pytest.raises(EvaluationError, match="No module named 'only_here'") as refused:
             list(pool.evaluate_many(specifications[:1]))
 
@@ -145,7 +145,7 @@ def test_conflicting_faults_are_refused_as_they_are_here(two_workers: Scheduler)
     conflicting = (TimedFault("f4", 0, 9, (1.0,)), TimedFault("f4", 5, 9, (1.0,)))
 
     with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         with pytest.raises(SpecificationError, match="overlap"):
             list(pool.evaluate_many([conflicting]))
 
@@ -154,7 +154,7 @@ def test_a_search_that_stops_asking_leaves_the_workers_free(
     two_workers: Scheduler, specifications, expected
 ) -> None:
     with Cluster(two_workers.address) as cluster:
-        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         asked = pool.evaluate_many(specifications)
 
         first = next(asked)
@@ -168,7 +168,7 @@ def test_a_worker_that_joins_late_takes_over_from_one_that_died(
     tmp_path: Path, specifications, expected
 ) -> None:
     with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         before = list(pool.evaluate_many(specifications))
         place.workers[0].kill()
         place.start_worker()
@@ -183,7 +183,7 @@ def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(
     folder = edited(tmp_path / "own", "energy.check", body)
 
     with scheduler(tmp_path / "dask", 1, is_quick=True) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, folder, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)
         with pytest.raises(EvaluationError, match="while they had the same chunk"):
             list(pool.evaluate_many(specifications[:1]))
 
@@ -192,7 +192,7 @@ def test_when_the_last_worker_is_gone_the_user_is_told_how_to_start_one(
     tmp_path: Path, specifications
 ) -> None:
     with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         place.workers[0].kill()
         impatient(cluster)
 
@@ -214,7 +214,7 @@ def test_a_scheduler_without_workers_is_refused(tmp_path: Path) -> None:
 
 def test_a_lost_scheduler_is_a_transport_error(tmp_path: Path, specifications) -> None:
     with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         asked = pool.evaluate_many(specifications)
         next(asked)
         place.process.kill()
@@ -233,13 +233,13 @@ def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(
     expected = r"the worker at \S+ would not give the same results: it has mrsfi \S.* \(source "
 
     with scheduler(tmp_path / "dask", 1) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         place.start_worker(other)
         place.wait_for_workers()
         with pytest.raises(TransportError, match=expected):
             list(pool.evaluate_many(specifications))
         with Cluster(place.address) as second, pytest.raises(TransportError, match=expected):
-            ClusterPool(second, GENERATED, 1, SLOW_ENGINE)
+            ClusterPool(second, load_code(GENERATED), 1, SLOW_ENGINE)
 
 
 def test_a_worker_without_mrsfi_is_refused(tmp_path: Path) -> None:
@@ -251,12 +251,12 @@ def test_a_worker_without_mrsfi_is_refused(tmp_path: Path) -> None:
                 TransportError, match=r"No module named 'mrsfi_runtime'.*expected the same"
             ),
         ):
-            ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+            ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
 
 
 def test_a_local_cluster_is_reachable_from_this_machine_only(specifications, expected) -> None:
     with Cluster("local", 2) as cluster:
-        pool = ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE)
+        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
 
         assert cluster.n_workers() == 2
         assert all("://127.0.0.1:" in address for address in cluster._client.nthreads())
@@ -291,7 +291,9 @@ def test_a_cluster_with_certificates_is_reached_with_those_of_the_configuration(
             Cluster(place.address)
         with dask.config.set(tls), Cluster(place.address) as cluster:
             found = list(
-                ClusterPool(cluster, GENERATED, 1, SLOW_ENGINE).evaluate_many(specifications)
+                ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE).evaluate_many(
+                    specifications
+                )
             )
 
     assert place.address.startswith("tls://")

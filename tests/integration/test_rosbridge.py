@@ -134,7 +134,7 @@ def test_workers_have_a_server_each():
     specifications = [specification(SHORT, seed) for seed in range(6)]
     results = []
     for settings in (EngineSettings(), EngineSettings("rosbridge", patience=PATIENCE)):
-        with WorkerPool(SHORT.directory, 1, 2, settings) as pool:
+        with WorkerPool(SHORT, 1, 2, settings) as pool:
             results.append(list(pool.evaluate_many(specifications)))
 
     assert results[0] == results[1]
@@ -144,7 +144,7 @@ def test_workers_cannot_share_one_server():
     settings = EngineSettings("rosbridge", url="ws://127.0.0.1:9090")
 
     with pytest.raises(UsageError, match="--workers 2: found a server at --url"):
-        WorkerPool(SHORT.directory, 1, 2, settings)
+        WorkerPool(SHORT, 1, 2, settings)
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def edited(tmp_path: Path, region: str, body: str) -> Path:
 def test_any_number_of_workers_gives_the_same_results_in_order():
     results = []
     for n_workers in (1, 2):
-        with WorkerPool(GENERATED, 1, n_workers) as pool:
+        with WorkerPool(load_code(GENERATED), 1, n_workers) as pool:
             results.append(list(pool.evaluate_many(SPECIFICATIONS)))
 
     assert results[0] == results[1]
@@ -47,7 +47,7 @@ def test_a_failed_evaluation_comes_back_with_its_traceback(tmp_path, n_workers):
     body = "    return 1 // (len(ci.robots) - 3) > 9\n"
     folder = edited(tmp_path, "g2.check", body)
 
-    with WorkerPool(folder, 1, n_workers) as pool:
+    with WorkerPool(load_code(folder), 1, n_workers) as pool:
         results = list(pool.evaluate_many(SPECIFICATIONS[:2]))
 
     assert all(isinstance(result, Failure) for result in results)

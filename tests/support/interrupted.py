@@ -39,7 +39,7 @@ folder = CampaignFolder(Path(sys.argv[1]))
 with only_writer(folder), CampaignStore.open(folder.path) as store:
     code = load_code(folder.generated)
     settings = store.settings
-    with WorkerPool(code.directory, settings.mission_seed, int(sys.argv[2])) as pool:
+    with WorkerPool(code, settings.mission_seed, int(sys.argv[2])) as pool:
         evaluate_many = pool.evaluate_many
         print("ready", flush=True)
         run_campaign(settings, code.mission, code.pool, counted, store)

@@ -185,7 +185,7 @@ def _compared(
                 f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, "
                 f"{reached.told(engine)}"
             )
-            evaluators = reached.evaluators(code.directory, mission_seeds, engine)
+            evaluators = reached.evaluators(code, mission_seeds, engine)
             runs = runs_of(folder, settings, n_seeds, code, evaluators, _Teller())
     except (KeyboardInterrupt, TransportError):
         tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")

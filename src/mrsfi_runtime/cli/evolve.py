@@ -167,9 +167,7 @@ def _search(campaign: OpenCampaign, engine: EngineSettings, workers: WorkerOptio
                 f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.name} "
                 f"engine, {reached.told(engine)}"
             )
-            evaluate_many, *replicas = reached.evaluators(
-                code.directory, settings.mission_seeds, engine
-            )
+            evaluate_many, *replicas = reached.evaluators(code, settings.mission_seeds, engine)
             with search_progress(settings, recorded) as progress:
                 run_campaign(
                     settings,

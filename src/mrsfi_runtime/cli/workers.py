@@ -4,7 +4,6 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 import click
@@ -14,6 +13,7 @@ from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.search.resumable_record import EvaluateMany
 
 if TYPE_CHECKING:
@@ -79,14 +79,14 @@ class Workers(Protocol):
         """Return who they are, for a message."""
 
     def evaluators(
-        self, directory: Path, mission_seeds: Sequence[int], engine: EngineSettings
+        self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
     ) -> list[EvaluateMany]:
         """Return a function for each mission seed that evaluates.
 
         Raises
         ------
         MrsfiError
-            If the code cannot be loaded, or the engine not be opened.
+            If the engine cannot be opened.
         """
 
 
@@ -101,11 +101,11 @@ class _Processes:
         return f"{self._number(engine)} workers"
 
     def evaluators(
-        self, directory: Path, mission_seeds: Sequence[int], engine: EngineSettings
+        self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
     ) -> list[EvaluateMany]:
         number = self._number(engine)
         return [
-            self.stack.enter_context(WorkerPool(directory, seed, number, engine)).evaluate_many
+            self.stack.enter_context(WorkerPool(code, seed, number, engine)).evaluate_many
             for seed in mission_seeds
         ]
 
@@ -123,13 +123,12 @@ class _Elsewhere:
         return f"{self.cluster.n_workers()} workers of {self.cluster.address}"
 
     def evaluators(
-        self, directory: Path, mission_seeds: Sequence[int], engine: EngineSettings
+        self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
     ) -> list[EvaluateMany]:
         from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
 
         return [
-            ClusterPool(self.cluster, directory, seed, engine).evaluate_many
-            for seed in mission_seeds
+            ClusterPool(self.cluster, code, seed, engine).evaluate_many for seed in mission_seeds
         ]
 
 

@@ -1,11 +1,12 @@
-"""What engines share: what they offer, and flights with plain Python objects."""
+"""What engines share: what they offer and check, and flights with plain Python objects."""
 
 import hashlib
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Protocol, Self, TypeAlias
+from typing import Self, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError
 from mrsfi_runtime.hosting.lockstep import Boarding, Flight, Observer
@@ -30,23 +31,46 @@ Evaluated: TypeAlias = Outcome | Failure
 """What comes of an evaluation."""
 
 
-class Engine(Protocol):
+class Evaluator(ABC):
     """Evaluates fault specifications of one mission, all in the same weather.
 
     Used as a context manager, it closes itself.
     """
 
-    code: MissionCode
-    seed: int
-
-    def __enter__(self) -> Self: ...
+    def __enter__(self) -> Self:
+        return self
 
     def __exit__(
         self,
         kind: type[BaseException] | None,
         error: BaseException | None,
         where: TracebackType | None,
-    ) -> None: ...
+    ) -> None:
+        self.close()
+
+    @abstractmethod
+    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+        """Evaluate specifications, and yield the results in the same order, as they come."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Give up what it holds; a second time does no harm."""
+
+
+class Engine(Evaluator):
+    """Flies the mission itself.
+
+    Parameters
+    ----------
+    code
+        Generated code of the mission.
+    seed
+        Mission seed: two specifications of one engine meet the same weather.
+    """
+
+    def __init__(self, code: MissionCode, seed: int) -> None:
+        self.code = code
+        self.seed = seed
 
     def evaluate(
         self,
@@ -55,74 +79,79 @@ class Engine(Protocol):
         pool: FaultPool | None = None,
         observer: Observer | None = None,
     ) -> Outcome:
-        """Fly the mission under a fault specification."""
+        """Fly the mission under a fault specification.
+
+        Parameters
+        ----------
+        specification
+            Timed faults; an empty one flies without faults.
+        pool
+            Where its faults come from; the mission's own pool if left out.
+        observer
+            Sees every tick, in whatever thread.
+
+        Raises
+        ------
+        SpecificationError
+            If a fault is unknown, or conflicting faults overlap.
+        EvaluationError
+            If the code of a region fails.
+        TransportError
+            If there is a bus, and messages were lost, the connection is gone, or the simulation
+            is late.
+        """
+        pool = self.code.pool if pool is None else pool
+        require_no_overlap(self.code.mission, pool, specification)
+        return self._evaluate(specification, pool, observer)
+
+    def attempt(self, specification: Specification) -> Evaluated:
+        """Evaluate a specification; the failure of a region is a result too."""
+        try:
+            return self.evaluate(specification)
+        except EvaluationError:
+            return Failure(traceback.format_exc())
 
     def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order, as they come."""
+        return map(self.attempt, specifications)
 
-    def close(self) -> None:
-        """Give up what the engine holds."""
-
-
-def attempt(engine: Engine, specification: Specification) -> Evaluated:
-    """Evaluate a specification; the failure of a region is a result too."""
-    try:
-        return engine.evaluate(specification)
-    except EvaluationError:
-        return Failure(traceback.format_exc())
+    @abstractmethod
+    def _evaluate(
+        self, specification: Specification, pool: FaultPool, observer: Observer | None
+    ) -> Outcome:
+        """Fly under a specification without overlaps."""
 
 
-def evaluate(
-    engine: Engine,
-    specification: Specification,
-    pool: FaultPool | None,
-    observer: Observer | None,
-    fly: Callable[[Boarding], Flight],
-) -> Outcome:
-    """Fly the mission of an engine under a fault specification.
+class PlainEngine(Engine):
+    """Flies on plain Python objects: any Python is allowed in a region, and a debugger works."""
 
-    Parameters
-    ----------
-    engine
-        Knows code and seed.
-    specification
-        Timed faults; an empty one flies without faults.
-    pool
-        Where its faults come from; the mission's own pool if left out.
-    observer
-        Sees every tick.
-    fly
-        Gets what boards a flight, and returns the flight after its last tick.
+    @abstractmethod
+    def _fly(self, board: Boarding) -> Flight:
+        """Return the flight that ``board`` makes, after its last tick."""
 
-    Raises
-    ------
-    SpecificationError
-        If a fault is unknown, or conflicting faults overlap.
-    EvaluationError
-        If the code of a region fails.
-    """
-    code = engine.code
-    pool = code.pool if pool is None else pool
-    require_no_overlap(code.mission, pool, specification)
-    laid_out = plan(code.mission, pool, specification)
-    boarded: list[Flight] = []
+    def _evaluate(
+        self, specification: Specification, pool: FaultPool, observer: Observer | None
+    ) -> Outcome:
+        code = self.code
+        laid_out = plan(code.mission, pool, specification)
+        boarded: list[Flight] = []
 
-    def board(interface: SimInterface, world: State) -> Flight:
-        flight = Flight(
-            code.functions, code.mission, engine.seed, interface, world, laid_out, observer
-        )
-        boarded.append(flight)
-        return flight
+        def board(interface: SimInterface, world: State) -> Flight:
+            flight = Flight(
+                code.functions, code.mission, self.seed, interface, world, laid_out, observer
+            )
+            boarded.append(flight)
+            return flight
 
-    try:
-        flight = fly(board)
-    except MrsfiError:
-        raise
-    except Exception as error:
-        tick = boarded[0].world.mission.tick if boarded else 0
-        what = f"mission '{code.mission.name}' failed at tick {tick}"
-        raise failed(error, code.directory, what) from error
-    return _outcome(flight, laid_out)
+        try:
+            flight = self._fly(board)
+        except MrsfiError:
+            raise
+        except Exception as error:
+            tick = boarded[0].world.mission.tick if boarded else 0
+            what = f"mission '{code.mission.name}' failed at tick {tick}"
+            raise failed(error, code.directory, what) from error
+        return _outcome(flight, laid_out)
 
 
 def _outcome(flight: Flight, laid_out: Plan) -> Outcome:

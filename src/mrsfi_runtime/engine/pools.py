@@ -14,23 +14,21 @@ from functools import lru_cache, partial
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from threading import Thread
-from types import TracebackType
-from typing import Self
 
-from mrsfi_runtime.engine.flights import Engine, Evaluated
+from mrsfi_runtime.engine.flights import Engine, Evaluated, Evaluator
 from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
 
 
-class WorkerPool:
+class WorkerPool(Evaluator):
     """Worker processes that each load the generated code once, or threads of compiled code.
 
     Parameters
     ----------
-    directory
-        Folder of the generated code.
+    code
+        Generated code of the mission; processes load it from its folder.
     seed
         Mission seed.
     n_workers
@@ -41,40 +39,27 @@ class WorkerPool:
     Raises
     ------
     MrsfiError
-        If the code cannot be loaded, or the engine cannot be opened; told before any worker
-        starts.
+        If the engine cannot be opened; told before any worker starts.
     """
 
     def __init__(
         self,
-        directory: Path,
+        code: MissionCode,
         seed: int,
         n_workers: int = 1,
         settings: EngineSettings | None = None,
     ) -> None:
         settings = EngineSettings() if settings is None else settings
         settings.require_workers(n_workers)
-        code = load_code(directory)
         is_here = n_workers == 1 or settings.name == COMPILED
         self._engine = settings.open(code, seed, n_workers) if is_here else None
-        self._evaluate_chunk = partial(_evaluate_chunk, directory, seed, settings)
+        self._evaluate_chunk = partial(_evaluate_chunk, code.directory, seed, settings)
         self._n_workers = n_workers
         self._executor = ProcessPoolExecutor(
             n_workers,
             mp_context=get_context("spawn"),
             initializer=_start_worker,
         )
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        where: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Stop the workers; what they have not begun is dropped."""

@@ -12,14 +12,10 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
 from threading import Timer
-from types import TracebackType
-from typing import Self
 
-from mrsfi_runtime.engine import flights
-from mrsfi_runtime.engine.flights import Evaluated
+from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.engine.simulation_process import request
 from mrsfi_runtime.errors import (
     TransportClosed,
@@ -29,12 +25,10 @@ from mrsfi_runtime.errors import (
 )
 from mrsfi_runtime.hosting.bundle import BundlingTransport
 from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
-from mrsfi_runtime.hosting.lockstep import Boarding, Flight, Observer
+from mrsfi_runtime.hosting.lockstep import Boarding, Flight
 from mrsfi_runtime.hosting.mission_topics import GO_BUNDLE
 from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.transport.rosbridge import Client, RosbridgeTransport
 
 _GREATEST_SEED = 2**63 - 1
@@ -130,7 +124,7 @@ class SimulationProcess:
         return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
 
 
-class RosbridgeEngine:
+class RosbridgeEngine(PlainEngine):
     """Flies missions over a rosbridge server, one connection for many evaluations.
 
     Parameters
@@ -169,8 +163,7 @@ class RosbridgeEngine:
         is_bundled: bool = False,
         patience: Patience | None = None,
     ) -> None:
-        self.code = code
-        self.seed = seed
+        super().__init__(code, seed)
         _require_sense(seed, url, has_simulation=has_simulation)
         patience = Patience() if patience is None else patience
         self._simulation: SimulationProcess | None = None
@@ -189,17 +182,6 @@ class RosbridgeEngine:
         transport = BundlingTransport.of_ci(self._transport) if is_bundled else self._transport
         self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        where: TracebackType | None,
-    ) -> None:
-        self.close()
-
     @property
     def simulation_pid(self) -> int | None:
         """Return the number of the simulation process, if this engine started one."""
@@ -208,39 +190,6 @@ class RosbridgeEngine:
     def close(self) -> None:
         """Close the connection and end the simulation process."""
         self._opened.close()
-
-    def evaluate(
-        self,
-        specification: Specification,
-        *,
-        pool: FaultPool | None = None,
-        observer: Observer | None = None,
-    ) -> Outcome:
-        """Fly the mission under a fault specification.
-
-        Parameters
-        ----------
-        specification
-            Timed faults; an empty one flies without faults.
-        pool
-            Where its faults come from; the mission's own pool if left out.
-        observer
-            Sees every tick, in the thread of the transport.
-
-        Raises
-        ------
-        SpecificationError
-            If a fault is unknown, or conflicting faults overlap.
-        EvaluationError
-            If the code of a region fails.
-        TransportError
-            If messages were lost, the connection is gone, or the simulation is late.
-        """
-        return flights.evaluate(self, specification, pool, observer, self._fly)
-
-    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order, as they come."""
-        return (flights.attempt(self, specification) for specification in specifications)
 
     def _fly(self, board: Boarding) -> Flight:
         try:

@@ -7,7 +7,7 @@ from threading import Thread
 
 import pytest
 
-from mrsfi_runtime.engine import flights
+from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import (
     EvaluationError,
@@ -27,16 +27,18 @@ CODE = paper_code(60)
 SPEED, GO, TICK, HEADING = "/r2/speed", "/mission/go", "/mission/tick", "/r1/command/heading"
 
 
-class BusEngine:
+class BusEngine(PlainEngine):
     """Evaluates on a lock-step that is there already."""
 
     def __init__(self, code, seed, lockstep):
-        self.code, self.seed, self.lockstep = code, seed, lockstep
+        super().__init__(code, seed)
+        self.lockstep = lockstep
 
-    def evaluate(self, specification, observer=None):
-        return flights.evaluate(
-            self, specification, None, observer, lambda board: self.lockstep.fly(self.seed, board)
-        )
+    def close(self):
+        pass
+
+    def _fly(self, board):
+        return self.lockstep.fly(self.seed, board)
 
 
 def specification(code, seed):

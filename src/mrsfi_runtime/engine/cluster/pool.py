@@ -6,29 +6,28 @@ give the same results; a chunk whose worker was lost is evaluated again on anoth
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 from mrsfi_runtime.engine.cluster.connection import Cluster, Task
 from mrsfi_runtime.engine.cluster.pace import Pace
 from mrsfi_runtime.engine.cluster.shipment import Shipment
 from mrsfi_runtime.engine.cluster.worker import Chunk, Order
-from mrsfi_runtime.engine.flights import Evaluated
+from mrsfi_runtime.engine.flights import Evaluated, Evaluator
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import Specification
 
 _N_AHEAD = 2  # chunks for each worker, so that the next is there when one is done
 
 
-class ClusterPool:
+class ClusterPool(Evaluator):
     """The workers of a cluster, with the engines of one mission seed.
 
     Parameters
     ----------
     cluster
         Where they are.
-    directory
-        Folder of the generated code, which every worker gets once.
+    code
+        Generated code of the mission, whose folder every worker gets once.
     seed
         Mission seed.
     settings
@@ -37,21 +36,23 @@ class ClusterPool:
     Raises
     ------
     MrsfiError
-        If the code cannot be loaded, or the engine cannot be opened; told before any worker
-        begins.
+        If the engine cannot be opened; told before any worker begins.
     TransportError
         If a worker cannot be used.
     """
 
     def __init__(
-        self, cluster: Cluster, directory: Path, seed: int, settings: EngineSettings
+        self, cluster: Cluster, code: MissionCode, seed: int, settings: EngineSettings
     ) -> None:
-        settings.open(load_code(directory), seed).close()
+        settings.open(code, seed).close()
         self._cluster = cluster
         self._seed = seed
         self._settings = settings
         self._pace = Pace()
-        self._plugin = cluster.ship(Shipment.of(directory))
+        self._plugin = cluster.ship(Shipment.of(code.directory))
+
+    def close(self) -> None:
+        """Do nothing: workers keep their engines for the next pool of the cluster."""
 
     def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order, as they come.

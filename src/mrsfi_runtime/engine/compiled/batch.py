@@ -68,16 +68,20 @@ class Batch:
         result = self.results[k]
         tallies = self.tallies[self.ends[k, 4] : self.ends[k, 5]]
         counts = [result[name].tolist() for name in ("believed", "true", "phantom", "masked")]
-        counts += [self._worlds[k]["goals"]["count"].tolist()]
+        counts += [self.worlds[k]["goals"]["count"].tolist()]
         counts += [tallies["applied"].tolist(), tallies["changed"].tolist()]
         return digested(counts, *(values[k].tobytes() for values in self._packed))
 
     @cached_property
-    def _worlds(self) -> Records:
+    def worlds(self) -> Records:
+        """The last truth of every specification, as recorded; all flights are over."""
         return read_words(self.results["world"], self._recorded_type)
 
     @cached_property
+    def beliefs(self) -> Records:
+        """The last belief of every specification; as ``worlds``."""
+        return read_words(self.results["belief"], self._recorded_type)
+
+    @cached_property
     def _packed(self) -> tuple[Records, Records]:
-        """The last truth and belief of every specification; all flights are over."""
-        beliefs = read_words(self.results["belief"], self._recorded_type)
-        return packed(self._worlds), packed(beliefs)
+        return packed(self.worlds), packed(self.beliefs)

@@ -1,6 +1,7 @@
 """Makes the kernel and the regions of a mission known to numba, and compiles its flight."""
 
 import sys
+from functools import lru_cache
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -12,6 +13,7 @@ from mrsfi_runtime.engine.compiled.batch_flight import Arrays
 from mrsfi_runtime.engine.compiled.driver import driver_text, load_driver, source_hash
 from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
 from mrsfi_runtime.engine.compiled.regions import CompilationError, explain
+from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.mission import MissionCode
 
 _typeof: Any = numba.typeof
@@ -33,15 +35,7 @@ class CompiledFlight:
         self._code = code
         self._state_type = state_type
         _require_one_file(code)
-        collective = sys.modules[code.functions.check.__module__]
-        parts = [repr(state_type)]
-        for module in (batch_flight, collective):
-            register(module)
-            parts += [path.read_text(encoding="utf-8") for path in sources(module)]
-            parts += constants(module)
-        text = driver_text(collective.__name__)
-        module = load_driver(source_hash([text, *parts]), text)
-        self._fly_many = module.fly_many
+        self._fly_many = _driver(code.functions, state_type).fly_many
         self._compiled: set[Any] = set()
 
     def __call__(self, arrays: Arrays, first: int, last: int) -> None:
@@ -80,6 +74,19 @@ def _require_one_file(code: MissionCode) -> None:
                 "expected the functions of one generated file"
             )
             raise CompilationError(message)
+
+
+@lru_cache(maxsize=16)
+def _driver(functions: MissionFunctions, state_type: Any) -> ModuleType:
+    """Return the driver of a mission's functions, the same for all of its engines."""
+    collective = sys.modules[functions.check.__module__]
+    parts = [repr(state_type)]
+    for module in (batch_flight, collective):
+        register(module)
+        parts += [path.read_text(encoding="utf-8") for path in sources(module)]
+        parts += constants(module)
+    text = driver_text(collective.__name__)
+    return load_driver(source_hash([text, *parts]), text)
 
 
 def register(module: ModuleType) -> None:

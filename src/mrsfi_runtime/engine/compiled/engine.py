@@ -7,8 +7,6 @@ Source paper, section III-G and Figure 4, without the bus between the two sides.
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
@@ -28,7 +26,7 @@ from mrsfi_runtime.engine.compiled.layout import (
     words,
     write_state,
 )
-from mrsfi_runtime.engine.flights import Evaluated, attempt
+from mrsfi_runtime.engine.flights import Engine, Evaluated
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.hosting.lockstep import Observer
@@ -46,7 +44,7 @@ CHUNK = 64
 """Specifications that are laid out and flown in one call, at most."""
 
 
-class CompiledEngine:
+class CompiledEngine(Engine):
     """Flies the mission many times in one call.
 
     Parameters
@@ -70,12 +68,11 @@ class CompiledEngine:
     """
 
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
-        self.code = code
-        self.seed = seed
+        super().__init__(code, seed)
         state = initial_state(code.mission, seed)
         self._fresh: Records = np.zeros(3, state_type(state))
-        for row in self._fresh:
-            write_state(row, state)
+        write_state(self._fresh[0], state)
+        self._fresh[1:] = self._fresh[0]
         self._moment_type = moment_type(state)
         self._result_type = result_type(state)
         self._recorded_type = recorded_type(state)
@@ -86,30 +83,13 @@ class CompiledEngine:
         self._fly_many = CompiledFlight(code, self._fresh.dtype)
         self._fly(self._batch([()], code.pool), 0, 1)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        where: TracebackType | None,
-    ) -> None:
-        self.close()
-
     def close(self) -> None:
         """End the threads."""
         self._threads.shutdown()
 
-    def evaluate(
-        self,
-        specification: Specification,
-        *,
-        pool: FaultPool | None = None,
-        observer: Observer | None = None,
+    def _evaluate(
+        self, specification: Specification, pool: FaultPool, observer: Observer | None
     ) -> Outcome:
-        """Fly the mission under a fault specification; as ``ReferenceEngine.evaluate``."""
-        pool = self.code.pool if pool is None else pool
         batch = self._batch([specification], pool)
         moments = np.zeros(self.code.mission.duration if observer else 0, self._moment_type)
         if self._fly(batch, 0, 1, moments):
@@ -136,7 +116,7 @@ class CompiledEngine:
     def _check(self, specifications: Sequence[Specification], found: Sequence[Evaluated]) -> None:
         """Refuse to go on if the reference engine finds anything else."""
         for specification, outcome in zip(specifications, found, strict=False):
-            expected = attempt(self._reference, specification)
+            expected = self._reference.attempt(specification)
             if isinstance(expected, Outcome) and expected != outcome:
                 message = (
                     f"{self.code.directory}: compiled, the mission has outcome {outcome}; the "
@@ -148,6 +128,8 @@ class CompiledEngine:
 
     def _evaluate_chunk(self, specifications: Sequence[Specification]) -> list[Evaluated]:
         n = len(specifications)
+        for specification in specifications:
+            require_no_overlap(self.code.mission, self.code.pool, specification)
         batch = self._batch(specifications, self.code.pool)
         size = -(-n // self._n_threads)
         firsts = range(0, n, size)
@@ -156,14 +138,12 @@ class CompiledEngine:
         )
         again = {k for some in failed for k in some}
         return [
-            attempt(self._reference, specification) if k in again else batch.outcome(k)
+            self._reference.attempt(specification) if k in again else batch.outcome(k)
             for k, specification in enumerate(specifications)
         ]
 
     def _batch(self, specifications: Sequence[Specification], pool: FaultPool) -> Batch:
         mission = self.code.mission
-        for specification in specifications:
-            require_no_overlap(mission, pool, specification)
         plans = [plan_rows(mission, pool, specification) for specification in specifications]
         return Batch(plans, self._result_type, self._recorded_type)
 

@@ -1,0 +1,46 @@
+"""The digests of README's campaigns, from flights of today in the encoding of their first day."""
+
+from dataclasses import replace
+
+import pytest
+
+from mrsfi_runtime.engine.compiled.engine import CompiledEngine
+from mrsfi_runtime.engine.compiled.layout import read_recorded
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.search.campaign import run_campaign
+from tests.golden.frozen import outcome_digest
+from tests.support.tree import ROOT
+
+MISSION = "uuv_sampling"
+DIGESTS = {
+    "a": "efdb82194eaee0da2a8afc865b2409f015e3a9cd67ecd1cbdbace2a9ecc2a556",
+    "b": "92affd0332435e2c3fc92bc393a0141581cad5707d823d0ead70c844349e8219",
+}
+
+
+@pytest.mark.parametrize("case", DIGESTS)
+def test_a_campaign_finds_what_it_found_at_first(tmp_path, case):
+    settings = CampaignSettings.load(ROOT / "models" / MISSION / f"case_{case}.toml")
+    code = load_code(ROOT / "generated" / MISSION)
+    world, belief = (initial_state(code.mission, settings.mission_seed) for _ in range(2))
+
+    def evaluate_many(specifications):
+        batch = engine._batch(specifications, code.pool)
+        assert engine._fly(batch, 0, len(specifications)) == []
+        for k in range(len(specifications)):
+            read_recorded(world, batch.worlds[k])
+            read_recorded(belief, batch.beliefs[k])
+            outcome = batch.outcome(k)
+            yield replace(outcome, digest=outcome_digest(outcome, world, belief))
+
+    with (
+        CompiledEngine(code, settings.mission_seed) as engine,
+        CampaignStore.create(tmp_path / "run", settings, Manifest()) as store,
+    ):
+        run_campaign(settings, code.mission, code.pool, evaluate_many, store)
+
+        assert store.digest() == DIGESTS[case]
