@@ -8,16 +8,12 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.mission import load_code
 from tests.golden import frozen
-from tests.golden.flights import EFFECTS, FLIGHTS, MISSIONS, effects, flights
+from tests.golden.flights import FLIGHTS, MISSIONS, flights
 from tests.support.tree import ROOT
 
 
 def test_missions_fly_as_they_were_recorded():
     assert flights() == json.loads(FLIGHTS.read_text(encoding="utf-8"))
-
-
-def test_every_fault_of_the_effects_pages_does_alone_what_was_recorded():
-    assert dict(effects()) == json.loads(EFFECTS.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("mission", MISSIONS)

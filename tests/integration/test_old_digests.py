@@ -1,5 +1,6 @@
-"""The digests of README's campaigns, from flights of today in the encoding of their first day."""
+"""Digests of commit 82a3d34, from flights of today: README's campaigns, and the effects pages."""
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -12,6 +13,7 @@ from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
+from tests.golden.flights import EFFECTS, effects
 from tests.golden.frozen import outcome_digest
 from tests.support.tree import ROOT
 
@@ -20,6 +22,10 @@ DIGESTS = {
     "a": "efdb82194eaee0da2a8afc865b2409f015e3a9cd67ecd1cbdbace2a9ecc2a556",
     "b": "92affd0332435e2c3fc92bc393a0141581cad5707d823d0ead70c844349e8219",
 }
+
+
+def test_every_fault_of_the_effects_pages_does_alone_what_was_recorded():
+    assert dict(effects()) == json.loads(EFFECTS.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("case", DIGESTS)
