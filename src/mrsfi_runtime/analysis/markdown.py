@@ -1,8 +1,9 @@
 """The report of a campaign as Markdown: what a person reads first."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 from mrsfi_runtime.analysis.fronts import Front, Pick
+from mrsfi_runtime.analysis.markdown_text import plain, table
 from mrsfi_runtime.analysis.ranking import score
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.trend import Trend
@@ -17,10 +18,10 @@ _FEW_GENERATIONS = 3
 def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
     """Return the report, which links the figures that ``captions`` names."""
     sections = [
-        f"# Campaign {_plain(summary.folder.name)} on mission {_plain(summary.mission)}",
+        f"# Campaign {plain(summary.folder.name)} on mission {plain(summary.mission)}",
         _extent(summary),
         "## Settings",
-        _table(("setting", "value"), sorted(_settings(summary.settings))),
+        table(("setting", "value"), sorted(_settings(summary.settings))),
         "## Fitness over the generations",
         trend_in_words(summary.trend),
         *_linked(captions, "fitness"),
@@ -105,7 +106,7 @@ def _top(summary: Summary) -> str:
         words += " on the first mission seed"
     if not summary.measure.is_shown_by_outcomes:
         words = f"{summary.measure}: {words}"
-    return f"Violations per goal in ticks, {words}.\n\n{_table(header, rows)}"
+    return f"Violations per goal in ticks, {words}.\n\n{table(header, rows)}"
 
 
 def _violations(measure: Measure, evaluation: Evaluation) -> Iterator[str]:
@@ -133,7 +134,7 @@ def _patterns(summary: Summary) -> str:
     return (
         "Popular is not guilty: compare the occurrences of a type with what its share in the pool, "
         "and in everything the campaign tried, would give by chance. A type may also ride along "
-        f"with the one that does the harm.\n\n{_table(header, rows)}"
+        f"with the one that does the harm.\n\n{table(header, rows)}"
     )
 
 
@@ -142,7 +143,7 @@ def _front(front: Front) -> str:
     goals = ", ".join(front.goals)
     return (
         f"{len(rows)} non-dominated specifications over {goals} ({front.counts}; of equal ones "
-        f"the earliest).\n\n{_table(('evaluation', *front.goals), rows)}"
+        f"the earliest).\n\n{table(('evaluation', *front.goals), rows)}"
     )
 
 
@@ -150,13 +151,3 @@ def _linked(captions: Mapping[str, str], part: str) -> list[str]:
     return [
         f"![{caption}](figures/{name}.png)" for name, caption in captions.items() if part in name
     ]
-
-
-def _table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(_plain(str(cell)) for cell in line) + " |" for line in lines)
-
-
-def _plain(text: str) -> str:
-    """Return text that cannot break out of its line or cell."""
-    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")

@@ -6,6 +6,7 @@ from rich.table import Table
 from rich.text import Text
 
 from mrsfi_runtime.analysis.effects import AuditRow
+from mrsfi_runtime.analysis.markdown_text import plain, table_row
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.mission import Mission
@@ -49,7 +50,7 @@ def effects_page(
     """Return the audit as a page in Markdown."""
     mission = engine.code.mission
     head = _PAGE.format(
-        name=_cell(name),
+        name=plain(name),
         duration=mission.duration,
         seed=engine.seed,
         n_faults=len(rows),
@@ -69,11 +70,11 @@ def _line(mission: Mission, row: AuditRow) -> str:
         ", ".join(_violations(mission, row)),
         row.reason,
     )
-    return "| " + " | ".join(_cell(cell) for cell in cells) + " |\n"
+    return table_row(cell or "–" for cell in cells) + "\n"
 
 
 def _summary(rows: Sequence[AuditRow]) -> str:
-    silent = ", ".join(_cell(row.fault.type) for row in rows if not row.differs)
+    silent = ", ".join(plain(row.fault.type) for row in rows if not row.differs)
     return _SUMMARY.format(
         n_effective=sum(1 for row in rows if row.differs),
         n_faults=len(rows),
@@ -84,8 +85,3 @@ def _summary(rows: Sequence[AuditRow]) -> str:
 def _violations(mission: Mission, row: AuditRow) -> Iterator[str]:
     counts = zip(mission.goal_ids, row.outcome.believed, row.outcome.true, strict=True)
     return (f"{goal} {believed}/{true}" for goal, believed, true in counts if believed or true)
-
-
-def _cell(text: str) -> str:
-    """Return text that cannot break a Markdown table."""
-    return " ".join(text.split()).replace("|", "\\|") or "–"

@@ -87,11 +87,15 @@ def require_settings(
     UsageError
         If an algorithm, a selection, an operator, the fitness function or a goal is unknown.
     """
-    chosen(settings, "algorithm", algorithms)
-    chosen(settings, "selection", SELECTIONS)
-    chosen(settings, "crossover_operator", CROSSOVERS)
-    chosen(settings, "mutation_operator", MUTATIONS)
-    chosen(settings, "fitness", fitness_functions)
+    tables: dict[str, Mapping[str, object]] = {
+        "algorithm": algorithms,
+        "selection": SELECTIONS,
+        "crossover_operator": CROSSOVERS,
+        "mutation_operator": MUTATIONS,
+        "fitness": fitness_functions,
+    }
+    for key, table in tables.items():
+        chosen(settings, key, table)
     for goal in settings.goals:
         if goal not in mission.goal_ids:
             known = ", ".join(mission.goal_ids)

@@ -168,14 +168,7 @@ def _flown(
     evaluators: Sequence[EvaluateMany],
 ) -> RunResult:
     """Run a search, recorded as any campaign is, in a folder that goes with its end."""
-    with folder.scratch() as place:
-        return _searched(place, settings, code, evaluators)
-
-
-def _searched(
-    place: Path, settings: CampaignSettings, code: MissionCode, evaluators: Sequence[EvaluateMany]
-) -> RunResult:
-    with CampaignStore.create(place, settings, Manifest()) as store:
+    with folder.scratch() as place, CampaignStore.create(place, settings, Manifest()) as store:
         began = monotonic()
         first, *replicas = evaluators
         run_campaign(settings, code.mission, code.pool, first, store, replicas=replicas)
