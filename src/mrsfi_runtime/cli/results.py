@@ -14,7 +14,7 @@ from mrsfi_runtime.analysis.report import SpecificationRow, write_report
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.cli.campaigns import OpenCampaign
 from mrsfi_runtime.cli.console import print_json, print_table
-from mrsfi_runtime.cli.tables import critical_table, plain_table
+from mrsfi_runtime.cli.tables import critical_tables, plain_table
 from mrsfi_runtime.record.measure import Measure, ticks
 
 
@@ -50,7 +50,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     folder = campaign.folder
     title = f"The {len(summary.top)} most critical of {summary.n_distinct} fault specifications"
     code = campaign.code
-    print_table(title, critical_table(summary.measure, code.pool, summary.top))
+    print_table(title, *critical_tables(summary.measure, code.pool, summary.top))
     if summary.front is not None:
         _print_front(summary.front)
     if summary.pick is not None:

@@ -1,7 +1,7 @@
 """Tables that the commands print."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from rich import box
 from rich.table import Table
@@ -60,28 +60,53 @@ def fault_table(pool: FaultPool, specification: Specification, outcome: Outcome)
     return table
 
 
-def critical_table(measure: Measure, pool: FaultPool, evaluations: Iterable[Evaluation]) -> Table:
+_LEAST_FOR_FAULTS = 16
+"""Columns that faults have at least, beside goals with a column each."""
+
+
+def critical_tables(
+    measure: Measure, pool: FaultPool, evaluations: Sequence[Evaluation]
+) -> tuple[Table, Table]:
     """Return specifications with their fitness, violations per goal, and faults.
 
     Each takes a line for violations as the collective intelligence believed them, one for
     those that were true, and before both one for the campaign's measure if it is another.
+
+    Returns
+    -------
+    tuple of Table
+        One with a column for each goal; and one for where these do not fit, which names the
+        goals that were violated: ``g3:509 g5:915``.
     """
-    table = plain_table((), ("#", "evaluation", "fitness"))
-    table.add_column("violations", no_wrap=True)
+    wide, narrow = _ranked(), _ranked()
+    wide.add_column("violations", no_wrap=True)
     for goal in measure.goals:
-        table.add_column(Text(goal), justify="right", no_wrap=True)
-    table.add_column("faults", overflow="fold")
+        wide.add_column(Text(goal), justify="right", no_wrap=True)
+    wide.add_column("faults", overflow="fold", min_width=_LEAST_FOR_FAULTS)
+    narrow.add_column("violations")
+    narrow.add_column("faults")
     for rank, evaluation in enumerate(evaluations, 1):
         lines = dict(_violation_lines(measure, evaluation))
-        table.add_row(
-            str(rank),
-            str(evaluation.index),
-            f"{evaluation.fitness[0]:.2f}",
-            "\n".join(lines),
-            *map("\n".join, zip(*lines.values(), strict=True)),
-            Text(_fault_counts(pool, evaluation.specification)),
-        )
+        head = (str(rank), str(evaluation.index), f"{evaluation.fitness[0]:.2f}")
+        faults = _fault_counts(pool, evaluation.specification)
+        columns = map("\n".join, zip(*lines.values(), strict=True))
+        wide.add_row(*head, "\n".join(lines), *columns, Text(faults))
+        named = (f"{name} {_violated(measure.goals, line)}" for name, line in lines.items())
+        narrow.add_row(*head, Text("\n".join(named)), Text(faults))
+    return wide, narrow
+
+
+def _ranked() -> Table:
+    table = plain_table((), ())
+    for name in ("#", "evaluation", "fitness"):
+        table.add_column(name, justify="right", no_wrap=True)
     return table
+
+
+def _violated(goals: Sequence[str], violations: Sequence[str]) -> str:
+    """Return the goals with violations: ``g3:509 g5:915``."""
+    pairs = zip(goals, violations, strict=True)
+    return " ".join(f"{goal}:{count}" for goal, count in pairs if count.strip("-.0")) or "none"
 
 
 def _violation_lines(

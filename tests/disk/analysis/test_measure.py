@@ -4,7 +4,7 @@ import pytest
 
 from mrsfi_runtime.analysis.figures import fitness_label
 from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
-from mrsfi_runtime.cli.tables import critical_table
+from mrsfi_runtime.cli.tables import critical_tables
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
@@ -56,7 +56,7 @@ def test_a_front_is_over_the_means_of_all_mission_seeds() -> None:
 
 
 def test_the_printed_table_shows_the_measure_before_belief_and_truth() -> None:
-    printed = critical_table(Measure.of(MEANS, mission()), pool(), FLOWN_TWICE[:1])
+    printed, _ = critical_tables(Measure.of(MEANS, mission()), pool(), FLOWN_TWICE[:1])
 
     goals = {str(column.header): list(column.cells) for column in printed.columns}
     assert goals["violations"] == ["mean believed\nbelieved\ntrue"]
