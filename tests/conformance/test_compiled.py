@@ -1,5 +1,6 @@
 """The compiled engine finds what the reference engine finds, bit for bit."""
 
+import subprocess
 import sys
 from dataclasses import replace
 from itertools import islice
@@ -15,7 +16,9 @@ from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from tests.support.models.fleets import fleet
+from tests.support.tree import ROOT
 from tests.support.world import paper_code
+from tests.tiers import slow
 
 SEED = 3
 N_SPECIFICATIONS = 1000
@@ -32,15 +35,39 @@ def traced(engine, specification):
     return engine.evaluate(specification, observer=digest), digest.hexdigest()
 
 
-def test_random_specifications_on_the_papers_mission_give_the_same_outcomes():
+@pytest.mark.parametrize("n", [150, pytest.param(1000, marks=slow)])
+def test_random_specifications_on_the_papers_mission_give_the_same_outcomes(n):
     code = paper_code(120)
     reference = ReferenceEngine(code, SEED)
-    drawn = specifications(code, N_SPECIFICATIONS)
+    drawn = specifications(code, n)
 
     with COMPILED.open(code, SEED, 2) as engine:
         outcomes = list(engine.evaluate_many(drawn))
 
     assert outcomes == [reference.evaluate(specification) for specification in drawn]
+
+
+FLY = """
+import sys
+from pathlib import Path
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.mission import load_code
+with EngineSettings("compiled").open(load_code(Path(sys.argv[1])), 1) as engine:
+    engine.evaluate(())
+(name,) = (name for name in sys.modules if name.startswith("mrsfi_compiled_"))
+print(sum(sys.modules[name].fly_many.stats.cache_misses.values()))
+"""
+
+
+@slow
+def test_of_two_processes_one_compiles_a_mission_and_the_other_waits(tmp_path, monkeypatch):
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
+    command = [sys.executable, "-c", FLY, str(ROOT / "generated" / "tight_margins")]
+    processes = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+
+    printed = [process.communicate(timeout=240)[0] for process in processes]
+
+    assert sorted(printed) == ["0\n", "1\n"]
 
 
 REGION = "g1.check"

@@ -10,7 +10,12 @@ from numba.extending import register_jitable
 
 from mrsfi_runtime.engine.compiled import batch_flight
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
-from mrsfi_runtime.engine.compiled.driver import driver_text, load_driver, source_hash
+from mrsfi_runtime.engine.compiled.driver import (
+    driver_text,
+    load_driver,
+    only_compiler,
+    source_hash,
+)
 from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
 from mrsfi_runtime.engine.compiled.regions import CompilationError, explain
 from mrsfi_runtime.kernel.flight import MissionFunctions
@@ -35,7 +40,8 @@ class CompiledFlight:
         self._code = code
         self._state_type = state_type
         _require_one_file(code)
-        self._fly_many = _driver(code.functions, state_type).fly_many
+        self._driver = _driver(code.functions, state_type)
+        self._fly_many = self._driver.fly_many
         self._compiled: set[Any] = set()
 
     def __call__(self, arrays: Arrays, first: int, last: int) -> None:
@@ -55,7 +61,8 @@ class CompiledFlight:
         if shapes in self._compiled:
             return
         try:
-            self._fly_many.compile((_typeof(arrays), _typeof(0), _typeof(0)))
+            with only_compiler(self._driver):
+                self._fly_many.compile((_typeof(arrays), _typeof(0), _typeof(0)))
         except Exception as error:
             raise explain(self._code, self._state_type, error) from error
         self._compiled.add(shapes)

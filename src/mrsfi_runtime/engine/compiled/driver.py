@@ -6,11 +6,13 @@ folder is named after a hash of all sources that take part, and of the shapes th
 compiled for.
 """
 
+import fcntl
 import hashlib
 import os
 import shutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
 
@@ -84,3 +86,12 @@ def load_driver(key: str, text: str) -> ModuleType:
         staged.write_text(text, encoding="utf-8")
         staged.replace(path)
     return load_module(name, path)
+
+
+@contextmanager
+def only_compiler(driver: ModuleType) -> Iterator[None]:
+    """Let one process at a time compile a driver: whoever waits finds it in the cache."""
+    with Path(str(driver.__file__)).with_name("lock").open("w") as file:
+        with suppress(OSError):  # a file system without locks: then each compiles for itself
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield
