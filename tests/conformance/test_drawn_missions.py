@@ -23,6 +23,7 @@ from tests.conformance.shapes import (
     shape,
     write,
 )
+from tests.tiers import slow
 
 N_SPECIFICATIONS = 10
 FEW = {
@@ -130,6 +131,15 @@ def fly_alike(folders, of, longest, n_missions):
     return coverage
 
 
+@pytest.mark.parametrize("name", FEW | MANY)
+def test_some_drawn_missions_fly_alike(tmp_path_factory, name):
+    """What they cover depends on the draw; each task and type has tests of its own."""
+    of, longest, n_missions = (FEW | MANY)[name]
+
+    fly_alike(tmp_path_factory, of, longest, n_missions=max(1, n_missions // 12))
+
+
+@slow
 @pytest.mark.parametrize("name", FEW)
 def test_drawn_missions_of_few_robots_fly_alike(tmp_path_factory, name):
     """Draws 90 missions, and 900 specifications, and flies each fault alone beside.
@@ -144,6 +154,7 @@ def test_drawn_missions_of_few_robots_fly_alike(tmp_path_factory, name):
     assert all(coverage.changed[kind] for kind in FAULT_TYPES)
 
 
+@slow
 @pytest.mark.parametrize("name", MANY)
 def test_drawn_missions_of_many_robots_fly_alike(tmp_path_factory, name):
     """Draws 10 missions, and 100 specifications; most fault types and half the goals matter."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import mrsfi_runtime
 from tests.support.models.fleets import fleet
+from tests.tiers import slow
 
 FLY = """
 import json, sys
@@ -39,6 +40,7 @@ def flown(runtime: Path, mission: Path, cache: Path) -> list[str]:
     return found
 
 
+@slow
 def test_an_edited_kernel_compiles_anew(tmp_path: Path) -> None:
     mission = fleet(tmp_path / "mission", 1, 2, 40, "StayWithinMissionArea").directory
     package = tmp_path / "src" / "mrsfi_runtime"

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from tests.support.cli import MISSION, command_line, contents, edit, mrsfi, mrsfi_json, workspace
+from tests.tiers import slow
 
 FEW = ("--evaluations", "6", "--workers", "1", "--engine", "reference")
 SMALL = ("compare", MISSION, "--case", "b", *FEW)
@@ -92,6 +93,7 @@ def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(pl
     assert done.stderr.count("was finished already") == 1
 
 
+@slow
 def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(
     compared: tuple[Path, str], place: Path
 ) -> None:

@@ -11,6 +11,7 @@ import pytest
 from tests.support.cli import command_line, interrupted, mrsfi, mrsfi_json
 from tests.support.cluster import require_dask, scheduler
 from tests.support.interrupted import MISSION, evaluations, workspace
+from tests.tiers import slow
 
 EVOLVE = ("evolve", MISSION, "--engine", "reference", "--population", "8", "--seed", "3")
 EVOLVE_SOME = (*EVOLVE, "--generations", "6")
@@ -55,6 +56,7 @@ def disturbed(
     )
 
 
+@slow
 def test_a_worker_killed_in_mid_campaign_changes_nothing(
     place: Path, tmp_path: Path, whole: Any
 ) -> None:
@@ -88,6 +90,7 @@ def test_a_worker_killed_in_mid_campaign_changes_nothing(
     assert [line.split()[0] for line in told] == ["campaign"]
 
 
+@slow
 def test_a_lost_scheduler_ends_with_8_and_the_campaign_goes_on_without_it(
     place: Path, tmp_path: Path, whole: Any
 ) -> None:
@@ -112,6 +115,7 @@ def test_a_lost_scheduler_ends_with_8_and_the_campaign_goes_on_without_it(
     assert resumed["digest"] == whole["digest"]
 
 
+@slow
 def test_ctrl_c_ends_a_local_cluster_quietly_and_another_goes_on(place: Path, whole: Any) -> None:
     out = place / "runs" / "stopped"
     local = ("--dask", "local", "--workers", "2")

@@ -12,6 +12,7 @@ import pytest
 
 from tests.support.cli import command_line, contents, interrupted, mrsfi, mrsfi_json
 from tests.support.interrupted import MISSION, evaluations, workspace
+from tests.tiers import slow
 
 OPTIONS = ("--population", "8", "--generations", "6", "--seed", "3", "--workers", "1")
 EVOLVE = ("evolve", MISSION, *OPTIONS)
@@ -44,6 +45,7 @@ def campaign(whole: Any, place: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(place / "runs" / "whole", tmp_path / "whole"))
 
 
+@slow
 def test_a_command_killed_at_any_moment_of_its_life_is_resumed_or_begun_anew(
     place: Path, lifetime: tuple[Any, float]
 ) -> None:

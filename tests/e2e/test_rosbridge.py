@@ -16,6 +16,7 @@ from tests.support.cli import MISSION, SMALL, edit, mrsfi, mrsfi_json, mrsfi_pro
 from tests.support.interrupted import MISSION as QUICK
 from tests.support.interrupted import workspace
 from tests.support.rosbridge import is_running, process
+from tests.tiers import slow
 
 ROSBRIDGE = ("--engine", "rosbridge")
 TINY = ("--population", "4", "--generations", "1", "--workers", "1")
@@ -115,6 +116,7 @@ def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_ho
     assert recorded["bus"] == {"url": None, "client": "twisted", "side": "both"}
 
 
+@slow
 def test_a_campaign_with_bundles_finds_the_same_and_records_how(quick):
     local = mrsfi_json("evolve", QUICK, *TINY, *REFERENCE, "--out", "runs/local", cwd=quick)
     words = (*TINY, *ROSBRIDGE, "--bundle", "--out", "runs/bundles")
@@ -126,6 +128,7 @@ def test_a_campaign_with_bundles_finds_the_same_and_records_how(quick):
     assert recorded["bus"] == {"url": None, "client": "asyncio", "side": "both", "bundle": True}
 
 
+@slow
 def test_replications_share_one_server(quick, url):
     file = quick / "models" / QUICK / "case_a.toml"
     edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")
@@ -229,6 +232,7 @@ def test_a_flight_that_is_interrupted_leaves_no_process_behind(place):
     wait_for(lambda: not is_running(simulation))
 
 
+@slow
 def test_a_campaign_that_loses_its_simulation_goes_on_to_the_same_end(place):
     whole = mrsfi_json("evolve", MISSION, *SMALL, "--out", "runs/whole", cwd=place)
     words = ("evolve", MISSION, *SMALL, *ROSBRIDGE, "--out", "runs/cut")
@@ -258,6 +262,7 @@ def n_evaluations(folder):
             return 0
 
 
+@slow
 def test_a_campaign_whose_workers_die_leaves_no_process_behind(place):
     words = (
         "evolve",

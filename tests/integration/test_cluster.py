@@ -18,6 +18,7 @@ from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from tests.support.cluster import Scheduler, require_dask, scheduler, without_mrsfi
 from tests.support.world import ROOT
+from tests.tiers import slow
 
 require_dask()
 
@@ -164,6 +165,7 @@ def test_a_search_that_stops_asking_leaves_the_workers_free(
         assert list(pool.evaluate_many(specifications[:3])) == expected[:3]
 
 
+@slow
 def test_a_worker_that_joins_late_takes_over_from_one_that_died(
     tmp_path: Path, specifications, expected
 ) -> None:
@@ -254,6 +256,7 @@ def test_a_worker_without_mrsfi_is_refused(tmp_path: Path) -> None:
             ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
 
 
+@slow
 def test_a_local_cluster_is_reachable_from_this_machine_only(specifications, expected) -> None:
     with Cluster("local", 2) as cluster:
         pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
@@ -274,6 +277,7 @@ def test_another_python_is_refused(two_workers: Scheduler) -> None:
         cluster.ship(other)
 
 
+@slow
 def test_a_cluster_with_certificates_is_reached_with_those_of_the_configuration(
     tmp_path: Path, specifications, expected, monkeypatch: pytest.MonkeyPatch
 ) -> None:

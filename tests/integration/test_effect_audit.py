@@ -7,26 +7,34 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.fault_types import FAULT_TYPES
 from tests.support.world import ROOT, paper_code
-
-PAPER = audit(ReferenceEngine(paper_code(), 1), 100, 900)
-TIGHT = audit(ReferenceEngine(load_code(ROOT / "generated" / "tight_margins"), 1), 60, 180)
+from tests.tiers import seeds
 
 
-@pytest.mark.parametrize("rows", [PAPER, TIGHT], ids=["paper", "tight margins"])
-def test_every_fault_type_is_applied(rows):
-    assert {row.fault.type for row in rows} == set(FAULT_TYPES)
-    assert all(row.outcome.applied[0] > 0 for row in rows)
+@pytest.fixture(scope="module")
+def paper():
+    return audit(ReferenceEngine(paper_code(), 1), 100, 900)
 
 
-def test_on_the_paper_mission_a_type_that_changes_no_goal_has_a_reason():
-    assert all(bool(row.differs) != bool(row.reason) for row in PAPER)
+@pytest.fixture(scope="module")
+def tight():
+    return audit(ReferenceEngine(load_code(ROOT / "generated" / "tight_margins"), 1), 60, 180)
 
 
-def test_with_tight_margins_every_type_changes_a_goal():
-    assert [row.fault.type for row in TIGHT if not row.differs] == []
+def test_every_fault_type_is_applied(paper, tight):
+    for rows in (paper, tight):
+        assert {row.fault.type for row in rows} == set(FAULT_TYPES)
+        assert all(row.outcome.applied[0] > 0 for row in rows)
 
 
-@pytest.mark.parametrize("seed", range(20))
+def test_on_the_paper_mission_a_type_that_changes_no_goal_has_a_reason(paper):
+    assert all(bool(row.differs) != bool(row.reason) for row in paper)
+
+
+def test_with_tight_margins_every_type_changes_a_goal(tight):
+    assert [row.fault.type for row in tight if not row.differs] == []
+
+
+@pytest.mark.parametrize("seed", seeds(range(20)))
 def test_without_faults_the_mission_with_tight_margins_violates_no_goal(seed):
     outcome = ReferenceEngine(load_code(ROOT / "generated" / "tight_margins"), seed).evaluate(())
 

@@ -30,6 +30,7 @@ from tests.support.interrupted import (
     workspace,
 )
 from tests.support.rosbridge import process
+from tests.tiers import slow
 
 Note = Callable[[str], None]
 FLIGHT = ("simulate", "uuv_sampling", "--engine", "rosbridge", "--timeout", "2")
@@ -144,6 +145,7 @@ def uninterrupted(path: Path) -> None:
     finished(SEARCH, path, 1)
 
 
+@slow
 def test_a_campaign_whose_server_dies_keeps_what_it_found_and_resumes(
     tmp_path: Path, note: Note
 ) -> None:

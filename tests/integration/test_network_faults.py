@@ -31,6 +31,7 @@ from tests.integration.network import (
     send_operation,
 )
 from tests.support.missing import skip
+from tests.tiers import slow
 
 STRING = "std_msgs/String"
 Note = Callable[[str], None]
@@ -114,6 +115,7 @@ def wrong(random: Random) -> Any:
     )
 
 
+@slow
 def test_10_000_malformed_frames_harm_nobody(note: Note) -> None:
     random = Random(7)
     n_texts, n_binaries = 9_500, 500
@@ -169,6 +171,7 @@ def many_files() -> Iterator[None]:
     resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
 
+@slow
 @pytest.mark.usefixtures("many_files")
 def test_1_000_connections_are_served_and_one_more_is_refused(note: Note) -> None:
     async def subscribed(url: str) -> ClientConnection:

@@ -31,6 +31,7 @@ from tests.support.interrupted import (
     workers_of,
     workspace,
 )
+from tests.tiers import slow
 
 SETTINGS = CampaignSettings(population=8, generations=8, seed=3)
 MANY = CampaignSettings(population=20, generations=15, seed=3)
@@ -58,7 +59,7 @@ def whole(place: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("n_workers", "n_kills"), [(1, 20), (2, 5)])
+@pytest.mark.parametrize(("n_workers", "n_kills"), [pytest.param(1, 20, marks=slow), (2, 5)])
 def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
     place: Path, whole: Path, n_workers: int, n_kills: int
 ) -> None:
@@ -84,6 +85,7 @@ def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
         assert store.generations() == other.generations()
 
 
+@slow
 def test_kills_inside_a_write_leave_nothing_to_repair(place: Path) -> None:
     undisturbed = begin(place, "written", MANY)
     n_all = finished(WRITE, undisturbed)

@@ -34,6 +34,7 @@ from tests.support.rosbridge import (
     specification,
     swapped,
 )
+from tests.tiers import slow
 
 PATIENCE = Patience(tick=3.0, handshake=10.0)
 SHORT = code_of("tight_margins", 60)
@@ -57,10 +58,11 @@ def engine(code, **options):
 
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
 @pytest.mark.parametrize("client", CLIENTS)
-def test_twenty_random_specifications_of_the_paper_s_mission_fly_as_in_process(client, is_bundled):
-    flown = digests_apart(client, "uuv_sampling", 1000, range(20), is_bundled=is_bundled)
+@pytest.mark.parametrize("seeds", [range(2), pytest.param(range(20), marks=slow)], ids=len)
+def test_random_specifications_of_the_paper_s_mission_fly_as_in_process(seeds, client, is_bundled):
+    flown = digests_apart(client, "uuv_sampling", 1000, seeds, is_bundled=is_bundled)
 
-    assert flown == expected("uuv_sampling", 1000, range(20))
+    assert flown == expected("uuv_sampling", 1000, seeds)
 
 
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])

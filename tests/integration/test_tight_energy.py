@@ -10,6 +10,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.world import ROOT
+from tests.tiers import seeds
 
 MODELS = ROOT / "models" / "tight_energy"
 CODE = load_code(ROOT / "generated" / "tight_energy")
@@ -27,7 +28,7 @@ def test_the_generated_code_follows_from_the_models():
     assert stale(MODELS, CODE.directory) == ()
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", seeds(range(10)))
 def test_without_faults_it_violates_no_goal(seed):
     outcome = ReferenceEngine(CODE, seed).evaluate(())
 
