@@ -15,7 +15,7 @@ from pathlib import Path
 from random import Random
 
 from m2t.load import load_mission_folder
-from mrsfi_runtime.model.fault_types import FAULT_TYPES
+from m2t.metamodels import load_metamodels
 
 _HEAD = """<?xml version="1.0" encoding="ASCII"?>
 <faults:FaultSpecification xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" \
@@ -43,8 +43,8 @@ def draw_pool(models: Path, seed: int) -> str:
 
 
 def _faults(targets: dict[str, list[str]], rng: Random) -> Iterator[str]:
-    for number, (name, kind) in enumerate(FAULT_TYPES.items(), 1):
-        target = rng.choice(targets[kind.targets])
+    for number, (name, kind) in enumerate(load_metamodels().fault_types.items(), 1):
+        target = rng.choice(targets[kind.struck.value])
         values = sorted(rng.randint(1, _LARGEST_VALUE) for _ in kind.parameters)
         given = "".join(
             f' {parameter.name}="{value}"'
@@ -53,7 +53,7 @@ def _faults(targets: dict[str, list[str]], rng: Random) -> Iterator[str]:
         tag = name[0].lower() + name[1:]
         yield (
             f'  <faults ID="f{number}" name="f{number}">\n    <{tag}{given}>\n'
-            f'      <affected{kind.targets.capitalize()} href="mission.xmi#{target}"/>\n'
+            f'      <affected{kind.struck.value.capitalize()} href="mission.xmi#{target}"/>\n'
             f"    </{tag}>\n  </faults>\n"
         )
 

@@ -21,7 +21,7 @@ Scalar: TypeAlias = str | int | float | bool | None
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A call with keyword arguments.
+    """A call with keyword arguments; those without a name are positional.
 
     ``is_flat`` asks for one line where it fits; otherwise there is one argument a line, so
     that a changed value changes one line.
@@ -39,7 +39,14 @@ class Table:
     entries: tuple[tuple[str, "Expression"], ...]
 
 
-Expression: TypeAlias = Scalar | Call | Table | tuple["Expression", ...]
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A name that code knows, never a text of a model; what precedes a dot is imported."""
+
+    text: str
+
+
+Expression: TypeAlias = Scalar | Call | Table | Name | tuple["Expression", ...]
 
 
 def literal(value: Scalar | tuple[object, ...]) -> str:
@@ -115,6 +122,8 @@ def expression(value: Expression, indent: int = 0, used: int = 0) -> str:
     """
     if isinstance(value, tuple) and not value:
         return "()"
+    if isinstance(value, Name):
+        return value.text
     if not isinstance(value, Call | Table | tuple):
         return literal(value)
     flat = _flat(value)
@@ -135,7 +144,8 @@ def _parts(
     value: Call | Table | tuple[Expression, ...],
 ) -> tuple[str, list[tuple[str, Expression]], str]:
     if isinstance(value, Call):
-        return f"{value.function}(", [(f"{name}=", entry) for name, entry in value.arguments], ")"
+        arguments = [(f"{name}=" if name else "", entry) for name, entry in value.arguments]
+        return f"{value.function}(", arguments, ")"
     if isinstance(value, Table):
         return "{", [(f"{literal(name)}: ", entry) for name, entry in value.entries], "}"
     return "(", [("", entry) for entry in value], ")"
@@ -152,6 +162,8 @@ def _flat(value: Expression) -> str | None:
         )
         entries = [_flat(entry) for entry in value] if is_flat else [None]
         return None if None in entries else _tuple_of([entry for entry in entries if entry])
+    if isinstance(value, Name):
+        return value.text
     if not isinstance(value, Call | Table):
         return literal(value)
     if isinstance(value, Call) and value.arguments and not value.is_flat:

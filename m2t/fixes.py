@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from m2t.constraints.faults import broken_ticks, disordered_parameters
+from m2t.constraints.faults import broken_ticks, disordered_draw, disordered_parameters
 from m2t.constraints.mission import strangers
 from m2t.diagnostics import Diagnostic
 from m2t.line_difference import unified_difference
@@ -134,8 +134,9 @@ def _delete_repeated_field(entry: Any) -> None:
 
 
 def _order_random_bounds(kind: Any) -> None:
-    if kind.LOWER_BOUND > kind.UPPER_BOUND:
-        _exchange(kind, "LOWER_BOUND", "UPPER_BOUND")
+    drawn = disordered_draw(kind)
+    if drawn is not None:
+        _exchange(kind, *drawn)
 
 
 def _order_search_bounds(kind: Any) -> None:
@@ -171,7 +172,9 @@ FIXES: Mapping[str, Fix] = MappingProxyType(
         ),
         "AvoidCollisionMembers": Fix("Add the robots to the members of the goal", _add_members),
         "UniqueMessageField": Fix("Delete the repeated field", _delete_repeated_field),
-        "RandomBoundsOrdered": Fix("Exchange LOWER_BOUND and UPPER_BOUND", _order_random_bounds),
+        "RandomBoundsOrdered": Fix(
+            "Exchange the lowest and the highest random value", _order_random_bounds
+        ),
         "SearchBoundsOrdered": Fix(
             "Exchange the lowest and the highest value", _order_search_bounds
         ),

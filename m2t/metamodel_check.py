@@ -7,14 +7,18 @@ finds some defects only when the metamodel is used.
 import re
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from pyecore.ecore import EObject
 
 from m2t.diagnostics import Report, shown
 from m2t.metamodel_contract import CONTRACT, SUPERTYPES, Need
+from m2t.metamodel_fault_types import FaultTypeReader
 from m2t.namespaces import ECORE, XMI, XSI
 from m2t.read.nodes import Node
 
+if TYPE_CHECKING:
+    from mrsfi_runtime.model.fault_types import FaultType
 VALUE_TYPES = ("EString", "EInt", "EDouble")
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
@@ -98,12 +102,18 @@ class MetamodelCheck:
     ----------
     report
         Takes the diagnostics.
+
+    Attributes
+    ----------
+    fault_types
+        Those of the file that was checked last, by name.
     """
 
     def __init__(self, report: Report) -> None:
         self._report = report
         self._classifiers: dict[str, Node] = {}
         self._kinds: dict[Node, str] = {}
+        self.fault_types: Mapping[str, FaultType] = MappingProxyType({})
 
     def check(self, root: Node, name: str, root_class: str) -> None:
         """Check one file.
@@ -136,6 +146,8 @@ class MetamodelCheck:
             self._classifier(classifier)
         if not self._report.n_errors:
             self._check_contract(root, name)
+        if not self._report.n_errors:
+            self.fault_types = FaultTypeReader(self._lineage, self._report).read(root)
 
     def _check_contract(self, root: Node, package: str) -> None:
         """Check that the classes and features are there that code reads."""

@@ -1,7 +1,8 @@
 """What mrsfi reads of the metamodels: classes and features that they have to keep.
 
 A team may add classes, subclasses and features of its own, and literals to enumerations. What
-is named here keeps its name, its type, and whether it holds one value or many.
+is named here keeps its name, its type, and whether it holds one value or many. Fault types are
+not named: what they mean is said by annotations, which ``m2t.metamodel_fault_types`` reads.
 """
 
 from collections.abc import Mapping
@@ -12,7 +13,13 @@ from typing import Literal, TypeAlias
 Holding: TypeAlias = Literal["value", "part", "link"]
 
 BOUNDS = ("_MIN", "_MAX")
-"""What the names of the bounds of a parameter end with."""
+"""What the names of the attributes end with that bound a parameter for search."""
+
+OURS = "http://mrsfi.org/"
+"""What the sources of our annotations begin with."""
+
+MEANING = f"{OURS}meaning"
+"""Source of the annotations that say what a fault type and its parameters mean."""
 
 _TEXT, _WHOLE, _NUMBER = "EString", "EInt", "EDouble"
 
@@ -151,107 +158,29 @@ _TASKS: Mapping[str, Needs] = {
 }
 
 
-def _bounded(name: str, kind: str) -> Needs:
-    """Return a parameter that search may choose, with its optional bounds."""
-    bound = _value(kind, 0)
-    return {name: _value(kind), f"{name}_MIN": bound, f"{name}_MAX": bound}
-
-
-_ON_MESSAGE: Needs = {"affectedMessage": _link("Message")}
-_ON_ROBOT: Needs = {"affectedRobot": _link("Robot")}
-_ON_SENSOR: Needs = {"affectedSensor": _link("Sensor")}
-_ON_OBSTACLE: Needs = {"affectedObstacle": _link("Obstacle")}
-_PLACE: Needs = {
-    **_bounded("NEW_X", _NUMBER),
-    **_bounded("NEW_Y", _NUMBER),
-    "NEW_Z": _value(_NUMBER, 0),
-}
-
-
-def _falsifying(suffix: str, drawn: str, fixed: str, step: str) -> Mapping[str, Needs]:
-    """Return the five types that falsify one reported value.
-
-    Parameters
-    ----------
-    suffix
-        What the names of the types end with.
-    drawn
-        Type of the bounds of a random value.
-    fixed
-        Type of a fixed value, and of what it is changed by.
-    step
-        Name of what it is changed by.
-    """
-    bounds = {"LOWER_BOUND": _value(drawn), "UPPER_BOUND": _value(drawn)}
-    changed = {**_ON_MESSAGE, **_bounded(step, fixed)}
-    return {
-        f"Random{suffix}": {**_ON_MESSAGE, **bounds},
-        f"Zero{suffix}": _ON_MESSAGE,
-        f"Fixed{suffix}": {**_ON_MESSAGE, **_bounded("FIXED_VAL", fixed)},
-        f"Increment{suffix}": changed,
-        f"Decrement{suffix}": changed,
-    }
-
-
-_FAULT_TYPES: Mapping[str, Needs] = {
-    "DelayMessage": {**_ON_MESSAGE, **_bounded("DELAY", _NUMBER)},
-    "BlockMessage": {**_ON_MESSAGE, **_bounded("BLOCK_DURATION", _NUMBER)},
-    **_falsifying("RemainingEnergyCapacityReport", _NUMBER, _NUMBER, "PERCENTAGE"),
-    **_falsifying("SensorEnergyPerSample", _NUMBER, _NUMBER, "PERCENTAGE"),
-    **_falsifying("Speed", _NUMBER, _WHOLE, "VAL"),
-    **_falsifying("SampleRate", _WHOLE, _WHOLE, "VAL"),
-    "FixedRobotCoordinates": {**_ON_MESSAGE, **_PLACE},
-    "RandomRobotCoordinates": _ON_MESSAGE,
-    "FixedObstacleCoordinates": {**_ON_OBSTACLE, **_PLACE},
-    "RandomObstacleCoordinates": _ON_OBSTACLE,
-    "StopRobot": _ON_ROBOT,
-    "StartRobot": _ON_ROBOT,
-    "DeactivateSensor": _ON_SENSOR,
-    "ActivateSensor": _ON_SENSOR,
+_STRUCK: Mapping[str, Needs] = {
+    "MessageFault": {"affectedMessage": _link("Message")},
+    "RobotFault": {"affectedRobot": _link("Robot")},
+    "SensorFault": {"affectedSensor": _link("Sensor")},
+    "ObstacleFault": {"affectedObstacle": _link("Obstacle")},
 }
 
 _FAULTS: Mapping[str, Needs] = {
     "FaultSpecification": {**_IDENTIFIED, "faults": _parts("Fault")},
-    "Fault": {
-        **_COMPONENT,
-        "start": _value(_WHOLE, 0),
-        "finish": _value(_WHOLE, 0),
-        **{f"{name[0].lower()}{name[1:]}": _part(name, 0) for name in _FAULT_TYPES},
-    },
-}
-_STRIKING: Mapping[str, Needs] = {
-    "MessageFault": _ON_MESSAGE,
-    "RobotFault": _ON_ROBOT,
-    "SensorFault": _ON_SENSOR,
-    "ObstacleFault": _ON_OBSTACLE,
+    "Fault": {**_COMPONENT, "start": _value(_WHOLE, 0), "finish": _value(_WHOLE, 0)},
+    "FaultType": {},
+    **_STRUCK,
 }
 
 CONTRACT: Mapping[str, Mapping[str, Needs]] = MappingProxyType(
-    {"mission": {**_MISSION, **_TASKS}, "faults": {**_FAULTS, **_STRIKING, **_FAULT_TYPES}}
+    {"mission": {**_MISSION, **_TASKS}, "faults": _FAULTS}
 )
 """What is read, by package, class and feature, inherited features included."""
 
 SUPERTYPES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "mission": {"Robot": "Station", "Server": "Station", **dict.fromkeys(_TASKS, "GoalTask")},
-        "faults": {
-            **dict.fromkeys(_STRIKING, "FaultType"),
-            **{
-                name: parent
-                for name, needs in _FAULT_TYPES.items()
-                for parent, struck in _STRIKING.items()
-                if struck.keys() <= needs.keys()
-            },
-        },
+        "faults": dict.fromkeys(_STRUCK, "FaultType"),
     }
 )
 """What a class has to inherit from, by package and class."""
-
-
-def parameters(fault_type: str) -> tuple[str, ...] | None:
-    """Return the parameters of a fault type in order; ``None`` for a team's own type."""
-    needs = _FAULT_TYPES.get(fault_type)
-    if needs is None:
-        return None
-    values = (name for name, need in needs.items() if need.holding == "value")
-    return tuple(name for name in values if not name.endswith(BOUNDS))

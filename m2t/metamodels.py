@@ -13,9 +13,11 @@ from pyecore.resources import URI, ResourceSet
 
 from m2t.diagnostics import Report
 from m2t.metamodel_check import MetamodelCheck
+from m2t.metamodel_contract import BOUNDS, MEANING
 from m2t.namespaces import ECORE, XMI, XSI
 from m2t.read.nodes import Node, read_xml
 from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.model.fault_types import FaultType, Range
 
 MISSION_FILE = "mission.ecore"
 FAULTS_FILE = "faults.ecore"
@@ -25,10 +27,11 @@ FAULTS_ROOT = "FaultSpecification"
 
 @dataclass(frozen=True, slots=True)
 class Metamodels:
-    """The packages ``mission`` and ``faults`` as pyecore objects."""
+    """The packages ``mission`` and ``faults`` as pyecore objects, and the fault types by name."""
 
     mission: Any
     faults: Any
+    fault_types: Mapping[str, FaultType]
 
     @property
     def mission_class(self) -> Any:
@@ -101,7 +104,8 @@ def read_metamodels(folder: Path) -> Metamodels:
             report.require_no_errors()
             packages.append(_package(xml.root, path, resources))
         report.require_no_errors()
-    return Metamodels(*packages)
+    mission, faults = packages
+    return Metamodels(mission, faults, check.fault_types)
 
 
 class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
@@ -171,7 +175,10 @@ def features(metaclass: Any) -> tuple[Any, ...]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Slot:
-    """What loading asks of a feature, in plain attributes: pyecore's own are slow to read."""
+    """What loading asks of a feature, in plain attributes: pyecore's own are slow to read.
+
+    ``counts_ticks`` is true of a parameter of a fault type in ticks, and of its bounds.
+    """
 
     feature: Any
     name: str
@@ -181,11 +188,13 @@ class Slot:
     is_contained: bool
     is_reference: bool
     is_id: bool
+    counts_ticks: bool
 
 
 @cache
 def slots(metaclass: Any) -> Mapping[str, Slot]:
     """Return the slots of all features of a metaclass by name, inherited ones first."""
+    in_ticks = {feature.name for feature in features(metaclass) if _counts_ticks(feature)}
     return {
         str(feature.name): Slot(
             feature,
@@ -196,9 +205,17 @@ def slots(metaclass: Any) -> Mapping[str, Slot]:
             is_contained(feature),
             is_reference(feature),
             bool(getattr(feature, "iD", False)),
+            any(f"{name}{end}" == feature.name for name in in_ticks for end in ("", *BOUNDS)),
         )
         for feature in features(metaclass)
     }
+
+
+def _counts_ticks(feature: Any) -> bool:
+    return any(
+        annotation.source == MEANING and annotation.details.get("range") == Range.TICKS.name
+        for annotation in feature.eAnnotations
+    )
 
 
 @cache
@@ -242,6 +259,11 @@ def is_contained(feature: Any) -> bool:
 def is_reference(feature: Any) -> bool:
     """Return whether a feature refers to elements that something else contains."""
     return isinstance(feature, EReference) and not feature.containment
+
+
+def meaning(fault_type: Any) -> FaultType:
+    """Return what the metamodel says of the class of a fault type."""
+    return load_metamodels().fault_types[fault_type.eClass.name]
 
 
 def _resolved(metaclass: Any) -> Any:

@@ -171,7 +171,7 @@ class Fault(Identified):
 
 @ecore.abstract
 @described(
-    "A kind of disturbance. Its effect is computed from the true value of each tick, never accumulates, and is gone one tick after finish.",
+    "A kind of disturbance. The annotation of a type says its mode and the property that it touches, that of a parameter its range; the types of modes that mrsfi knows are computed from the true value of each tick, never accumulate, and are gone one tick after finish.",
 )
 class FaultType(Element, ecore.EObject, metaclass=ecore.MetaEClass):
     pass
@@ -179,34 +179,34 @@ class FaultType(Element, ecore.EObject, metaclass=ecore.MetaEClass):
 
 @ecore.abstract
 @described(
-    "A fault type that falsifies what a message reports.",
+    "A fault type that strikes what a message reports.",
 )
 class MessageFault(FaultType):
     affectedMessage = annotated(
         ecore.EReference(lower=1),
-        "The message whose content is falsified.",
+        "The message that is struck.",
     )
 
 
 @ecore.abstract
 @described(
-    "A fault type that sends a forged command to a robot.",
+    "A fault type that strikes a robot itself, by a forged command for example.",
 )
 class RobotFault(FaultType):
     affectedRobot = annotated(
         ecore.EReference(lower=1),
-        "The robot that obeys the forged command.",
+        "The robot that is struck.",
     )
 
 
 @ecore.abstract
 @described(
-    "A fault type that sends a forged command to a sensor.",
+    "A fault type that strikes a sensor itself, by a forged command for example.",
 )
 class SensorFault(FaultType):
     affectedSensor = annotated(
         ecore.EReference(lower=1),
-        "The sensor that obeys the forged command.",
+        "The sensor that is struck.",
     )
 
 
@@ -223,11 +223,13 @@ class ObstacleFault(FaultType):
 
 @described(
     "Delays everything that the affected message reports. Until the first delayed report arrives, the collective intelligence keeps its last value; what is still under way after the fault is lost.",
+    ("http://mrsfi.org/meaning", (("mode", "DELAY"),)),
 )
 class DelayMessage(MessageFault):
     DELAY = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "How late the reports arrive, in ticks, not below 0.",
+        ("http://mrsfi.org/meaning", (("range", "TICKS"),)),
     )
     DELAY_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -241,11 +243,13 @@ class DelayMessage(MessageFault):
 
 @described(
     "Loses everything that the affected message reports. The collective intelligence keeps its last value.",
+    ("http://mrsfi.org/meaning", (("mode", "BLOCK"),)),
 )
 class BlockMessage(MessageFault):
     BLOCK_DURATION = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "How long the reports are lost, in ticks, not below 0; never longer than the fault is active.",
+        ("http://mrsfi.org/meaning", (("range", "TICKS"),)),
     )
     BLOCK_DURATION_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -259,20 +263,24 @@ class BlockMessage(MessageFault):
 
 @described(
     "Replaces the reported remaining energy of the sender by a random one, drawn anew in every tick between the two bounds.",
+    ("http://mrsfi.org/meaning", (("mode", "RANDOM"), ("property", "ENERGY"))),
 )
 class RandomRemainingEnergyCapacityReport(MessageFault):
     LOWER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The lowest reported remaining energy of the sender that can be reported; search leaves it as it is.",
+        ("http://mrsfi.org/meaning", (("range", "ENERGY"), ("role", "LOWEST"), ("search", "false"))),
     )
     UPPER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The highest reported remaining energy of the sender that can be reported; search leaves it as it is.",
+        ("http://mrsfi.org/meaning", (("range", "ENERGY"), ("role", "HIGHEST"), ("search", "false"))),
     )
 
 
 @described(
     "Replaces the reported remaining energy of the sender by 0.",
+    ("http://mrsfi.org/meaning", (("mode", "ZERO"), ("property", "ENERGY"))),
 )
 class ZeroRemainingEnergyCapacityReport(MessageFault):
     pass
@@ -280,11 +288,13 @@ class ZeroRemainingEnergyCapacityReport(MessageFault):
 
 @described(
     "Replaces the reported remaining energy of the sender by a fixed one.",
+    ("http://mrsfi.org/meaning", (("mode", "FIXED"), ("property", "ENERGY"))),
 )
 class FixedRemainingEnergyCapacityReport(MessageFault):
     FIXED_VAL = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The reported remaining energy of the sender that is believed instead of the true one, in energy units.",
+        ("http://mrsfi.org/meaning", (("range", "ENERGY"),)),
     )
     FIXED_VAL_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -298,11 +308,13 @@ class FixedRemainingEnergyCapacityReport(MessageFault):
 
 @described(
     "Makes the reported remaining energy of the sender higher than the true one by a percentage.",
+    ("http://mrsfi.org/meaning", (("mode", "INCREMENT_PERCENT"), ("property", "ENERGY"))),
 )
 class IncrementRemainingEnergyCapacityReport(MessageFault):
     PERCENTAGE = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "By how much the reported remaining energy of the sender is higher, in percent of the true one.",
+        ("http://mrsfi.org/meaning", (("range", "PERCENT"),)),
     )
     PERCENTAGE_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -316,11 +328,13 @@ class IncrementRemainingEnergyCapacityReport(MessageFault):
 
 @described(
     "Makes the reported remaining energy of the sender lower than the true one by a percentage.",
+    ("http://mrsfi.org/meaning", (("mode", "DECREMENT_PERCENT"), ("property", "ENERGY"))),
 )
 class DecrementRemainingEnergyCapacityReport(MessageFault):
     PERCENTAGE = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "By how much the reported remaining energy of the sender is lower, in percent of the true one.",
+        ("http://mrsfi.org/meaning", (("range", "PERCENT"),)),
     )
     PERCENTAGE_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -334,20 +348,24 @@ class DecrementRemainingEnergyCapacityReport(MessageFault):
 
 @described(
     "Replaces the believed energy per sample of the sender's sensors by a random one, drawn anew in every tick between the two bounds.",
+    ("http://mrsfi.org/meaning", (("mode", "RANDOM"), ("property", "COST"))),
 )
 class RandomSensorEnergyPerSample(MessageFault):
     LOWER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The lowest believed energy per sample of the sender's sensors that can be reported; search leaves it as it is.",
+        ("http://mrsfi.org/meaning", (("range", "COST"), ("role", "LOWEST"), ("search", "false"))),
     )
     UPPER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The highest believed energy per sample of the sender's sensors that can be reported; search leaves it as it is.",
+        ("http://mrsfi.org/meaning", (("range", "COST"), ("role", "HIGHEST"), ("search", "false"))),
     )
 
 
 @described(
     "Replaces the believed energy per sample of the sender's sensors by 0.",
+    ("http://mrsfi.org/meaning", (("mode", "ZERO"), ("property", "COST"))),
 )
 class ZeroSensorEnergyPerSample(MessageFault):
     pass
@@ -355,11 +373,13 @@ class ZeroSensorEnergyPerSample(MessageFault):
 
 @described(
     "Replaces the believed energy per sample of the sender's sensors by a fixed one.",
+    ("http://mrsfi.org/meaning", (("mode", "FIXED"), ("property", "COST"))),
 )
 class FixedSensorEnergyPerSample(MessageFault):
     FIXED_VAL = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The believed energy per sample of the sender's sensors that is believed instead of the true one, in energy units.",
+        ("http://mrsfi.org/meaning", (("range", "COST"),)),
     )
     FIXED_VAL_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -373,11 +393,13 @@ class FixedSensorEnergyPerSample(MessageFault):
 
 @described(
     "Makes the believed energy per sample of the sender's sensors higher than the true one by a percentage.",
+    ("http://mrsfi.org/meaning", (("mode", "INCREMENT_PERCENT"), ("property", "COST"))),
 )
 class IncrementSensorEnergyPerSample(MessageFault):
     PERCENTAGE = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "By how much the believed energy per sample of the sender's sensors is higher, in percent of the true one.",
+        ("http://mrsfi.org/meaning", (("range", "PERCENT"),)),
     )
     PERCENTAGE_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -391,11 +413,13 @@ class IncrementSensorEnergyPerSample(MessageFault):
 
 @described(
     "Makes the believed energy per sample of the sender's sensors lower than the true one by a percentage.",
+    ("http://mrsfi.org/meaning", (("mode", "DECREMENT_PERCENT"), ("property", "COST"))),
 )
 class DecrementSensorEnergyPerSample(MessageFault):
     PERCENTAGE = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "By how much the believed energy per sample of the sender's sensors is lower, in percent of the true one.",
+        ("http://mrsfi.org/meaning", (("range", "PERCENT"),)),
     )
     PERCENTAGE_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -409,20 +433,24 @@ class DecrementSensorEnergyPerSample(MessageFault):
 
 @described(
     "Replaces the reported speed of the sender by a random one, drawn anew in every tick between the two bounds.",
+    ("http://mrsfi.org/meaning", (("mode", "RANDOM"), ("property", "SPEED"))),
 )
 class RandomSpeed(MessageFault):
     LOWER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The lowest reported speed of the sender that can be reported; search leaves it as it is.",
+        ("http://mrsfi.org/meaning", (("range", "SPEED"), ("role", "LOWEST"), ("search", "false"))),
     )
     UPPER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The highest reported speed of the sender that can be reported; search leaves it as it is.",
+        ("http://mrsfi.org/meaning", (("range", "SPEED"), ("role", "HIGHEST"), ("search", "false"))),
     )
 
 
 @described(
     "Replaces the reported speed of the sender by 0.",
+    ("http://mrsfi.org/meaning", (("mode", "ZERO"), ("property", "SPEED"))),
 )
 class ZeroSpeed(MessageFault):
     pass
@@ -430,11 +458,13 @@ class ZeroSpeed(MessageFault):
 
 @described(
     "Replaces the reported speed of the sender by a fixed one.",
+    ("http://mrsfi.org/meaning", (("mode", "FIXED"), ("property", "SPEED"))),
 )
 class FixedSpeed(MessageFault):
     FIXED_VAL = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
         "The reported speed of the sender that is believed instead of the true one, in distance units per tick.",
+        ("http://mrsfi.org/meaning", (("range", "SPEED"),)),
     )
     FIXED_VAL_MIN = annotated(
         ecore.EAttribute(eType=ecore.EInt, unsettable=True),
@@ -448,11 +478,13 @@ class FixedSpeed(MessageFault):
 
 @described(
     "Makes the reported speed of the sender higher than the true one by a value.",
+    ("http://mrsfi.org/meaning", (("mode", "INCREMENT"), ("property", "SPEED"))),
 )
 class IncrementSpeed(MessageFault):
     VAL = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
         "By how much the reported speed of the sender is higher, in distance units per tick.",
+        ("http://mrsfi.org/meaning", (("range", "SPEED"),)),
     )
     VAL_MIN = annotated(
         ecore.EAttribute(eType=ecore.EInt, unsettable=True),
@@ -466,11 +498,13 @@ class IncrementSpeed(MessageFault):
 
 @described(
     "Makes the reported speed of the sender lower than the true one by a value; it never falls below 0.",
+    ("http://mrsfi.org/meaning", (("mode", "DECREMENT"), ("property", "SPEED"))),
 )
 class DecrementSpeed(MessageFault):
     VAL = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
         "By how much the reported speed of the sender is lower, in distance units per tick.",
+        ("http://mrsfi.org/meaning", (("range", "SPEED"),)),
     )
     VAL_MIN = annotated(
         ecore.EAttribute(eType=ecore.EInt, unsettable=True),
@@ -484,20 +518,24 @@ class DecrementSpeed(MessageFault):
 
 @described(
     "Replaces the believed sample rate of the sender's sensors by a random one, drawn anew in every tick between the two bounds.",
+    ("http://mrsfi.org/meaning", (("mode", "RANDOM"), ("property", "RATE"))),
 )
 class RandomSampleRate(MessageFault):
     LOWER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
         "The lowest believed sample rate of the sender's sensors that can be reported; search leaves it as it is.",
+        ("http://mrsfi.org/meaning", (("range", "RATE"), ("role", "LOWEST"), ("search", "false"))),
     )
     UPPER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
         "The highest believed sample rate of the sender's sensors that can be reported; search leaves it as it is.",
+        ("http://mrsfi.org/meaning", (("range", "RATE"), ("role", "HIGHEST"), ("search", "false"))),
     )
 
 
 @described(
     "Replaces the believed sample rate of the sender's sensors by 0.",
+    ("http://mrsfi.org/meaning", (("mode", "ZERO"), ("property", "RATE"))),
 )
 class ZeroSampleRate(MessageFault):
     pass
@@ -505,11 +543,13 @@ class ZeroSampleRate(MessageFault):
 
 @described(
     "Replaces the believed sample rate of the sender's sensors by a fixed one.",
+    ("http://mrsfi.org/meaning", (("mode", "FIXED"), ("property", "RATE"))),
 )
 class FixedSampleRate(MessageFault):
     FIXED_VAL = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
         "The believed sample rate of the sender's sensors that is believed instead of the true one, in samples per tick.",
+        ("http://mrsfi.org/meaning", (("range", "RATE"),)),
     )
     FIXED_VAL_MIN = annotated(
         ecore.EAttribute(eType=ecore.EInt, unsettable=True),
@@ -523,11 +563,13 @@ class FixedSampleRate(MessageFault):
 
 @described(
     "Makes the believed sample rate of the sender's sensors higher than the true one by a value.",
+    ("http://mrsfi.org/meaning", (("mode", "INCREMENT"), ("property", "RATE"))),
 )
 class IncrementSampleRate(MessageFault):
     VAL = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
         "By how much the believed sample rate of the sender's sensors is higher, in samples per tick.",
+        ("http://mrsfi.org/meaning", (("range", "RATE"),)),
     )
     VAL_MIN = annotated(
         ecore.EAttribute(eType=ecore.EInt, unsettable=True),
@@ -541,11 +583,13 @@ class IncrementSampleRate(MessageFault):
 
 @described(
     "Makes the believed sample rate of the sender's sensors lower than the true one by a value; it never falls below 0.",
+    ("http://mrsfi.org/meaning", (("mode", "DECREMENT"), ("property", "RATE"))),
 )
 class DecrementSampleRate(MessageFault):
     VAL = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
         "By how much the believed sample rate of the sender's sensors is lower, in samples per tick.",
+        ("http://mrsfi.org/meaning", (("range", "RATE"),)),
     )
     VAL_MIN = annotated(
         ecore.EAttribute(eType=ecore.EInt, unsettable=True),
@@ -559,11 +603,13 @@ class DecrementSampleRate(MessageFault):
 
 @described(
     "Replaces the reported position of the sender by a fixed one.",
+    ("http://mrsfi.org/meaning", (("mode", "FIXED"), ("property", "POSITION"))),
 )
 class FixedRobotCoordinates(MessageFault):
     NEW_X = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The first coordinate of the position that is believed in distance units.",
+        ("http://mrsfi.org/meaning", (("range", "X"),)),
     )
     NEW_X_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -576,6 +622,7 @@ class FixedRobotCoordinates(MessageFault):
     NEW_Y = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The second coordinate of the position that is believed in distance units.",
+        ("http://mrsfi.org/meaning", (("range", "Y"),)),
     )
     NEW_Y_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -588,11 +635,13 @@ class FixedRobotCoordinates(MessageFault):
     NEW_Z = annotated(
         ecore.EAttribute(eType=ecore.EDouble, defaultValueLiteral="0.0"),
         "The height of the position that is believed in distance units.",
+        ("http://mrsfi.org/meaning", (("range", "Z"), ("search", "false"))),
     )
 
 
 @described(
     "Replaces the reported position of the sender by a random one inside the mission area, drawn anew in every tick.",
+    ("http://mrsfi.org/meaning", (("mode", "RANDOM"), ("property", "POSITION"))),
 )
 class RandomRobotCoordinates(MessageFault):
     pass
@@ -600,11 +649,13 @@ class RandomRobotCoordinates(MessageFault):
 
 @described(
     "Moves an obstacle on the server's map to a fixed place.",
+    ("http://mrsfi.org/meaning", (("mode", "FIXED"), ("property", "OBSTACLE"))),
 )
 class FixedObstacleCoordinates(ObstacleFault):
     NEW_X = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The first coordinate of the believed centre of the obstacle in distance units.",
+        ("http://mrsfi.org/meaning", (("range", "X"),)),
     )
     NEW_X_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -617,6 +668,7 @@ class FixedObstacleCoordinates(ObstacleFault):
     NEW_Y = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The second coordinate of the believed centre of the obstacle in distance units.",
+        ("http://mrsfi.org/meaning", (("range", "Y"),)),
     )
     NEW_Y_MIN = annotated(
         ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
@@ -629,11 +681,13 @@ class FixedObstacleCoordinates(ObstacleFault):
     NEW_Z = annotated(
         ecore.EAttribute(eType=ecore.EDouble, defaultValueLiteral="0.0"),
         "The height of the believed centre of the obstacle in distance units.",
+        ("http://mrsfi.org/meaning", (("range", "Z"), ("search", "false"))),
     )
 
 
 @described(
     "Moves an obstacle on the server's map to a random place inside the mission area, drawn anew in every tick.",
+    ("http://mrsfi.org/meaning", (("mode", "RANDOM"), ("property", "OBSTACLE"))),
 )
 class RandomObstacleCoordinates(ObstacleFault):
     pass
@@ -641,6 +695,7 @@ class RandomObstacleCoordinates(ObstacleFault):
 
 @described(
     "Sends a forged command that holds the robot at speed 0; afterwards its earlier speed holds again.",
+    ("http://mrsfi.org/meaning", (("mode", "STOP"), ("property", "MOTION"))),
 )
 class StopRobot(RobotFault):
     pass
@@ -648,6 +703,7 @@ class StopRobot(RobotFault):
 
 @described(
     "Sends a forged command that drives the robot at its nominal speed as long as it has energy.",
+    ("http://mrsfi.org/meaning", (("mode", "START"), ("property", "MOTION"))),
 )
 class StartRobot(RobotFault):
     pass
@@ -655,6 +711,7 @@ class StartRobot(RobotFault):
 
 @described(
     "Sends a forged command that keeps the sensor off: it takes no samples and spends no energy.",
+    ("http://mrsfi.org/meaning", (("mode", "DEACTIVATE"), ("property", "ACTIVATION"))),
 )
 class DeactivateSensor(SensorFault):
     pass
@@ -662,6 +719,7 @@ class DeactivateSensor(SensorFault):
 
 @described(
     "Sends a forged command that keeps the sensor on.",
+    ("http://mrsfi.org/meaning", (("mode", "ACTIVATE"), ("property", "ACTIVATION"))),
 )
 class ActivateSensor(SensorFault):
     pass

@@ -134,15 +134,15 @@ class Fault(Identified):
     ) -> None: ...
 
 class FaultType(Element):
-    """A kind of disturbance. Its effect is computed from the true value of each tick, never accumulates, and is gone one tick after finish."""
+    """A kind of disturbance. The annotation of a type says its mode and the property that it touches, that of a parameter its range; the types of modes that mrsfi knows are computed from the true value of each tick, never accumulate, and are gone one tick after finish."""
 
     def __init__(self) -> None: ...
 
 class MessageFault(FaultType):
-    """A fault type that falsifies what a message reports."""
+    """A fault type that strikes what a message reports."""
 
     affectedMessage: Message
-    """The message whose content is falsified."""
+    """The message that is struck."""
     def __init__(
         self,
         *,
@@ -150,10 +150,10 @@ class MessageFault(FaultType):
     ) -> None: ...
 
 class RobotFault(FaultType):
-    """A fault type that sends a forged command to a robot."""
+    """A fault type that strikes a robot itself, by a forged command for example."""
 
     affectedRobot: Robot
-    """The robot that obeys the forged command."""
+    """The robot that is struck."""
     def __init__(
         self,
         *,
@@ -161,10 +161,10 @@ class RobotFault(FaultType):
     ) -> None: ...
 
 class SensorFault(FaultType):
-    """A fault type that sends a forged command to a sensor."""
+    """A fault type that strikes a sensor itself, by a forged command for example."""
 
     affectedSensor: Sensor
-    """The sensor that obeys the forged command."""
+    """The sensor that is struck."""
     def __init__(
         self,
         *,

@@ -67,11 +67,6 @@ RANGES: Mapping[str, Range] = MappingProxyType(
         "fixedDistance": Range("FixedDistancePositive", 0, is_open=True),
         "start": _WINDOW,
         "finish": _WINDOW,
-        **{
-            f"{name}{suffix}": _TICKS
-            for name in ("DELAY", "BLOCK_DURATION")
-            for suffix in ("", "_MIN", "_MAX")
-        },
     }
 )
 """Allowed numbers by feature name; a feature of that name means the same in every class."""
@@ -96,7 +91,7 @@ def require_value(slot: Slot, text: str) -> None:
         _require_literal(slot, text)
         return
     value = _READERS[slot.type.name](slot, text)
-    allowed = RANGES.get(slot.name)
+    allowed = _TICKS if slot.counts_ticks else RANGES.get(slot.name)
     if allowed is not None and isinstance(value, int | float) and value not in allowed:
         raise Defect(
             allowed.constraint,

@@ -5,19 +5,20 @@ References
 Source paper, section III-B b).
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 from m2t.constraints.findings import Findings, number
-from m2t.metamodels import base_class, features, is_contained, lineage, reference_type, slots
-
-_FIELD_OF_TYPE = {
-    "RemainingEnergyCapacityReport": "ENERGY",
-    "Speed": "SPEED",
-    "RobotCoordinates": "POSITION",
-}
-"""What a fault type falsifies, by the end of its name; rates and costs travel in no message."""
-
-_TICKS = ("DELAY", "BLOCK_DURATION")
+from m2t.metamodel_contract import BOUNDS
+from m2t.metamodels import (
+    features,
+    is_contained,
+    lineage,
+    meaning,
+    reference_type,
+    slots,
+)
+from mrsfi_runtime.model.fault_types import OF_ROBOT, Field, Mode
 
 
 def check_faults(specification: Any, duration: int, findings: Findings) -> None:
@@ -58,7 +59,7 @@ def fault_types(fault: Any) -> tuple[Any, ...]:
 def _holds_fault_type(feature: Any) -> bool:
     """Return whether a feature contains a fault type, not something that a team has added."""
     kinds = lineage(reference_type(feature)) if is_contained(feature) else ()
-    return not feature.many and any(kind.name == "FaultType" for kind in kinds)
+    return any(kind.name == "FaultType" for kind in kinds)
 
 
 def is_set(element: Any, name: str) -> bool:
@@ -70,22 +71,30 @@ def is_set(element: Any, name: str) -> bool:
 def disordered_parameters(kind: Any) -> list[str]:
     """Return the parameters of a fault type whose lowest value is above their highest."""
     return [
-        feature.name
-        for feature in features(kind.eClass)
-        if _has_number(kind, f"{feature.name}_MIN")
-        and _has_number(kind, f"{feature.name}_MAX")
-        and getattr(kind, f"{feature.name}_MIN") > getattr(kind, f"{feature.name}_MAX")
+        parameter.name
+        for parameter in meaning(kind).parameters
+        if (bounds := [f"{parameter.name}{end}" for end in BOUNDS])
+        and all(is_set(kind, name) for name in bounds)
+        and getattr(kind, bounds[0]) > getattr(kind, bounds[1])
     ]
 
 
 def broken_ticks(kind: Any) -> list[str]:
     """Return the numbers of ticks of a fault type that are not whole."""
-    names = (name + suffix for name in _TICKS for suffix in ("", "_MIN", "_MAX"))
-    return [name for name in names if _has_number(kind, name) and getattr(kind, name) % 1]
+    return [
+        name
+        for name, slot in slots(kind.eClass).items()
+        if slot.counts_ticks and is_set(kind, name) and getattr(kind, name) % 1
+    ]
 
 
-def _has_number(kind: Any, name: str) -> bool:
-    return is_set(kind, name) and isinstance(getattr(kind, name), int | float)
+def disordered_draw(kind: Any) -> tuple[str, str] | None:
+    """Return the lowest and highest value that a fault type draws, if they are exchanged."""
+    names = [parameter.name for parameter in meaning(kind).parameters]
+    if meaning(kind).mode is not Mode.RANDOM or not names:
+        return None
+    lowest, highest = names
+    return (lowest, highest) if getattr(kind, lowest) > getattr(kind, highest) else None
 
 
 def _check_window(fault: Any, duration: int, findings: Findings) -> None:
@@ -116,13 +125,14 @@ def _check_window(fault: Any, duration: int, findings: Findings) -> None:
 
 
 def _check_parameters(kind: Any, findings: Findings) -> None:
-    has_bounds = all(_has_number(kind, name) for name in ("LOWER_BOUND", "UPPER_BOUND"))
-    if has_bounds and kind.LOWER_BOUND > kind.UPPER_BOUND:
+    drawn = disordered_draw(kind)
+    if drawn is not None:
+        lowest, highest = (number(getattr(kind, name)) for name in drawn)
         findings.add(
             kind,
             "RandomBoundsOrdered",
-            f"has LOWER_BOUND {number(kind.LOWER_BOUND)} above UPPER_BOUND "
-            f"{number(kind.UPPER_BOUND)}; expected the lower one first; exchange them",
+            f"has {drawn[0]} {lowest} above {drawn[1]} {highest}; expected the lower one first; "
+            "exchange them",
         )
     for name in disordered_parameters(kind):
         lowest, highest = getattr(kind, f"{name}_MIN"), getattr(kind, f"{name}_MAX")
@@ -142,16 +152,24 @@ def _check_parameters(kind: Any, findings: Findings) -> None:
 
 def _check_field(kind: Any, findings: Findings) -> None:
     """Check that the affected message carries what the fault falsifies."""
-    type_name = base_class(kind.eClass).name
-    wanted = next((name for end, name in _FIELD_OF_TYPE.items() if type_name.endswith(end)), None)
     message = getattr(kind, "affectedMessage", None)
-    if wanted is None or message is None:
+    if message is None:
         return
     carried = [entry.name for entry in message.body]
-    if wanted not in carried:
-        findings.add(
-            kind,
-            "FaultFieldCarried",
-            f"falsifies {wanted}, but message '{message.ID}' carries {', '.join(carried)}, so "
-            f"that the fault has no effect; expected a message with {wanted}; choose another",
-        )
+    for affected in meaning(kind).properties:
+        if not _carries(carried, affected):
+            wanted = affected.name
+            findings.add(
+                kind,
+                "FaultFieldCarried",
+                f"falsifies {wanted}, but message '{message.ID}' carries {', '.join(carried)}, so "
+                f"that the fault has no effect; expected a message with {wanted}; choose another",
+            )
+
+
+def _carries(body: Sequence[str], affected: Field) -> bool:
+    """Return whether a body carries a property; rates and costs need no message to do so."""
+    if affected in OF_ROBOT:
+        return affected.name in body
+    reported = {known.name for known in OF_ROBOT}
+    return affected is not Field.COUNT or any(name not in reported for name in body)

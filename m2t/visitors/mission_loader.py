@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import Any
 
-from m2t.environment import Call, Expression
+from m2t.environment import Call, Expression, Name
 from m2t.metamodels import base_class
 from m2t.visitors.base import ModelVisitor
 
@@ -206,7 +206,7 @@ class MissionLoaderVisitor(ModelVisitor):
 
 
 def functions(expression: Expression) -> tuple[str, ...]:
-    """Return the names of the functions that an expression calls, sorted: its imports."""
+    """Return the names that an expression calls or takes members of, sorted: its imports."""
     found: dict[str, None] = {}
     pending = [expression]
     for value in pending:
@@ -215,6 +215,8 @@ def functions(expression: Expression) -> tuple[str, ...]:
             pending.extend(argument for _, argument in value.arguments)
         elif isinstance(value, tuple):
             pending.extend(value)
+        elif isinstance(value, Name) and "." in value.text:
+            found[value.text.partition(".")[0]] = None
     return tuple(sorted(found))
 
 

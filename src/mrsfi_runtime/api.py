@@ -19,6 +19,7 @@ from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.fault_types import FaultType, Field, Mode, Parameter, Range, Struck
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import (
     Area,
@@ -44,16 +45,21 @@ __all__ = [
     "Coordinates",
     "Fault",
     "FaultPool",
+    "FaultType",
+    "Field",
     "FixedDistanceBetweenRobots",
     "GatherSamples",
     "Goal",
     "Message",
     "MessageField",
     "Mission",
+    "Mode",
     "MotionSource",
     "Obstacle",
+    "Parameter",
     "Patrol",
     "Property",
+    "Range",
     "Robot",
     "RobotInterface",
     "RobotTopics",
@@ -66,6 +72,7 @@ __all__ = [
     "State",
     "Stay",
     "StayWithinMissionArea",
+    "Struck",
     "SufficientEnergy",
     "Track",
     "Transport",

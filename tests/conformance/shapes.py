@@ -12,9 +12,10 @@ from random import Random
 
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.model.fault_types import FAULT_TYPES, FaultType, Field, Mode
+from mrsfi_runtime.model.fault_types import FaultType, Field, Mode
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.targets import require_no_overlap
+from tests.support.fault_types import FAULT_TYPES
 
 TASKS = (
     "AvoidCollision",
@@ -137,10 +138,10 @@ def draw_pool(rng: Random, of: Shape) -> str:
             f' {parameter.name}="{int(value) if _is_whole(kind) else repr(value)}"'
             for parameter, value in zip(kind.parameters, _values(rng, kind), strict=True)
         )
-        target = rng.choice(targets[kind.targets])
+        target = rng.choice(targets[kind.struck.value])
         parts.append(
             f'<faults ID="f{n}" name=""><{tag}{values}>'
-            f'<affected{kind.targets.title()} href="mission.xmi#{target}"/></{tag}></faults>\n'
+            f'<affected{kind.struck.value.title()} href="mission.xmi#{target}"/></{tag}></faults>\n'
         )
     return _FAULTS.format("".join(parts))
 
@@ -165,15 +166,15 @@ def draw_specification(rng: Random, code: MissionCode) -> tuple[TimedFault, ...]
 
 def _is_whole(kind: FaultType) -> bool:
     """Return whether the metamodel has whole numbers for the values of a fault type."""
-    is_speed = kind.affected is Field.SPEED and kind.mode is not Mode.RANDOM
-    return is_speed or kind.affected is Field.RATE
+    is_speed = kind.properties == (Field.SPEED,) and kind.mode is not Mode.RANDOM
+    return is_speed or kind.properties == (Field.RATE,)
 
 
 def _values(rng: Random, kind: FaultType) -> tuple[float, ...]:
     """Return values for a fault of a type; the two of a random one in order."""
     if kind.mode in (Mode.DELAY, Mode.BLOCK) or _is_whole(kind):
         values = [float(rng.randint(0, 70)) for _ in kind.parameters]
-    elif kind.affected in (Field.POSITION, Field.OBSTACLE):
+    elif kind.properties in ((Field.POSITION,), (Field.OBSTACLE,)):
         values = [_number(rng, -100.0, 100.0, _ODD_PLACES) for _ in kind.parameters]
     else:
         values = [_number(rng, 0.0, 300.0, _ODD_VALUES) for _ in kind.parameters]

@@ -13,7 +13,6 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.model.fault_types import FAULT_TYPES
 from mrsfi_runtime.model.faults import TimedFault
 from tests.conformance.shapes import (
     TASKS,
@@ -23,6 +22,7 @@ from tests.conformance.shapes import (
     shape,
     write,
 )
+from tests.support.fault_types import FAULT_TYPES
 from tests.tiers import slow
 
 N_SPECIFICATIONS = 10

@@ -7,9 +7,10 @@ the kernel's own code.
 import pytest
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.model.fault_types import FAULT_TYPES, Field, Mode
+from mrsfi_runtime.model.fault_types import Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from mrsfi_runtime.model.targets import touched
+from tests.support.fault_types import FAULT_TYPES
 from tests.support.world import paper_code
 
 DURATION = 160
@@ -68,7 +69,7 @@ def test_the_pool_holds_every_fault_type_once():
 REPORTS = [
     kind.name
     for kind in FAULT_TYPES.values()
-    if kind.affected not in (None, Field.MOTION, Field.ACTIVATION)
+    if kind.properties not in ((), (Field.MOTION,), (Field.ACTIVATION,))
 ]
 
 
@@ -147,7 +148,7 @@ def test_random_speeds_and_rates_are_whole(name):
 
 @pytest.mark.parametrize("message", list(CODE.mission.message_goal))
 def test_a_delay_lets_every_field_of_its_message_arrive_late_and_in_order(message):
-    fault = Fault("late", "DelayMessage", message, (float(DELAY),))
+    fault = Fault("late", FAULT_TYPES["DelayMessage"], message, (float(DELAY),))
     targets = touched(CODE.mission, fault)
 
     outcome, flight = fly(fault)
@@ -165,7 +166,7 @@ def test_a_delay_lets_every_field_of_its_message_arrive_late_and_in_order(messag
 
 
 def test_a_delay_longer_than_its_window_lets_nothing_through():
-    fault = Fault("late", "DelayMessage", "m1", (500.0,))
+    fault = Fault("late", FAULT_TYPES["DelayMessage"], "m1", (500.0,))
 
     _, flight = fly(fault)
 
@@ -177,7 +178,7 @@ def test_a_delay_longer_than_its_window_lets_nothing_through():
 
 @pytest.mark.parametrize("message", list(CODE.mission.message_goal))
 def test_a_block_loses_every_field_of_its_message_for_its_duration(message):
-    fault = Fault("lost", "BlockMessage", message, (float(BLOCKED),))
+    fault = Fault("lost", FAULT_TYPES["BlockMessage"], message, (float(BLOCKED),))
     targets = touched(CODE.mission, fault)
 
     outcome, flight = fly(fault)
@@ -191,7 +192,7 @@ def test_a_block_loses_every_field_of_its_message_for_its_duration(message):
 
 
 def test_a_block_ends_with_its_window():
-    fault = Fault("lost", "BlockMessage", "m1", (10_000.0,))
+    fault = Fault("lost", FAULT_TYPES["BlockMessage"], "m1", (10_000.0,))
 
     outcome, _ = fly(fault)
 
@@ -202,7 +203,7 @@ def test_a_block_ends_with_its_window():
 def test_a_forged_speed_holds_from_the_motion_of_start_to_that_of_finish(name, forced):
     robot = CODE.mission.robot_index["r1"]
 
-    outcome, flight = fly(Fault("forged", name, "r1"))
+    outcome, flight = fly(Fault("forged", FAULT_TYPES[name], "r1"))
 
     assert outcome.applied == (FINISH - START + 1,)
     for tick in range(1, DURATION):
@@ -215,7 +216,7 @@ def test_a_forged_speed_holds_from_the_motion_of_start_to_that_of_finish(name, f
 def test_a_forged_activation_holds_from_the_motion_of_start_to_that_of_finish(name, forced):
     sensor = CODE.mission.sensor_index["s4"]
 
-    outcome, flight = fly(Fault("forged", name, "s4"))
+    outcome, flight = fly(Fault("forged", FAULT_TYPES[name], "s4"))
 
     assert outcome.applied == (FINISH - START + 1,)
     for tick in range(1, DURATION):
@@ -227,8 +228,8 @@ def test_a_forged_activation_holds_from_the_motion_of_start_to_that_of_finish(na
 def test_a_sensor_forced_off_takes_no_samples_and_costs_nothing():
     sensor, robot = CODE.mission.sensor_index["s4"], CODE.mission.robot_index["r2"]
 
-    _, flight = fly(Fault("off", "DeactivateSensor", "s4"))
-    _, free = fly(Fault("none", "StartRobot", "r2"))
+    _, flight = fly(Fault("off", FAULT_TYPES["DeactivateSensor"], "s4"))
+    _, free = fly(Fault("none", FAULT_TYPES["StartRobot"], "r2"))
 
     counts = {flight.true[tick][Field.COUNT, sensor] for tick in range(START, FINISH + 1)}
     assert len(counts) == 1
@@ -239,7 +240,7 @@ def test_a_sensor_forced_off_takes_no_samples_and_costs_nothing():
 def test_a_robot_whose_gps_is_forced_off_is_believed_where_it_was():
     robot = CODE.mission.robot_index["r3"]
 
-    _, flight = fly(Fault("blind", "DeactivateSensor", "s5"))
+    _, flight = fly(Fault("blind", FAULT_TYPES["DeactivateSensor"], "s5"))
 
     key = (Field.POSITION, robot)
     for tick in range(START, FINISH + 1):
@@ -248,7 +249,7 @@ def test_a_robot_whose_gps_is_forced_off_is_believed_where_it_was():
 
 
 def test_a_forged_command_acts_from_the_very_first_motion():
-    fault = Fault("stop", "StopRobot", "r1")
+    fault = Fault("stop", FAULT_TYPES["StopRobot"], "r1")
     flight = Flight()
 
     ReferenceEngine(CODE, 3).evaluate(
@@ -262,7 +263,7 @@ def test_a_forged_command_acts_from_the_very_first_motion():
 
 
 def test_a_fault_whose_message_does_not_carry_its_field_does_nothing():
-    outcome, flight = fly(Fault("odd", "FixedSpeed", "m1", (50.0,)))
+    outcome, flight = fly(Fault("odd", FAULT_TYPES["FixedSpeed"], "m1", (50.0,)))
 
     assert outcome.applied == (0,)
     assert flight.believed == flight.true
@@ -272,7 +273,7 @@ def test_a_fault_whose_message_does_not_carry_its_field_does_nothing():
     ("message", "sensors"), [("m11", ["s6"]), ("m8", ["s5", "s6"]), ("m9", ["s1", "s2"])]
 )
 def test_a_rate_fault_touches_the_sensor_of_its_goal_or_else_all_of_its_sender(message, sensors):
-    fault = Fault("rate", "FixedSampleRate", message, (1.0,))
+    fault = Fault("rate", FAULT_TYPES["FixedSampleRate"], message, (1.0,))
 
     targets = touched(CODE.mission, fault)
 

@@ -11,6 +11,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.goal_tasks.table import TASKS as KNOWN
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
+from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.generation import write_mission
 
 ROBOT = """  <robots ID="{name}" name="{name}" speed="{speed}">
@@ -62,9 +63,9 @@ TASKS = {
     "FixedDistanceBetweenRobots": (ALONE + BESIDE, 'fixedDistance="50.0" tolerance="12.0"', ""),
 }
 
-STRAY = Fault("stray", "FixedRobotCoordinates", "from_a", (500.0, 500.0, 0.0))
-HIT = Fault("hit", "FixedRobotCoordinates", "from_a", (60.0, 0.0, 0.0))
-DRAINED = Fault("drained", "ZeroRemainingEnergyCapacityReport", "from_a")
+STRAY = Fault("stray", FAULT_TYPES["FixedRobotCoordinates"], "from_a", (500.0, 500.0, 0.0))
+HIT = Fault("hit", FAULT_TYPES["FixedRobotCoordinates"], "from_a", (60.0, 0.0, 0.0))
+DRAINED = Fault("drained", FAULT_TYPES["ZeroRemainingEnergyCapacityReport"], "from_a")
 HARMFUL = {"AvoidCollision": HIT, "SufficientEnergy": DRAINED}
 
 

@@ -29,7 +29,7 @@ def test_fix_shows_the_diff_and_writes_what_was_right_before(place: Path) -> Non
     assert faults.read_bytes() == before
     assert f"-    <randomSensorEnergyPerSample {WRONG}>" in text.splitlines()
     assert f"+    <randomSensorEnergyPerSample {RIGHT}>" in text.splitlines()
-    assert "fix: Exchange LOWER_BOUND and UPPER_BOUND [RandomBoundsOrdered]" in text
+    assert "fix: Exchange the lowest and the highest random value [RandomBoundsOrdered]" in text
     assert text.splitlines()[-1].startswith(f"ok: {MISSION}")
 
 

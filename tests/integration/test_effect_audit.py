@@ -5,7 +5,7 @@ import pytest
 from mrsfi_runtime.analysis.effects import audit
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.model.fault_types import FAULT_TYPES
+from tests.support.fault_types import FAULT_TYPES
 from tests.support.world import ROOT, paper_code
 from tests.tiers import seeds
 

@@ -8,7 +8,6 @@ import pytest
 
 from m2t.generate import diff, fault_loader_text, generate, stale
 from m2t.load import load_mission_folder
-from m2t.metamodels import load_metamodels
 from mrsfi_runtime.api import (
     AvoidCollision,
     FixedDistanceBetweenRobots,
@@ -23,7 +22,6 @@ from mrsfi_runtime.api import (
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, pool_from_text
-from mrsfi_runtime.model.fault_types import FAULT_TYPES
 from mrsfi_runtime.model.mission import Area, Coordinates, Property
 from mrsfi_runtime.transport.local_bus import LocalBus
 from tests.support.models.generation import (
@@ -169,25 +167,6 @@ def test_values_of_every_fault_follow_its_type(models, target):
     assert (pool["f9"].target, pool["f9"].values) == ("o5", (200.0, -450.0, 1.0))
     assert (pool["f20"].target, pool["f20"].values) == ("m8", (255.0, 1000.0))
     assert all(fault.bounds == {} and fault.start is None for fault in pool)
-
-
-def test_runtime_knows_the_parameters_of_every_fault_type_in_the_metamodel():
-    classes = [entry for entry in load_metamodels().faults.eClassifiers if not entry.abstract]
-
-    found = {
-        entry.name: tuple(
-            feature.name
-            for feature in entry.eStructuralFeatures
-            if not feature.name.endswith(("_MIN", "_MAX"))
-        )
-        for entry in classes
-        if entry.name not in {"Fault", "FaultSpecification"}
-    }
-
-    assert found == {
-        kind.name: tuple(parameter.name for parameter in kind.parameters)
-        for kind in FAULT_TYPES.values()
-    }
 
 
 def test_bounds_and_windows_reach_the_pool(models):

@@ -13,10 +13,12 @@ from m2t.metamodels import (
     FAULTS_FILE,
     MISSION_FILE,
     features,
+    is_contained,
     lineage,
     load_metamodels,
     metamodel_folder,
     read_metamodels,
+    reference_type,
 )
 from mrsfi_runtime.errors import ModelError
 from tests.support.cli import edit
@@ -86,6 +88,12 @@ def _error(folder: Path) -> str:
     return str(caught.value)
 
 
+def is_fault_type(feature: Any) -> bool:
+    """Return whether a feature holds a fault type, whose meaning is read from annotations."""
+    kinds = lineage(reference_type(feature)) if is_contained(feature) else ()
+    return "FaultType" in {kind.name for kind in kinds}
+
+
 def test_the_metamodels_have_what_is_read_and_little_else() -> None:
     read = {
         (class_name, name)
@@ -100,6 +108,7 @@ def test_the_metamodels_have_what_is_read_and_little_else() -> None:
         for kind in package.eClassifiers
         if hasattr(kind, "eStructuralFeatures") and kind.name in CONTRACT[package.name]
         for feature in features(kind)
+        if not is_fault_type(feature)
     }
 
     assert declared - UNREAD == read
@@ -201,8 +210,7 @@ def test_fault_type_has_to_say_what_it_strikes_by_its_supertype(folder: Path) ->
     message = _error(folder)
 
     assert f"{path}:" in message
-    assert "'StopRobot' does not inherit from RobotFault" in message
-    assert "'StopRobot' has no feature affectedRobot" in message
+    assert "'StopRobot' inherits from 0 of MessageFault, RobotFault," in message
 
 
 def test_ladder_of_diamonds_is_read_without_climbing_every_path(folder: Path) -> None:

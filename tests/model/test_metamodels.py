@@ -6,7 +6,7 @@ import pytest
 
 from m2t.check.attribute_values import RANGES
 from m2t.metamodels import conforms, features, lineage, load_metamodels, reference_type
-from mrsfi_runtime.model.fault_types import FAULT_TYPES
+from tests.support.fault_types import FAULT_TYPES
 
 PACKAGES = load_metamodels().packages
 CLASSES = [
@@ -91,7 +91,7 @@ def test_fault_type_agrees_with_the_runtime(name: str) -> None:
 
     assert own == expected
     assert [reference_type(feature).name for feature in references] == [
-        AFFECTED[fault_type.targets]
+        AFFECTED[fault_type.struck.value]
     ]
 
 

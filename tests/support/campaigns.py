@@ -6,13 +6,13 @@ from pathlib import Path
 from random import Random
 
 from mrsfi_runtime.api import AvoidCollision, GatherSamples, StayWithinMissionArea, SufficientEnergy
-from mrsfi_runtime.model.fault_types import FAULT_TYPES
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Area, Coordinates, Goal, Mission, Obstacle, Robot, Sensor
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
+from tests.support.fault_types import FAULT_TYPES
 
 STARTS = {"LEN": (250.0, -250.0), "JEN": (-250.0, 250.0), "KAL": (250.0, 250.0)}
 OBSTACLES = (
@@ -82,7 +82,7 @@ def pool() -> FaultPool:
     return FaultPool(
         "fs",
         tuple(
-            Fault(f"f{i}", kind.name, "m1", tuple(0.0 for _ in kind.parameters), name=f"f{i}")
+            Fault(f"f{i}", kind, "m1", tuple(0.0 for _ in kind.parameters), name=f"f{i}")
             for i, kind in enumerate(FAULT_TYPES.values(), start=1)
         ),
     )

@@ -24,6 +24,7 @@ from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
+from tests.support.fault_types import FAULT_TYPES
 
 OBSTACLES = (
     ("o1", 0, 500, 50),
@@ -113,7 +114,7 @@ def _sampling_goal(
 
 
 PAPER_FAULTS = tuple(
-    Fault(id=f"f{number}", type=kind, target=target, values=tuple(map(float, values)))
+    Fault(id=f"f{number}", kind=FAULT_TYPES[kind], target=target, values=tuple(map(float, values)))
     for number, (kind, target, *values) in enumerate(
         (
             ("ActivateSensor", "s2"),

@@ -127,7 +127,7 @@ def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -
         mode = int(fault.kind.mode)
         for field, target in touched(mission, fault):
             affected = int(field)
-            if mode <= BLOCK:
+            if mode in _HELD_BACK:
                 row = _held_back(number, timed, affected, mode, target, n_held)
                 n_held += 3 * row.n_held
                 messages.append(row)
@@ -136,7 +136,7 @@ def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -
                 row = InjectionRow(
                     number, affected, mode, target, timed.start, timed.finish, a, b, c, 0, 0
                 )
-                (reports if affected <= OBSTACLE else commands).append(row)
+                (commands if affected in _COMMANDED else reports).append(row)
     for injections in rows.lists:
         injections.sort(key=_start)
     return rows._replace(n_held=n_held)
@@ -167,24 +167,29 @@ def _held_back(
     return InjectionRow(number, affected, mode, target, timed.start, finish, a, b, c, first, n_held)
 
 
-POSITION, SPEED, ENERGY, COUNT, RATE, COST, OBSTACLE, MOTION, ACTIVATION = (
-    int(affected) for affected in Field
-)
-"""Numbers of ``Field`` as plain integers, for the kernel."""
+POSITION = int(Field.POSITION)
+SPEED = int(Field.SPEED)
+ENERGY = int(Field.ENERGY)
+COUNT = int(Field.COUNT)
+RATE = int(Field.RATE)
+COST = int(Field.COST)
+OBSTACLE = int(Field.OBSTACLE)
+MOTION = int(Field.MOTION)
+ACTIVATION = int(Field.ACTIVATION)
 
-(
-    DELAY,
-    BLOCK,
-    RANDOM,
-    ZERO,
-    FIXED,
-    INCREMENT,
-    DECREMENT,
-    INCREMENT_PERCENT,
-    DECREMENT_PERCENT,
-    STOP,
-    START,
-    DEACTIVATE,
-    ACTIVATE,
-) = (int(mode) for mode in Mode)
-"""Numbers of ``Mode`` as plain integers, for the kernel."""
+DELAY = int(Mode.DELAY)
+BLOCK = int(Mode.BLOCK)
+RANDOM = int(Mode.RANDOM)
+ZERO = int(Mode.ZERO)
+FIXED = int(Mode.FIXED)
+INCREMENT = int(Mode.INCREMENT)
+DECREMENT = int(Mode.DECREMENT)
+INCREMENT_PERCENT = int(Mode.INCREMENT_PERCENT)
+DECREMENT_PERCENT = int(Mode.DECREMENT_PERCENT)
+STOP = int(Mode.STOP)
+START = int(Mode.START)
+DEACTIVATE = int(Mode.DEACTIVATE)
+ACTIVATE = int(Mode.ACTIVATE)
+
+_HELD_BACK = (DELAY, BLOCK)
+_COMMANDED = (MOTION, ACTIVATION)

@@ -1,7 +1,7 @@
 """Between which bounds search may choose the values of a fault's parameters.
 
-A bound is what the model says, else a default that the mission gives; the pool's own
-value always lies inside.
+A bound is what the model says, else a default that the mission gives for the parameter's range;
+the pool's own value always lies inside.
 
 References
 ----------
@@ -10,15 +10,13 @@ Source paper, section III-E b), which leaves the bounds open.
 
 import math
 
-from mrsfi_runtime.model.fault_types import Field, Mode, Parameter
+from mrsfi_runtime.model.fault_types import OF_SENSOR, Parameter, Range, Struck
 from mrsfi_runtime.model.faults import Fault
-from mrsfi_runtime.model.mission import Mission, Robot
+from mrsfi_runtime.model.mission import Mission, Robot, Sensor
 from mrsfi_runtime.model.targets import touched
 
 _REACH = 1.5  # mission radii around the centre
 _EXCESS = 10.0  # times nominal
-_PERCENT_MODES = (Mode.INCREMENT_PERCENT, Mode.DECREMENT_PERCENT)
-_TIME_MODES = (Mode.DELAY, Mode.BLOCK)
 
 
 def value_bounds(mission: Mission, fault: Fault) -> tuple[tuple[float, float], ...]:
@@ -47,7 +45,7 @@ def _bounds(
 ) -> tuple[float, float]:
     if not parameter.evolves:
         return value, value
-    lowest, highest = _default_bounds(mission, fault, parameter)
+    lowest, highest = _default_bounds(mission, fault, parameter.range)
     model_lowest, model_highest = fault.bounds.get(parameter.name, (None, None))
     low = min(lowest if model_lowest is None else model_lowest, value)
     high = max(highest if model_highest is None else model_highest, value)
@@ -57,38 +55,57 @@ def _bounds(
     return low, high
 
 
-def _default_bounds(mission: Mission, fault: Fault, parameter: Parameter) -> tuple[float, float]:
-    kind = fault.kind
-    if kind.mode in _TIME_MODES:
-        return 1.0, float(mission.duration)
-    if kind.mode in _PERCENT_MODES:
-        return 0.0, 100.0
-    if kind.affected in (Field.POSITION, Field.OBSTACLE):
-        center, reach = mission.area.center, _REACH * mission.area.radius
-        middle = center.x if parameter.name == "NEW_X" else center.y
-        return middle - reach, middle + reach
-    return 0.0, _largest(mission, fault)
+def _default_bounds(mission: Mission, fault: Fault, of: Range) -> tuple[float, float]:
+    """Return the default bounds of a range, in a mission and for what a fault strikes there."""
+    center, reach, duration = mission.area.center, _REACH * mission.area.radius, mission.duration
+    of_mission = {
+        Range.TICKS: (1.0, float(duration)),
+        Range.COUNT: (0.0, float(duration)),  # one valid sample a tick on average
+        Range.PERCENT: (0.0, 100.0),
+        Range.SHARE: (0.0, 1.0),
+        Range.X: (center.x - reach, center.x + reach),
+        Range.Y: (center.y - reach, center.y + reach),
+        Range.Z: (center.z - reach, center.z + reach),
+    }
+    return of_mission.get(of) or (0.0, _largest(mission, fault, of))
 
 
-def _largest(mission: Mission, fault: Fault) -> float:
+def _largest(mission: Mission, fault: Fault, of: Range) -> float:
     """Return the default upper bound of an energy, speed, rate or cost."""
-    affected = fault.kind.affected
-    if affected in (Field.RATE, Field.COST):
-        sensors = [mission.sensors[index] for _, index in touched(mission, fault)]
-        nominal = (
-            float(sensor.samples_per_second) if affected is Field.RATE else sensor.energy_per_sample
-            for sensor in sensors
-        )
-        return _EXCESS * max(nominal, default=0.0)
-    robot = _sender(mission, fault)
-    if robot is None:
-        return 0.0
-    return robot.total_energy if affected is Field.ENERGY else _EXCESS * robot.speed
+    robots = _robots(mission, fault)
+    if of is Range.ENERGY:
+        return max((robot.total_energy for robot in robots), default=0.0)
+    if of is Range.SPEED:
+        return _EXCESS * max((robot.speed for robot in robots), default=0.0)
+    sensors = _sensors(mission, fault, robots)
+    nominal = (
+        float(sensor.samples_per_second) if of is Range.RATE else sensor.energy_per_sample
+        for sensor in sensors
+    )
+    return _EXCESS * max(nominal, default=0.0)
 
 
-def _sender(mission: Mission, fault: Fault) -> Robot | None:
-    """Return the robot whose message is affected; a server reports nothing of its own."""
-    touched(mission, fault)  # refuses a message that the mission does not have
-    sender = mission.message_goal[fault.target][0].sender
-    index = mission.robot_index.get(sender)
-    return None if index is None else mission.robots[index]
+def _robots(mission: Mission, fault: Fault) -> tuple[Robot, ...]:
+    """Return the robots that a fault strikes: none if a server's message, all if an obstacle."""
+    touched(mission, fault)  # refuses what the mission does not have
+    index: int | None
+    match fault.kind.struck:
+        case Struck.OBSTACLE:
+            return mission.robots
+        case Struck.MESSAGE:
+            index = mission.robot_index.get(mission.message_goal[fault.target][0].sender)
+        case Struck.ROBOT:
+            index = mission.robot_index[fault.target]
+        case Struck.SENSOR:
+            index = mission.sensor_robot[mission.sensor_index[fault.target]]
+    return () if index is None else (mission.robots[index],)
+
+
+def _sensors(mission: Mission, fault: Fault, robots: tuple[Robot, ...]) -> tuple[Sensor, ...]:
+    """Return the sensors that a fault touches, else all of the robots that it strikes."""
+    if fault.kind.struck is Struck.SENSOR:
+        return (mission.sensors[mission.sensor_index[fault.target]],)
+    found = tuple(
+        mission.sensors[index] for field, index in touched(mission, fault) if field in OF_SENSOR
+    )
+    return found or tuple(sensor for robot in robots for sensor in robot.sensors)

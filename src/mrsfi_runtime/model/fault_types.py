@@ -1,7 +1,7 @@
-"""The 30 fault types, as one table: what each touches, how, and with which parameters.
+"""What fault types are made of: a mode, the properties that it touches, and parameters.
 
-A fault type is a *mode* applied to a *property*. Message faults (delay and block) touch
-every property that their message carries; all others touch one kind of property.
+The types themselves are said in ``metamodels/faults.ecore``, whose annotations use the words of
+the enumerations here; a generated fault loader carries those of its pool.
 
 References
 ----------
@@ -10,12 +10,12 @@ Source paper, section III-B b).
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import Enum, IntEnum
 from types import MappingProxyType
 
 
 class Field(IntEnum):
-    """What a fault can touch; with the index of its robot, sensor or obstacle: a target."""
+    """A property that a fault can touch; with the index of its owner: a target."""
 
     POSITION = 0  # believed position of a robot
     SPEED = 1  # believed speed of a robot
@@ -46,6 +46,44 @@ class Mode(IntEnum):
     ACTIVATE = 12
 
 
+class Range(Enum):
+    """What a parameter counts, from which the bounds follow that search keeps to."""
+
+    TICKS = "ticks"
+    PERCENT = "percent"
+    SHARE = "share"
+    SPEED = "speed"
+    ENERGY = "energy"
+    COUNT = "samples"
+    RATE = "samples per tick"
+    COST = "energy per sample"
+    X = "first coordinate"
+    Y = "second coordinate"
+    Z = "height"
+
+
+class Role(Enum):
+    """What a parameter is to the mode of its type."""
+
+    VALUE = "value"
+    LOWEST = "lowest value"
+    HIGHEST = "highest value"
+    TICKS = "ticks"
+    PERCENT = "percentage"
+    X = "x"
+    Y = "y"
+    Z = "z"
+
+
+class Struck(Enum):
+    """The kind of model element that a fault refers to."""
+
+    MESSAGE = "message"
+    ROBOT = "robot"
+    SENSOR = "sensor"
+    OBSTACLE = "obstacle"
+
+
 @dataclass(frozen=True, slots=True)
 class Parameter:
     """A parameter of a fault type, spelled as in the metamodel.
@@ -55,6 +93,7 @@ class Parameter:
     """
 
     name: str
+    range: Range
     evolves: bool = True
     is_integer: bool = False
 
@@ -63,66 +102,83 @@ class Parameter:
 class FaultType:
     """A kind of disturbance.
 
-    ``affected`` is ``None`` for the two message faults, which touch whatever their message
-    carries. ``parameters`` fixes the order of a fault's ``values``.
+    ``properties`` is empty for delays and blocks, which touch whatever their message carries.
+    ``parameters`` fixes the order of a fault's ``values``; it is the order of the roles in
+    which the mode takes them.
     """
 
     name: str
     mode: Mode
-    affected: Field | None
+    struck: Struck
+    properties: tuple[Field, ...] = ()
     parameters: tuple[Parameter, ...] = ()
 
     @property
-    def targets(self) -> str:
-        """Kind of model element that the fault refers to: message, robot, sensor or obstacle."""
-        if self.affected is Field.MOTION:
-            return "robot"
-        if self.affected is Field.ACTIVATION:
-            return "sensor"
-        if self.affected is Field.OBSTACLE:
-            return "obstacle"
-        return "message"
+    def is_place(self) -> bool:
+        """Whether the parameters are coordinates."""
+        ranges = [parameter.range for parameter in self.parameters]
+        return ranges[:2] == [Range.X, Range.Y] and set(ranges[2:]) <= {Range.Z}
 
 
-def _value_types(
-    suffix: str, affected: Field, *, is_integer: bool, by_percentage: bool
-) -> tuple[FaultType, ...]:
-    """Return the five types that falsify one reported value."""
-    random_bounds = tuple(Parameter(name, evolves=False) for name in ("LOWER_BOUND", "UPPER_BOUND"))
-    step = Parameter("PERCENTAGE") if by_percentage else Parameter("VAL", is_integer=True)
-    increment = Mode.INCREMENT_PERCENT if by_percentage else Mode.INCREMENT
-    decrement = Mode.DECREMENT_PERCENT if by_percentage else Mode.DECREMENT
-    return (
-        FaultType(f"Random{suffix}", Mode.RANDOM, affected, random_bounds),
-        FaultType(f"Zero{suffix}", Mode.ZERO, affected),
-        FaultType(
-            f"Fixed{suffix}", Mode.FIXED, affected, (Parameter("FIXED_VAL", is_integer=is_integer),)
-        ),
-        FaultType(f"Increment{suffix}", increment, affected, (step,)),
-        FaultType(f"Decrement{suffix}", decrement, affected, (step,)),
-    )
+@dataclass(frozen=True, slots=True)
+class Roles:
+    """The parameters that a mode takes, in order, the optional ones last."""
+
+    needed: tuple[Role, ...] = ()
+    optional: tuple[Role, ...] = ()
 
 
-_NEW_COORDINATES = (Parameter("NEW_X"), Parameter("NEW_Y"), Parameter("NEW_Z", evolves=False))
+REPORTED = (Field.SPEED, Field.ENERGY, Field.COUNT, Field.RATE, Field.COST)
+"""Properties that are one number, with the range of the same name."""
 
-_ALL = (
-    FaultType("DelayMessage", Mode.DELAY, None, (Parameter("DELAY", is_integer=True),)),
-    FaultType("BlockMessage", Mode.BLOCK, None, (Parameter("BLOCK_DURATION", is_integer=True),)),
-    *_value_types(
-        "RemainingEnergyCapacityReport", Field.ENERGY, is_integer=False, by_percentage=True
-    ),
-    *_value_types("SensorEnergyPerSample", Field.COST, is_integer=False, by_percentage=True),
-    *_value_types("Speed", Field.SPEED, is_integer=True, by_percentage=False),
-    *_value_types("SampleRate", Field.RATE, is_integer=True, by_percentage=False),
-    FaultType("FixedRobotCoordinates", Mode.FIXED, Field.POSITION, _NEW_COORDINATES),
-    FaultType("RandomRobotCoordinates", Mode.RANDOM, Field.POSITION),
-    FaultType("FixedObstacleCoordinates", Mode.FIXED, Field.OBSTACLE, _NEW_COORDINATES),
-    FaultType("RandomObstacleCoordinates", Mode.RANDOM, Field.OBSTACLE),
-    FaultType("StopRobot", Mode.STOP, Field.MOTION),
-    FaultType("StartRobot", Mode.START, Field.MOTION),
-    FaultType("DeactivateSensor", Mode.DEACTIVATE, Field.ACTIVATION),
-    FaultType("ActivateSensor", Mode.ACTIVATE, Field.ACTIVATION),
+PLACES = (Field.POSITION, Field.OBSTACLE)
+"""Properties that are a place."""
+
+_TICKS = Roles((Role.TICKS,))
+_VALUE = Roles((Role.VALUE,))
+_PERCENT = Roles((Role.PERCENT,))
+
+
+def _on(properties: tuple[Field, ...], roles: Roles) -> Mapping[Field | None, Roles]:
+    return dict.fromkeys(properties, roles)
+
+
+ROLES: Mapping[Mode, Mapping[Field | None, Roles]] = MappingProxyType(
+    {
+        Mode.DELAY: {None: _TICKS},
+        Mode.BLOCK: {None: _TICKS},
+        Mode.RANDOM: {**_on(REPORTED, Roles((Role.LOWEST, Role.HIGHEST))), **_on(PLACES, Roles())},
+        Mode.ZERO: _on(REPORTED, Roles()),
+        Mode.FIXED: {**_on(REPORTED, _VALUE), **_on(PLACES, Roles((Role.X, Role.Y), (Role.Z,)))},
+        Mode.INCREMENT: _on(REPORTED, _VALUE),
+        Mode.DECREMENT: _on(REPORTED, _VALUE),
+        Mode.INCREMENT_PERCENT: _on(REPORTED, _PERCENT),
+        Mode.DECREMENT_PERCENT: _on(REPORTED, _PERCENT),
+        Mode.STOP: {Field.MOTION: Roles()},
+        Mode.START: {Field.MOTION: Roles()},
+        Mode.DEACTIVATE: {Field.ACTIVATION: Roles()},
+        Mode.ACTIVATE: {Field.ACTIVATION: Roles()},
+    }
 )
+"""The properties that a mode acts on, and the parameters that it takes there; ``None`` stands
+for whatever a message carries."""
 
-FAULT_TYPES: Mapping[str, FaultType] = MappingProxyType({kind.name: kind for kind in _ALL})
-"""The fault types by name, in the order of the design's table."""
+OF_ROBOT = (Field.POSITION, Field.SPEED, Field.ENERGY)
+"""Properties of a robot that its messages report."""
+
+OF_SENSOR = (Field.COUNT, Field.RATE, Field.COST)
+"""Properties of a sensor that are believed."""
+
+IN_NO_MESSAGE = (Field.RATE, Field.COST)
+"""Properties that are believed to be what the model says; no message carries them."""
+
+WITHIN_REACH: Mapping[Struck, tuple[Field | None, ...]] = MappingProxyType(
+    {
+        Struck.MESSAGE: (None, *OF_ROBOT, *OF_SENSOR),
+        Struck.ROBOT: (*OF_ROBOT, *OF_SENSOR, Field.MOTION),
+        Struck.SENSOR: (*OF_SENSOR, Field.ACTIVATION),
+        Struck.OBSTACLE: (Field.OBSTACLE,),
+    }
+)
+"""The properties that a fault can touch, by what it refers to: those of a message's sender, of a
+robot and its sensors, of a sensor, of an obstacle."""

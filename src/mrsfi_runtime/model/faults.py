@@ -11,45 +11,37 @@ from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.fault_types import FAULT_TYPES, FaultType
+from mrsfi_runtime.model.fault_types import FaultType
+
+OwnValue: TypeAlias = "str | float | Mapping[str, OwnValue] | tuple[OwnValue, ...] | None"
+"""Value of a feature that a team has added to a metamodel; a mapping is a part."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
     """A fault of the pool.
 
-    ``target`` is the ID of a message, robot, sensor or obstacle, as ``kind.targets`` says.
+    ``target`` is the ID of a message, robot, sensor or obstacle, as ``kind.struck`` says.
     ``values`` follow ``kind.parameters``. ``bounds`` holds what the model says about the
     range of an evolving parameter: name to (lowest, highest), ``None`` where it is silent.
-    ``start`` and ``finish`` are set in a written fault specification, not in a pool.
+    ``start`` and ``finish`` are set in a written fault specification, not in a pool. ``own`` holds
+    what a team has added to the class of faults, or to that of their type.
     """
 
     id: str
-    type: str
+    kind: FaultType
     target: str
     values: tuple[float, ...] = ()
     bounds: Mapping[str, tuple[float | None, float | None]] = field(default_factory=dict)
     name: str = ""
     start: int | None = None
     finish: int | None = None
+    own: Mapping[str, OwnValue] = field(default_factory=dict)
 
     @property
-    def kind(self) -> FaultType:
-        """The fault's type.
-
-        Raises
-        ------
-        SpecificationError
-            If the runtime does not know it.
-        """
-        try:
-            return FAULT_TYPES[self.type]
-        except KeyError:
-            message = (
-                f"fault '{self.id}' is of type '{self.type}', of which the runtime knows no "
-                "effect; expected a type of mrsfi_runtime/model/fault_types.py; add it there"
-            )
-            raise SpecificationError(message) from None
+    def type(self) -> str:
+        """Name of the fault's type."""
+        return self.kind.name
 
 
 class TimedFault(NamedTuple):
@@ -70,10 +62,11 @@ Specification: TypeAlias = tuple[TimedFault, ...]
 
 @dataclass(frozen=True)
 class FaultPool:
-    """The faults that could strike a mission, in model order."""
+    """The faults that could strike a mission, in model order; ``own`` as for a fault."""
 
     id: str
     faults: tuple[Fault, ...]
+    own: Mapping[str, OwnValue] = field(default_factory=dict)
 
     @cached_property
     def by_id(self) -> dict[str, Fault]:

@@ -9,22 +9,25 @@ Source paper, sections III-C b), III-E b) and c). The paper says *same message* 
 place and *same class* in another; this key serves the purpose it states.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.fault_types import Field
+from mrsfi_runtime.model.fault_types import (
+    IN_NO_MESSAGE,
+    OF_ROBOT,
+    OF_SENSOR,
+    Field,
+    Struck,
+)
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.mission import Message, Mission
 
 Target: TypeAlias = tuple[Field, int]
 """A property and the index of the robot, sensor or obstacle that has it."""
 
-_ROBOT_FIELDS = {
-    "POSITION": Field.POSITION,
-    "SPEED": Field.SPEED,
-    "ENERGY": Field.ENERGY,
-}
+_BY_NAME = {affected.name: affected for affected in OF_ROBOT}
+"""What the entries of a message's body stand for; all others are types of sensors."""
 
 
 def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
@@ -44,19 +47,32 @@ def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
 def _found(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     kind = fault.kind
     try:
-        if kind.affected is Field.OBSTACLE:
-            return ((Field.OBSTACLE, mission.obstacle_index[fault.target]),)
-        if kind.affected is Field.MOTION:
-            return ((Field.MOTION, mission.robot_index[fault.target]),)
-        if kind.affected is Field.ACTIVATION:
-            return ((Field.ACTIVATION, mission.sensor_index[fault.target]),)
-        return _touched_by_message(mission, fault)
+        match kind.struck:
+            case Struck.MESSAGE:
+                return _touched_by_message(mission, fault)
+            case Struck.ROBOT:
+                return tuple(_of_robot(mission, mission.robot_index[fault.target], kind.properties))
+            case Struck.SENSOR:
+                index = mission.sensor_index[fault.target]
+            case Struck.OBSTACLE:
+                index = mission.obstacle_index[fault.target]
+        return tuple((affected, index) for affected in kind.properties)
     except KeyError as error:
         message = (
             f"fault '{fault.id}' ({fault.type}) refers to {error.args[0]!r}; "
-            f"mission '{mission.name}' has no such {kind.targets}"
+            f"mission '{mission.name}' has no such {kind.struck.value}"
         )
         raise SpecificationError(message) from None
+
+
+def _of_robot(mission: Mission, robot: int, properties: Iterable[Field]) -> Iterator[Target]:
+    """Yield properties of a robot, and of all its sensors."""
+    sensors = [mission.sensor_index[sensor.id] for sensor in mission.robots[robot].sensors]
+    for affected in properties:
+        if affected in OF_SENSOR:
+            yield from ((affected, index) for index in sensors)
+        else:
+            yield affected, robot
 
 
 def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
@@ -64,26 +80,31 @@ def _touched_by_message(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     if message.sender not in mission.robot_index:  # a server reports nothing of its own
         return ()
     robot = mission.robot_index[message.sender]
-    sensors = {
-        sensor.id: mission.sensor_index[sensor.id] for sensor in mission.robots[robot].sensors
-    }
-    affected = fault.kind.affected
-    if affected in (Field.RATE, Field.COST):
-        counted = goal.terms.sensor
-        if counted in sensors:
-            return ((affected, sensors[counted]),)
-        return tuple((affected, index) for index in sensors.values())
-    carried: list[Target] = []
+    wanted = fault.kind.properties
+    carried = tuple(_carried(mission, robot, message))
+    sensors = [sensor.id for sensor in mission.robots[robot].sensors]
+    if goal.terms.sensor in sensors:
+        sensors = [goal.terms.sensor]
+    return (
+        *(target for target in carried if not wanted or target[0] in wanted),
+        *(
+            (affected, mission.sensor_index[sensor])
+            for affected in wanted
+            if affected in IN_NO_MESSAGE
+            for sensor in sensors
+        ),
+    )
+
+
+def _carried(mission: Mission, robot: int, message: Message) -> Iterator[Target]:
+    """Yield what a message of a robot carries, in the order of its body."""
     for entry in message.body:
-        if entry.name in _ROBOT_FIELDS:
-            carried.append((_ROBOT_FIELDS[entry.name], robot))
+        if entry.name in _BY_NAME:
+            yield _BY_NAME[entry.name], robot
         else:
-            carried.extend(
-                (Field.COUNT, sensors[sensor.id])
-                for sensor in mission.robots[robot].sensors
-                if sensor.type == entry.name
-            )
-    return tuple(target for target in carried if affected is None or target[0] is affected)
+            for sensor in mission.robots[robot].sensors:
+                if sensor.type == entry.name:
+                    yield Field.COUNT, mission.sensor_index[sensor.id]
 
 
 def conflicts(mission: Mission, pool: FaultPool) -> Mapping[str, frozenset[str]]:

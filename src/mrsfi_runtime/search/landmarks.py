@@ -9,17 +9,10 @@ from collections.abc import Iterable, Iterator
 
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.model.bounds import value_bounds
-from mrsfi_runtime.model.fault_types import Field, Mode
 from mrsfi_runtime.model.faults import Fault
 from mrsfi_runtime.model.mission import Coordinates, Mission
 
-_PLACES = (Field.POSITION, Field.OBSTACLE)
 _OUTSIDE = 1.2  # mission radii: surely outside, within the default bounds
-
-
-def is_place(fault: Fault) -> bool:
-    """Return whether the values of a fault are coordinates."""
-    return fault.kind.mode is Mode.FIXED and fault.kind.affected in _PLACES
 
 
 def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
@@ -31,7 +24,7 @@ def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
         Shape ``(n_landmarks, n_parameters)``, all within ``value_bounds``.
     """
     bounds = value_bounds(mission, fault)
-    found = _places(mission, fault) if is_place(fault) else _ends(fault, bounds)
+    found = _places(mission, fault) if fault.kind.is_place else _ends(fault, bounds)
     return tuple(
         dict.fromkeys(
             values

@@ -17,7 +17,7 @@ from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import conflicts
-from mrsfi_runtime.search.landmarks import is_place, landmarks
+from mrsfi_runtime.search.landmarks import landmarks
 
 Window: TypeAlias = tuple[int, int]
 """First and last tick, both included."""
@@ -83,7 +83,7 @@ class SearchSpace:
                 is_integer=tuple(parameter.is_integer for parameter in fault.kind.parameters),
                 conflicts=excluded[fault.id],
                 landmarks=landmarks(mission, fault),
-                is_place=is_place(fault),
+                is_place=fault.kind.is_place,
             )
             for index, fault in enumerate(pool)
         }

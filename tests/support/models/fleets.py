@@ -6,9 +6,9 @@ from random import Random
 
 from m2t.generate import generate
 from mrsfi_runtime.mission import MissionCode, load_code
-from mrsfi_runtime.model.fault_types import FAULT_TYPES
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission
+from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.generation import write_mission
 
 _ROBOT = """  <robots ID="r{n}" name="r{n}" speed="{speed}">
@@ -94,11 +94,11 @@ def pool_of_all_types(mission: Mission, rng: Random) -> FaultPool:
         tuple(
             Fault(
                 f"f{n}",
-                name,
-                rng.choice(targets[kind.targets]),
+                kind,
+                rng.choice(targets[kind.struck.value]),
                 tuple(sorted(float(rng.randint(1, 60)) for _ in kind.parameters)),
             )
-            for n, (name, kind) in enumerate(FAULT_TYPES.items())
+            for n, kind in enumerate(FAULT_TYPES.values())
         ),
     )
 

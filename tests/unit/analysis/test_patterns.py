@@ -2,14 +2,15 @@ import pytest
 
 from mrsfi_runtime.analysis.patterns import find_patterns
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
+from tests.support.fault_types import FAULT_TYPES
 
 POOL = FaultPool(
     "fs",
     (
-        Fault("f1", "ZeroSpeed", "m1"),
-        Fault("f2", "StopRobot", "r1"),
-        Fault("f3", "ZeroSpeed", "m2"),
-        Fault("f4", "StartRobot", "r1"),
+        Fault("f1", FAULT_TYPES["ZeroSpeed"], "m1"),
+        Fault("f2", FAULT_TYPES["StopRobot"], "r1"),
+        Fault("f3", FAULT_TYPES["ZeroSpeed"], "m2"),
+        Fault("f4", FAULT_TYPES["StartRobot"], "r1"),
     ),
 )
 

@@ -6,6 +6,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from mrsfi_runtime.model.targets import conflicts, require_no_overlap, touched
+from tests.support.fault_types import FAULT_TYPES
 from tests.support.world import paper_code
 
 CODE = paper_code()
@@ -14,7 +15,7 @@ CODE = paper_code()
 def test_delay_and_block_touch_every_field_of_their_message():
     robot = CODE.mission.robot_index["r3"]
 
-    targets = touched(CODE.mission, Fault("late", "DelayMessage", "m8", (5.0,)))
+    targets = touched(CODE.mission, Fault("late", FAULT_TYPES["DelayMessage"], "m8", (5.0,)))
 
     assert targets == (
         (Field.POSITION, robot),
@@ -24,7 +25,7 @@ def test_delay_and_block_touch_every_field_of_their_message():
 
 
 def test_a_sensor_type_in_a_body_means_the_senders_count():
-    targets = touched(CODE.mission, Fault("late", "BlockMessage", "m10", (5.0,)))
+    targets = touched(CODE.mission, Fault("late", FAULT_TYPES["BlockMessage"], "m10", (5.0,)))
 
     assert targets == ((Field.COUNT, CODE.mission.sensor_index["s4"]),)
 
@@ -50,7 +51,7 @@ def test_conflicts_are_mutual_and_follow_the_property_not_the_message():
 )
 def test_a_target_that_the_mission_lacks_is_refused_by_name(type_name, target):
     with pytest.raises(SpecificationError, match=f"'odd' .{type_name}. refers to '{target}'"):
-        touched(CODE.mission, Fault("odd", type_name, target))
+        touched(CODE.mission, Fault("odd", FAULT_TYPES[type_name], target))
 
 
 @pytest.mark.parametrize(
@@ -81,7 +82,7 @@ def test_a_pool_without_windows_is_no_written_specification():
 
 
 def test_a_written_specification_has_its_own_windows_and_values():
-    fault = Fault("f4.1", "FixedSpeed", "m7", (3.0,), start=5, finish=7)
+    fault = Fault("f4.1", FAULT_TYPES["FixedSpeed"], "m7", (3.0,), start=5, finish=7)
 
     assert FaultPool("found", (fault,)).written_specification() == (
         TimedFault("f4.1", 5, 7, (3.0,)),

@@ -6,6 +6,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import Fault
 from mrsfi_runtime.model.mission import Area, Coordinates, Message, MessageField
+from tests.support.fault_types import FAULT_TYPES
 from tests.support.search import PAPER_FAULTS, paper_mission
 
 REACH = (-3000.0, 3000.0)
@@ -86,7 +87,7 @@ def test_rates_and_costs_follow_the_largest_of_the_touched_sensors() -> None:
     mission = replace(
         mission, robots=(mission.robots[0], replace(robot, sensors=sensors), mission.robots[2])
     )
-    fault = Fault("x", "FixedSampleRate", "m7", (1.0,))
+    fault = Fault("x", FAULT_TYPES["FixedSampleRate"], "m7", (1.0,))
 
     assert value_bounds(mission, fault) == ((0.0, 90.0),)
 
@@ -97,10 +98,14 @@ def test_a_fault_in_a_servers_message_has_nothing_nominal_to_exceed() -> None:
     goal = replace(mission.goals[0], messages=(message,))
     mission = replace(mission, goals=(goal, *mission.goals[1:]))
 
-    assert value_bounds(mission, Fault("x", "FixedSpeed", "m99", (3.0,))) == ((0.0, 3.0),)
-    assert value_bounds(mission, Fault("x", "FixedSampleRate", "m99", (3.0,))) == ((0.0, 3.0),)
+    assert value_bounds(mission, Fault("x", FAULT_TYPES["FixedSpeed"], "m99", (3.0,))) == (
+        (0.0, 3.0),
+    )
+    assert value_bounds(mission, Fault("x", FAULT_TYPES["FixedSampleRate"], "m99", (3.0,))) == (
+        (0.0, 3.0),
+    )
 
 
 def test_an_unknown_message_is_refused() -> None:
     with pytest.raises(SpecificationError, match="refers to 'm77'"):
-        value_bounds(paper_mission(), Fault("x", "FixedSpeed", "m77", (3.0,)))
+        value_bounds(paper_mission(), Fault("x", FAULT_TYPES["FixedSpeed"], "m77", (3.0,)))
