@@ -371,17 +371,14 @@ class MetamodelCheck:
             pending += parents
         return found
 
-    def _lineage(self, node: Node) -> dict[Node, None]:
+    def _lineage(self, node: Node, found: dict[Node, None] | None = None) -> dict[Node, None]:
         """Return a class after all that it inherits from, none of it circular."""
-        found: dict[Node, None] = {}
-        self._collect(node, found)
-        return found
-
-    def _collect(self, node: Node, found: dict[Node, None]) -> None:
+        found = {} if found is None else found
         for parent in self._parents(node):
             if parent not in found:
-                self._collect(parent, found)
+                self._lineage(parent, found)
         found[node] = None
+        return found
 
 
 def _features(lineage: Mapping[Node, None]) -> Iterator[Node]:
@@ -392,4 +389,4 @@ def _features(lineage: Mapping[Node, None]) -> Iterator[Node]:
 
 def _named(node: Node, tag: str) -> list[Node]:
     """Return the children with a tag that have a name."""
-    return [child for child in node.children if child.tag == tag and "name" in child.attributes]
+    return [child for child in node.tagged(tag) if "name" in child.attributes]

@@ -190,6 +190,11 @@ class Slot:
     is_id: bool
     counts_ticks: bool
 
+    @property
+    def holds_elements(self) -> bool:
+        """Whether its values are elements, contained or referred to."""
+        return self.is_contained or self.is_reference
+
 
 @cache
 def slots(metaclass: Any) -> Mapping[str, Slot]:

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from urllib.parse import unquote
 
 from m2t.check.split_models import find_part
-from m2t.diagnostics import Report, shown
+from m2t.diagnostics import Defect, Report, shown
 from m2t.metamodels import Slot, concrete_classes, lineage, load_metamodels, slots
 from m2t.namespaces import XSI
 from m2t.read.addresses import local_path
@@ -136,11 +136,10 @@ def _insert_parts(node: Node, metaclass: Any, files: ModelFiles) -> None:
             continue
         inserted, kind = child, slot.type
         if "href" in child.attributes:
-            part = find_part(child, kind, metaclass.ePackage, files, Report())
-            if part is None:
+            try:
+                inserted, kind = find_part(child, kind, metaclass.ePackage, files)
+            except Defect:
                 continue
-            inserted, kind = part
-            inserted.tag, inserted.parent = child.tag, node
             inserted.qualified[XSI, "type"] = kind.name
             node.children[position] = inserted
         _insert_parts(inserted, kind, files)

@@ -80,7 +80,7 @@ class _Copying:
                     copy.eSet(slot.name, held if slot.many else next(iter(held), None))
 
     def _value(self, slot: Slot, value: Any) -> Any:
-        if slot.is_contained or slot.is_reference:
+        if slot.holds_elements:
             return self.copies[value]
         if isinstance(slot.type, EEnum):
             return self._classifier(slot.type).getEEnumLiteral(value.name)

@@ -2,18 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 from m2t.check.structure import ModelTree, ReadModel, Reference
-from m2t.diagnostics import Report, shown
+from m2t.diagnostics import Defect, Report, shown
 from m2t.metamodels import conforms
 from m2t.read.addresses import local_path, resolved_path
 from m2t.read.model_files import ModelFile
 from m2t.read.nodes import Node
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def referred_files(tree: ModelTree) -> Iterator[tuple[Reference, str]]:
@@ -71,8 +69,7 @@ class _Resolver:
                 f"has {len(reference.targets)} {slot.name}; expected one; delete the others",
             )
             return
-        elements = (self._element(reference, target) for target in reference.targets)
-        found = tuple(element for element in elements if element is not None)
+        found = tuple(self._elements(reference))
         known = self._named.setdefault((reference.source, slot.name), set())
         for element in found:
             if element in known and slot.many:
@@ -84,67 +81,58 @@ class _Resolver:
             known.add(element)
         self._tree.resolved.append((reference, found))
 
-    def _element(self, reference: Reference, target: str) -> Node | None:
-        """Return the element that a target means, if it exists and is of the right class."""
-        address = _address(target)
-        is_known, place = self._place(reference, address)
-        if not is_known:
-            own = self._mission is None
-            wanted = "an element of this file" if own else f"{self._mission_name()}#ID"
-            self._report.add(
-                reference.node,
-                "LocalReference",
-                f"refers to {shown(target)} as {reference.slot.name}; expected {wanted}, or "
-                "one of a file that is part of the mission; correct the reference",
-            )
-        if place is None:
-            return None
+    def _elements(self, reference: Reference) -> Iterator[Node]:
+        """Yield the elements that the targets mean, if they exist and are of the right class."""
+        for target in reference.targets:
+            try:
+                place = self._place(reference, target)
+                if place is not None:
+                    yield self._element(reference, target, place)
+            except Defect as defect:
+                self._report.add(reference.node, defect.constraint, defect.finding)
+
+    def _element(self, reference: Reference, target: str, place: _Place) -> Node:
         element = find(place.file, unquote(target.rpartition("#")[2]))
-        wanted_class = reference.slot.type
-        if element is None or not conforms(element.metaclass, wanted_class):
-            self._report_element(reference, target, element, self._known(place.tree, wanted_class))
-            return None
-        return element
-
-    def _report_element(
-        self, reference: Reference, target: str, element: Node | None, known: str
-    ) -> None:
+        wanted = reference.slot.type
+        if element is not None and conforms(element.metaclass, wanted):
+            return element
+        expected = f"a {wanted.name}{self._known(place.tree, wanted)}; correct the reference"
         what = f"refers to {shown(target)} as {reference.slot.name}, which"
-        wanted = reference.slot.type.name
         if element is None:
-            self._report.add(
-                reference.node,
-                "ResolvedReference",
-                f"{what} does not exist; expected the ID of a {wanted}{known}; "
-                "correct the reference",
-            )
-        else:
-            self._report.add(
-                reference.node,
-                "ReferenceType",
-                f"{what} is a {element.metaclass.name}; expected a {wanted}{known}; "
-                "correct the reference",
-            )
+            finding = f"{what} does not exist; expected the ID of {expected}"
+            raise Defect("ResolvedReference", finding)
+        finding = f"{what} is a {element.metaclass.name}; expected {expected}"
+        raise Defect("ReferenceType", finding)
 
-    def _place(self, reference: Reference, address: str) -> tuple[bool, _Place | None]:
-        """Return whether a file may be referred to, and where it is if it can be used."""
-        files = self._tree.files
-        here = files.containing(reference.node)
+    def _place(self, reference: Reference, target: str) -> _Place | None:
+        """Return where a target is looked for; ``None`` if that is a mission that is broken."""
+        here = self._tree.files.containing(reference.node)
+        address = _address(target)
         if not address:
-            return True, _Place(here, self._tree)
-        key = (reference.node.path, address)
+            return _Place(here, self._tree)
+        path = self._path(here, address)
+        tree = self._tree if self._mission is None else self._mission.tree
+        file = None if path is None else self._tree.files.at_resolved(path)
+        if file is not None and tree is not None:
+            return _Place(file, tree)
+        is_mission = self._mission is not None and path == resolved_path(self._mission.path)
+        if tree is None and is_mission:  # its own defects are reported already
+            return None
+        mission = self._mission
+        own = "an element of this file" if mission is None else f"{mission.path.name}#ID"
+        finding = (
+            f"refers to {shown(target)} as {reference.slot.name}; expected {own}, or one of a file "
+            "that is part of the mission; correct the reference"
+        )
+        raise Defect("LocalReference", finding)
+
+    def _path(self, here: ModelFile, address: str) -> Path | None:
+        """Return the path without links that an address means; kept for reuse."""
+        key = (here.path, address)
         if key not in self._files:
             path = local_path(here.path.parent, address)
             self._files[key] = None if path is None else resolved_path(path)
-        path = self._files[key]
-        if path is None:
-            return False, None
-        if self._mission is not None and self._mission.tree is None:
-            # its own defects are reported already
-            return path == resolved_path(self._mission.path), None
-        file = files.at_resolved(path)
-        tree = self._tree if self._mission is None else self._mission.tree
-        return (False, None) if file is None or tree is None else (True, _Place(file, tree))
+        return self._files[key]
 
     def _known(self, tree: ModelTree, wanted: Any) -> str:
         """Return the IDs that would fit, for the message; a tree is complete by now."""
@@ -152,9 +140,6 @@ class _Resolver:
         if key not in self._listed:
             self._listed[key] = _known(tree, wanted)
         return self._listed[key]
-
-    def _mission_name(self) -> str:
-        return "mission.xmi" if self._mission is None else self._mission.path.name
 
 
 def find(file: ModelFile, fragment: str) -> Node | None:

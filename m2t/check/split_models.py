@@ -7,16 +7,14 @@ from collections.abc import Mapping
 from typing import Any
 from urllib.parse import unquote
 
-from m2t.diagnostics import Report, shown
+from m2t.diagnostics import Defect, shown
 from m2t.metamodels import concrete_classes
 from m2t.read.addresses import contained_path
 from m2t.read.model_files import ModelFile, ModelFiles
 from m2t.read.nodes import Node
 
 
-def find_part(
-    child: Node, declared: Any, package: Any, files: ModelFiles, report: Report
-) -> tuple[Node, Any] | None:
+def find_part(child: Node, declared: Any, package: Any, files: ModelFiles) -> tuple[Node, Any]:
     """Return the root of another file that an element with an href stands for.
 
     Parameters
@@ -29,23 +27,23 @@ def find_part(
         The metamodel.
     files
         All files read so far; takes the file of the part.
-    report
-        Takes the diagnostics.
 
     Returns
     -------
-    tuple of Node and metaclass, or None
-        The root, which nothing else contains, and its class; ``None`` after a report.
+    tuple of Node and metaclass
+        The root, which takes the element's tag and parent, and its class.
+
+    Raises
+    ------
+    Defect
+        If the element stands for no such root, or for one that something else contains.
     """
     if set(child.attributes) != {"href"} or child.children or child.text.strip():
         finding = f"has an href and more; expected <{child.tag[:60]} href=...> alone; correct it"
-        report.add(child, "ContainedElement", finding)
-        return None
+        raise Defect("ContainedElement", finding)
     target = child.attributes["href"]
     address, _, fragment = target.rpartition("#")
-    file = _file(child, address, files, report)
-    if file is None:
-        return None
+    file = _file(child, address, files)
     root = file.root(unquote(fragment))
     if root is None or root in file.claimed:
         found = "is no root of that file" if root is None else "is contained already"
@@ -53,11 +51,11 @@ def find_part(
             f"stands for {shown(target)}, which {found}; expected a root of "
             f"{file.path.name} that stands nowhere else; correct the href"
         )
-        report.add(child, "ContainedElement", finding)
-        return None
+        raise Defect("ContainedElement", finding)
     file.claimed.add(root)
-    metaclass = _metaclass(child, root, declared, package, report)
-    return None if metaclass is None else (root, metaclass)
+    metaclass = _metaclass(child, root, declared, package)
+    root.tag, root.namespace, root.parent = child.tag, "", child.parent
+    return root, metaclass
 
 
 def named_class(package: Any, kinds: Mapping[str, Any], node: Node) -> Any:
@@ -67,7 +65,7 @@ def named_class(package: Any, kinds: Mapping[str, Any], node: Node) -> Any:
     return kinds.get(name) if is_ours else None
 
 
-def _file(child: Node, address: str, files: ModelFiles, report: Report) -> ModelFile | None:
+def _file(child: Node, address: str, files: ModelFiles) -> ModelFile:
     """Return the file of a part; refuse one outside the project, and circles of files."""
     what = f"stands for {shown(child.attributes['href'])}"
     here = files.containing(child)
@@ -78,8 +76,7 @@ def _file(child: Node, address: str, files: ModelFiles, report: Report) -> Model
             f"{what}; expected the root of another file, by a relative address inside the "
             "mission's project; move that file there, or the element here"
         )
-        report.add(child, "LocalReference" if address else "ContainedElement", finding)
-        return None
+        raise Defect("LocalReference" if address else "ContainedElement", finding)
     owners = (*here.owners, here)
     known = files.at(path)
     if known is not None and known in owners:
@@ -88,16 +85,15 @@ def _file(child: Node, address: str, files: ModelFiles, report: Report) -> Model
             f"{what}, which closes a circle of files ({circle}); expected files that lead "
             "downwards only; move the element into place"
         )
-        report.add(child, "ContainedElement", finding)
-        return None
+        raise Defect("ContainedElement", finding)
     file = files.read(path, owners)
     if file is None:  # what is wrong with it is reported there
-        report.add(child, "ContainedElement", f"{what}, a file that cannot be used; correct it")
+        raise Defect("ContainedElement", f"{what}, a file that cannot be used; correct it")
     return file
 
 
-def _metaclass(child: Node, root: Node, declared: Any, package: Any, report: Report) -> Any:
-    """Return the class of a part if the feature may hold it; ``None`` after a report."""
+def _metaclass(child: Node, root: Node, declared: Any, package: Any) -> Any:
+    """Return the class of a part; refuse one that the feature may not hold."""
     kinds = concrete_classes(package, declared)
     found = kinds.get(root.tag) if root.namespace == package.nsURI else None
     if found is not None and (
@@ -109,5 +105,4 @@ def _metaclass(child: Node, root: Node, declared: Any, package: Any, report: Rep
         f"stands for {shown(child.attributes['href'])}, which is a {root.tag[:60]}; expected "
         f"one of {expected}, the same as xsi:type if that is given; correct the href"
     )
-    report.add(child, "ConcreteType", finding)
-    return None
+    raise Defect("ConcreteType", finding)

@@ -249,18 +249,16 @@ class _Checker:
         return child
 
     def _contain(self, slot: Slot, child: Node) -> Node:
-        if "href" in child.attributes:
-            found = find_part(child, slot.type, self._package, self.tree.files, self._report)
-            if found is None:
-                return child
-            part, metaclass = found
-            part.tag, part.namespace, part.parent = child.tag, "", child.parent
-            self.element(part, metaclass)
-            return part
-        metaclass = self._concrete_type(slot.type, child)
-        if metaclass is not None:
-            self.element(child, metaclass)
-        return child
+        try:
+            if "href" in child.attributes:
+                node, kind = find_part(child, slot.type, self._package, self.tree.files)
+            else:
+                node, kind = child, self._concrete_type(slot.type, child)
+        except Defect as defect:
+            self._report.add(child, defect.constraint, defect.finding)
+            return child
+        self.element(node, kind)
+        return node
 
     def _refer(self, source: Node, slot: Slot, child: Node) -> None:
         target = child.attributes.get("href")
@@ -274,19 +272,17 @@ class _Checker:
         self.tree.references.append(Reference(source, slot, child, (target,)))
 
     def _concrete_type(self, declared: Any, child: Node) -> Any:
-        """Return the class of a contained element; ``None`` after a report."""
-        kinds = concrete_classes(self._package, declared)
+        """Return the class of a contained element; refuse one that the feature may not hold."""
         if child.xsi_type is None and not declared.abstract:
             return declared
+        kinds = concrete_classes(self._package, declared)
         metaclass = named_class(self._package, kinds, child)
-        if metaclass is not None:
-            return metaclass
-        found = "no xsi:type" if child.xsi_type is None else f"xsi:type {shown(child.xsi_type)}"
-        expected = ", ".join(f"{self._package.nsPrefix}:{name}" for name in kinds)
-        self._report.add(
-            child, "ConcreteType", f"has {found}; expected one of {expected}; choose one"
-        )
-        return None
+        if metaclass is None:
+            found = "no xsi:type" if child.xsi_type is None else f"xsi:type {shown(child.xsi_type)}"
+            expected = ", ".join(f"{self._package.nsPrefix}:{name}" for name in kinds)
+            finding = f"has {found}; expected one of {expected}; choose one"
+            raise Defect("ConcreteType", finding)
+        return metaclass
 
     def _unknown(self, node: Node, finding: str, element: _Element, what: str) -> None:
         """Report a feature that the element's class does not have, and name those it has."""

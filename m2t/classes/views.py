@@ -20,7 +20,7 @@ from m2t.classes.names import (
     reserved,
 )
 from m2t.environment import literal
-from m2t.metamodels import features, is_contained, is_reference, lineage, reference_type
+from m2t.metamodels import Slot, lineage, slots
 from mrsfi_runtime.errors import ModelError
 
 _GENMODEL = "http://www.eclipse.org/emf/2002/GenModel"
@@ -188,7 +188,7 @@ def _other_packages(package: Any, metaclasses: Iterable[Any]) -> Imports:
     own = {entry.name for entry in package.eClassifiers}
     names: dict[str, set[str]] = {}
     for metaclass in metaclasses:
-        types = (_resolved_type(feature) for feature in features(metaclass))
+        types = (slot.type for slot in slots(metaclass).values())
         for known in (*lineage(metaclass), *types):
             if known.ePackage is package or known.ePackage.name == "ecore":
                 continue
@@ -198,22 +198,23 @@ def _other_packages(package: Any, metaclasses: Iterable[Any]) -> Imports:
     return tuple((module, tuple(sorted(names[module]))) for module in sorted(names))
 
 
-def _resolved_type(feature: Any) -> Any:
-    return feature.eType if _is_attribute(feature) else reference_type(feature)
-
-
 def _class(metaclass: Any) -> ClassView:
     parents = tuple(global_name(parent) for parent in _supertypes(metaclass))
-    parameters = tuple(_feature(feature) for feature in features(metaclass))
+    parameters = tuple(map(_feature, slots(metaclass).values()))
     require_feature_names(metaclass, [view.name for view in parameters])
     return ClassView(
         *_annotated(metaclass),
         is_abstract=bool(metaclass.abstract),
         bases=parents or ("Element", "ecore.EObject", "metaclass=ecore.MetaEClass"),
         stub_bases=parents or ("Element",),
-        features=tuple(_feature(feature) for feature in metaclass.eStructuralFeatures),
+        features=tuple(map(_feature, _own(metaclass))),
         parameters=parameters,
     )
+
+
+def _own(metaclass: Any) -> Iterator[Slot]:
+    """Yield the features that a class declares itself."""
+    return (slots(metaclass)[feature.name] for feature in metaclass.eStructuralFeatures)
 
 
 def _supertypes(metaclass: Any) -> tuple[Any, ...]:
@@ -229,91 +230,87 @@ def _enumeration(enumeration: Any) -> EnumerationView:
     return EnumerationView(*_annotated(enumeration), literals=literals)
 
 
-def _feature(feature: Any) -> FeatureView:
-    name, documentation, annotations = _annotated(feature)
-    kind, python_type = _type(feature)
+def _feature(slot: Slot) -> FeatureView:
+    name, documentation, annotations = _annotated(slot.feature)
+    kind, python_type = _type(slot)
     return FeatureView(
         python_name(name),
         documentation,
         annotations,
         kind=kind,
-        arguments=tuple(_arguments(feature)),
-        type=_value_type(feature, python_type),
-        parameter=f"Iterable[{python_type}] = ..."
-        if feature.many
-        else f"{python_type} | None = ...",
+        arguments=tuple(_arguments(slot)),
+        type=_value_type(slot, python_type),
+        parameter=f"Iterable[{python_type}] = ..." if slot.many else f"{python_type} | None = ...",
     )
 
 
-def _type(feature: Any) -> tuple[str, str]:
+def _type(slot: Slot) -> tuple[str, str]:
     """Return the kind of a feature and the Python type of one value."""
-    if not _is_attribute(feature):
-        return "EReference", global_name(reference_type(feature))
-    if isinstance(feature.eType, EEnum):
-        return "EAttribute", global_name(feature.eType)
-    if feature.eType.name not in _PYTHON_TYPES:
+    if slot.holds_elements:
+        return "EReference", global_name(slot.type)
+    if isinstance(slot.type, EEnum):
+        return "EAttribute", global_name(slot.type)
+    if slot.type.name not in _PYTHON_TYPES:
         raise ModelError(
-            f"attribute '{feature.name}' has type {feature.eType.name}; static classes know "
+            f"attribute '{slot.name}' has type {slot.type.name}; static classes know "
             f"{', '.join(_PYTHON_TYPES)} and enumerations; use one of these"
         )
-    return "EAttribute", _PYTHON_TYPES[feature.eType.name]
+    return "EAttribute", _PYTHON_TYPES[slot.type.name]
 
 
-def _value_type(feature: Any, python_type: str) -> str:
+def _value_type(slot: Slot, python_type: str) -> str:
     """Return the type of a feature in a valid model: only what is optional may be ``None``."""
-    if feature.many:
+    if slot.many:
         return f"EList[{python_type}]"
     is_number = python_type in {"int", "float", "bool"}
-    is_never_none = is_number or feature.lowerBound > 0 or feature.defaultValueLiteral is not None
+    is_never_none = (
+        is_number or slot.lower_bound > 0 or slot.feature.defaultValueLiteral is not None
+    )
     return python_type if is_never_none else f"{python_type} | None"
 
 
-def _arguments(feature: Any) -> Iterator[str]:
+def _arguments(slot: Slot) -> Iterator[str]:
     """Yield what distinguishes a feature from one with all defaults."""
-    if python_name(feature.name) != feature.name:
-        yield f'name="{feature.name}"'
-    if _is_attribute(feature):
-        known = _PYTHON_TYPES.get(feature.eType.name)
-        yield f"eType={'ecore.' if known else ''}{feature.eType.name}"
-    yield from _bounds(feature)
+    if python_name(slot.name) != slot.name:
+        yield f'name="{slot.name}"'
+    if not slot.holds_elements:
+        known = _PYTHON_TYPES.get(slot.type.name)
+        yield f"eType={'ecore.' if known else ''}{slot.type.name}"
+    yield from _bounds(slot)
     for flag, usual in _FLAGS.items():
-        value = bool(getattr(feature, flag, usual))
+        value = bool(getattr(slot.feature, flag, usual))
         if value is not usual:
             yield f"{flag}={value}"
-    if _is_attribute(feature) and feature.defaultValueLiteral is not None:
-        yield f"defaultValueLiteral={literal(str(feature.defaultValueLiteral))}"
+    if not slot.holds_elements and slot.feature.defaultValueLiteral is not None:
+        yield f"defaultValueLiteral={literal(str(slot.feature.defaultValueLiteral))}"
 
 
-def _bounds(feature: Any) -> Iterator[str]:
-    if feature.lowerBound != 0:
-        yield f"lower={int(feature.lowerBound)}"
-    if feature.upperBound != 1:
-        yield f"upper={int(feature.upperBound)}"
-    if feature.many and feature.unique:
+def _bounds(slot: Slot) -> Iterator[str]:
+    if slot.lower_bound != 0:
+        yield f"lower={slot.lower_bound}"
+    if slot.feature.upperBound != 1:
+        yield f"upper={int(slot.feature.upperBound)}"
+    if slot.many and slot.feature.unique:
         yield "derived_class=Values"
 
 
 def _links(metaclasses: Iterable[Any]) -> Iterator[str]:
     """Yield the statements that give references their types and opposites."""
     for metaclass in metaclasses:
-        for feature in metaclass.eStructuralFeatures:
-            if _is_attribute(feature):
+        for slot in _own(metaclass):
+            if not slot.holds_elements:
                 continue
-            here = f"{metaclass.name}.{python_name(feature.name)}"
-            yield f"{here}.eType = {reference_type(feature).name}.eClass"
-            if feature.eOpposite is not None:
-                there = feature.eOpposite
+            here = f"{metaclass.name}.{python_name(slot.name)}"
+            yield f"{here}.eType = {slot.type.name}.eClass"
+            if slot.feature.eOpposite is not None:
+                there = slot.feature.eOpposite
                 owner = there.eContainingClass.name
                 yield f"{here}.eOpposite = {owner}.{python_name(there.name)}"
     for metaclass in metaclasses:
-        for feature in metaclass.eStructuralFeatures:
-            if python_name(feature.name) != feature.name:
-                alias = f"{metaclass.name}.{python_name(feature.name)}"
-                yield f'setattr({metaclass.name}, "{feature.name}", {alias})'
-
-
-def _is_attribute(feature: Any) -> bool:
-    return not is_contained(feature) and not is_reference(feature)
+        for slot in _own(metaclass):
+            if python_name(slot.name) != slot.name:
+                alias = f"{metaclass.name}.{python_name(slot.name)}"
+                yield f'setattr({metaclass.name}, "{slot.name}", {alias})'
 
 
 def _annotated(element: Any) -> tuple[str, str | None, tuple[tuple[str, Details], ...]]:

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-_CASE_A = """\
-# Written by `mrsfi import`. Case study A of the paper (section V-B 1): fitness function (1).
+_CASE = """\
+# Written by `mrsfi import`. {about}
 
 [search]
 algorithm = "paper"      # paper | random | drift
@@ -13,28 +13,21 @@ faults = 20
 crossover = 0.7
 mutation = 0.7
 selection = "roulette"
-fitness = "weighted"     # equation (1): 0.3 x all violations + 0.7 x distinct violated goals
+{fitness}
 seed = 1
 mission_seed = 1
 """
 
-_CASE_B = """\
-# Written by `mrsfi import`. Case study B of the paper (section V-B 1): fitness function (2)
-# on one collision-focused and one energy-focused goal.
+_ABOUT_A = "Case study A of the paper (section V-B 1): fitness function (1)."
+_FITNESS_A = """\
+fitness = "weighted"     # equation (1): 0.3 x all violations + 0.7 x distinct violated goals"""
 
-[search]
-algorithm = "paper"      # paper | random | drift
-population = 20
-generations = 50
-faults = 20
-crossover = 0.7
-mutation = 0.7
-selection = "roulette"
+_ABOUT_B = """\
+Case study B of the paper (section V-B 1): fitness function (2)
+# on one collision-focused and one energy-focused goal."""
+_FITNESS_B = """\
 fitness = "focused"      # equation (2): violations of the chosen goals
-goals = [{goals}]
-seed = 1
-mission_seed = 1
-"""
+goals = [{goals}]"""
 
 
 def campaign_files(mission: Any) -> dict[str, bytes]:
@@ -51,13 +44,17 @@ def campaign_files(mission: Any) -> dict[str, bytes]:
         ``case_a.toml``; and ``case_b.toml`` if the mission has both a goal that avoids
         collisions and one about energy, of which it names the first each.
     """
-    files = {"case_a.toml": _CASE_A.encode("ascii")}
+    files = {"case_a.toml": _case(_ABOUT_A, _FITNESS_A)}
     firsts = [_first(mission, "AvoidCollision"), _first(mission, "SufficientEnergy")]
     goals = [goal for goal in firsts if goal is not None]
     if len(goals) == len(firsts):
         listed = ", ".join(f'"{goal}"' for goal in goals)
-        files["case_b.toml"] = _CASE_B.format(goals=listed).encode("ascii")
+        files["case_b.toml"] = _case(_ABOUT_B, _FITNESS_B.format(goals=listed))
     return files
+
+
+def _case(about: str, fitness: str) -> bytes:
+    return _CASE.format(about=about, fitness=fitness).encode("ascii")
 
 
 def _first(mission: Any, task: str) -> str | None:

@@ -2,7 +2,6 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
 from typing import Any
 
 from m2t.diagnostics import shown
@@ -37,9 +36,8 @@ def give_ids(root: Any, reader: PublishedReader, notes: Notes) -> None:
     ``g1_area`` or ``r1_sensor_2``.
     """
     identified = [element for element in contained(root) if _has(element, "ID")]
-    namer = _Namer(reader, notes, _positions(identified))
-    unnamed = [element for element in identified if not namer.keeps_own(element)]
-    for element in unnamed:
+    namer = _Namer(reader, notes)
+    for element in [element for element in identified if not namer.keeps_own(element)]:
         namer.derive(element)
     for element in identified:
         _name_by_id(element, reader, notes)
@@ -48,10 +46,9 @@ def give_ids(root: Any, reader: PublishedReader, notes: Notes) -> None:
 class _Namer:
     """Knows which names are taken."""
 
-    def __init__(self, reader: PublishedReader, notes: Notes, positions: Mapping[Any, int]) -> None:
+    def __init__(self, reader: PublishedReader, notes: Notes) -> None:
         self._reader = reader
         self._notes = notes
-        self._positions = positions
         self._taken: set[str] = set()
         self._kept: set[str] = set()
         self._counts: Counter[str] = Counter()
@@ -107,7 +104,8 @@ class _Namer:
         feature = element.eContainmentFeature()
         word = snake_case(feature.name)
         if feature.many:
-            word = f"{snake_case(element.eClass.name)}_{self._positions[element]}"
+            position = container.eGet(feature).index(element) + 1
+            word = f"{snake_case(element.eClass.name)}_{position}"
         if container.eContainer() is None:
             return word
         return f"{container.ID if _has(container, 'ID') else self._place(container)}_{word}"
@@ -121,18 +119,6 @@ class _Namer:
         if own in self._kept:
             message = f"{shown(own)} is the ID of more than one element; the first keeps it"
             self._notes.add("inconsistent", node, "ID", message)
-
-
-def _positions(elements: Iterable[Any]) -> dict[Any, int]:
-    """Return the position of each element, from 1, among those that its container has there."""
-    counts: Counter[tuple[Any, str]] = Counter()
-    positions = {}
-    for element in elements:
-        feature = element.eContainmentFeature()
-        place = (element.eContainer(), "" if feature is None else feature.name)
-        counts[place] += 1
-        positions[element] = counts[place]
-    return positions
 
 
 def _name_by_id(element: Any, reader: PublishedReader, notes: Notes) -> None:

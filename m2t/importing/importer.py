@@ -48,14 +48,6 @@ class Imported:
     notes: tuple[Note, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class _Model:
-    """One model of the result: its root object and its bytes."""
-
-    root: Any
-    content: bytes
-
-
 def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Imported:
     """Turn a published file into a mission folder.
 
@@ -156,26 +148,28 @@ def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, l
     return mission, specifications
 
 
-def _models(mission: Any, specifications: list[Any]) -> dict[str, _Model]:
-    """Return the models by file name."""
-    models = {MISSION_XMI: _Model(mission, dumps(mission))}
+def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
+    """Return the root objects of the models by file name."""
+    models = {MISSION_XMI: mission}
     for number, root in enumerate(specifications, 1):
         name = FAULTS_XMI if number == 1 else f"faults_{root.ID}.xmi"
         if name in models:
             name = f"faults_{number}_{root.ID}.xmi"
-        models[name] = _Model(root, dumps(root, hrefs={mission: MISSION_XMI}))
+        models[name] = root
     return models
 
 
-def _write(models: Mapping[str, _Model], folder: Path, origins: "_Origins") -> tuple[str, ...]:
+def _write(models: Mapping[str, Any], folder: Path, origins: "_Origins") -> tuple[str, ...]:
     """Write everything beside the folder, validate it there, and put it in place."""
     with _staged(folder) as stage:
         if FAULTS_XMI not in models:
             (stage / FAULTS_XMI).unlink(missing_ok=True)
-        for name, model in models.items():
-            (stage / name).write_bytes(model.content)
+        mission = models[MISSION_XMI]
+        for name, root in models.items():
+            hrefs = {} if root is mission else {mission: MISSION_XMI}
+            (stage / name).write_bytes(dumps(root, hrefs=hrefs))
         origins.require_valid(stage, models)
-        cases = campaign_files(models[MISSION_XMI].root) if len(models) > 1 else {}
+        cases = campaign_files(mission) if len(models) > 1 else {}
         fresh = {name: text for name, text in cases.items() if not (stage / name).exists()}
         for name, content in fresh.items():
             (stage / name).write_bytes(content)
@@ -240,14 +234,14 @@ class _Origins:
     nodes: Mapping[Any, Node]
     notes: Notes
 
-    def require_valid(self, stage: Path, models: Mapping[str, _Model]) -> None:
+    def require_valid(self, stage: Path, models: Mapping[str, Any]) -> None:
         """Validate the result; errors are raised, warnings noted, both by line of the file."""
         found = list(validate_folder(stage))
         for name in models:
             if name not in (MISSION_XMI, FAULTS_XMI):
                 of_file = stage / name
                 found += [each for each in validate_specification(of_file) if each.path == of_file]
-        lines = {stage / name: _lines(stage / name, model.root) for name, model in models.items()}
+        lines = {stage / name: _lines(stage / name, root) for name, root in models.items()}
         placed = [(each, self._origin(each, lines.get(each.path, {}))) for each in found]
         errors = [
             replace(each, path=self.path, line=origin.line)
