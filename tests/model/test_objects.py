@@ -1,4 +1,8 @@
-"""The objects that loading builds are those that pyecore's own reader makes of the same files."""
+"""The objects that loading builds are those that pyecore's own reader makes of the same files.
+
+Compared on what that reader gets right: it crashes on comments, takes a misspelt literal for none,
+and leaves a proxy in the place of a part that stands in a file of its own.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
