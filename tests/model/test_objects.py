@@ -17,8 +17,9 @@ from m2t.metamodels import features, is_contained, load_metamodels
 from m2t.write.xmi import dumps
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
 from tests.support.models.random_models import draw
+from tests.tiers import seeds
 
-N_DRAWN = 40
+N_DRAWN = 150
 
 FOLDERS = sorted(path.parent for path in MODELS.parent.glob(f"*/{MISSION}"))
 """Mission folders of the repository."""
@@ -76,7 +77,7 @@ def test_models_of_the_repository_are_loaded_as_pyecore_loads_them(folder: Path)
     _require_equal(folder)
 
 
-@pytest.mark.parametrize("seed", range(N_DRAWN))
+@pytest.mark.parametrize("seed", seeds(range(N_DRAWN), 10))
 def test_random_models_are_loaded_as_pyecore_loads_them(tmp_path: Path, seed: int) -> None:
     models = draw(seed)
     (tmp_path / MISSION).write_bytes(dumps(models.mission))
