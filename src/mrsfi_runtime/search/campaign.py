@@ -13,11 +13,12 @@ from contextlib import closing
 from dataclasses import dataclass
 from time import monotonic
 
+from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.archive import Archive
@@ -32,8 +33,6 @@ from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
 from mrsfi_runtime.search.resumable_record import (
     WORST_FITNESS,
     EvaluateMany,
-    FailedOutcome,
-    Recorder,
     Result,
     ResumableRecord,
 )
@@ -111,7 +110,7 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     mission: Mission,
     pool: FaultPool,
     evaluate_many: EvaluateMany,
-    store: Recorder,
+    store: CampaignStore,
     on_generation: Callable[[CampaignProgress], None] = lambda _: None,
     *,
     replicas: Sequence[EvaluateMany] = (),
@@ -232,7 +231,7 @@ class _Assessment:
     def _result(
         self,
         specification: Specification,
-        found: Sequence[Outcome | FailedOutcome],
+        found: Sequence[Evaluated],
         generation: int,
     ) -> Result:
         outcomes = []

@@ -3,12 +3,12 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from math import inf
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
+from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, FailedEvaluation, Generation
 
 WORST_FITNESS = 0.0
 """Fitness of a specification whose evaluation failed; that of one without a violation."""
@@ -19,41 +19,8 @@ Result: TypeAlias = Evaluation | FailedEvaluation
 """What became of one specification that the search asked for."""
 
 
-class FailedOutcome(Protocol):
-    """An evaluation that ended in an error of the mission's own code."""
-
-    @property
-    def traceback(self) -> str:
-        """What Python said."""
-
-
-EvaluateMany: TypeAlias = Callable[[Sequence[Specification]], Iterable[Outcome | FailedOutcome]]
+EvaluateMany: TypeAlias = Callable[[Sequence[Specification]], Iterable[Evaluated]]
 """Evaluates fault specifications; one result each, in the same order, best as soon as known."""
-
-
-class Recorder(Protocol):
-    """Keeps what a campaign finds, and returns it, as ``CampaignStore`` does."""
-
-    @property
-    def n_evaluations(self) -> int:
-        """How many evaluations are kept."""
-
-    def evaluations(self, first: int = 0, n_most: int | None = None) -> Sequence[Evaluation]:
-        """Return evaluations in index order, at most so many, from one index on."""
-
-    def failures(self) -> Sequence[FailedEvaluation]:
-        """Return all failed evaluations."""
-
-    def generation(self, index: int) -> Generation | None:
-        """Return a finished generation, or nothing if it is not kept."""
-
-    def append(
-        self,
-        evaluations: Sequence[Evaluation],
-        failures: Sequence[FailedEvaluation],
-        generations: Sequence[Generation],
-    ) -> None:
-        """Keep evaluations, failures and finished generations, all or none."""
 
 
 class ResumableRecord:
@@ -69,7 +36,7 @@ class ResumableRecord:
         Seconds since any moment.
     """
 
-    def __init__(self, store: Recorder, source: str, clock: Callable[[], float]) -> None:
+    def __init__(self, store: CampaignStore, source: str, clock: Callable[[], float]) -> None:
         self._store = store
         self._source = source
         self._clock = clock
