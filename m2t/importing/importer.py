@@ -75,7 +75,8 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
 
     Notes
     -----
-    The first fault specification becomes ``faults.xmi``, any other ``faults_<ID>.xmi``.
+    The first fault specification becomes ``faults.xmi``, any other ``faults_<ID>.xmi``. Where
+    there is none, ``faults.xmi`` is an empty pool.
     """
     _require_free(folder, is_forced=is_forced)
     report, notes = Report(), Notes()
@@ -93,6 +94,8 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         notes.add("default", reader.origins[mission], "name", f"is absent; set to {folder.name}")
     for root in (mission, *specifications):
         give_ids(root, reader, notes)
+    if not specifications:
+        specifications.append(_empty_pool(setup, reader, notes))
     models = _models(mission, specifications)
     files = _write(models, folder, _Origins(path, reader.origins, notes))
     return Imported(
@@ -148,6 +151,15 @@ def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, l
     return mission, specifications
 
 
+def _empty_pool(setup: Node, reader: PublishedReader, notes: Notes) -> Any:
+    """Return a pool for the team to fill, so that the folder is that of a whole mission."""
+    pool = load_metamodels().faults_class(ID="faults")
+    reader.origins[pool] = setup
+    message = f"is absent; {FAULTS_XMI} is an empty pool: it flies, a search needs faults in it"
+    notes.add("default", setup, "specification", message)
+    return pool
+
+
 def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
     """Return the root objects of the models by file name."""
     models = {MISSION_XMI: mission}
@@ -162,14 +174,12 @@ def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
 def _write(models: Mapping[str, Any], folder: Path, origins: "_Origins") -> tuple[str, ...]:
     """Write everything beside the folder, validate it there, and put it in place."""
     with _staged(folder) as stage:
-        if FAULTS_XMI not in models:
-            (stage / FAULTS_XMI).unlink(missing_ok=True)
         mission = models[MISSION_XMI]
         for name, root in models.items():
             hrefs = {} if root is mission else {mission: MISSION_XMI}
             (stage / name).write_bytes(dumps(root, hrefs=hrefs))
         origins.require_valid(stage, models)
-        cases = campaign_files(mission) if len(models) > 1 else {}
+        cases = campaign_files(mission)
         fresh = {name: text for name, text in cases.items() if not (stage / name).exists()}
         for name, content in fresh.items():
             (stage / name).write_bytes(content)

@@ -33,6 +33,29 @@ def test_an_imported_mission_generates_and_flies(file: Path, place: Path) -> Non
     assert not any(goal["believed"] for goal in flight["goals"])
 
 
+def test_a_file_without_faults_becomes_a_mission_that_flies_and_waits_for_some(
+    file: Path, place: Path
+) -> None:
+    text = file.read_text(encoding="ascii")
+    begin, end = text.index("<specification"), text.index("</setup:Setup>")
+    file.write_text(text[:begin] + text[end:], encoding="ascii")
+
+    told = mrsfi("import", file, "--out", "models/harbour", cwd=place).stdout
+    early = mrsfi("validate", "harbour", cwd=place).stderr
+    mrsfi("generate", "harbour", cwd=place)
+    flight = mrsfi_json("simulate", "harbour", cwd=place)
+    refused = mrsfi("evolve", "harbour", cwd=place, expected=5).stderr
+
+    assert "faults.xmi is an empty pool: it flies, a search needs faults in it" in told
+    assert early == (
+        "not flown without faults: generated/harbour: not generated yet; run `mrsfi generate "
+        "models/harbour`\n"
+    )
+    assert not any(goal["believed"] for goal in flight["goals"])
+    assert "fault pool 'faults' is empty; search needs at least one fault" in refused
+    assert not (place / "runs").exists()
+
+
 def test_the_folder_is_named_after_the_file(file: Path, place: Path) -> None:
     mrsfi("import", file, cwd=place)
 

@@ -26,6 +26,7 @@ from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import BOTH
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import require_settings
+from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.study.comparison import Comparison, as_json, compare
 from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.runs import (
@@ -136,6 +137,7 @@ def command(  # noqa: PLR0913 - one for each option
     folders = find_mission(mission, generated)
     code = folders.load()
     settings = _settings(campaign_file(folders, case), code.mission, algorithms, evaluations)
+    SearchSpace.of(code.mission, code.pool)  # refuses a pool that cannot be searched
     tried = flown_by.tried(code, next(iter(settings.values())).mission_seed, tell)
     path = RUNS / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
     with only_comparison(path, folders.models, folders.generated) as folder:

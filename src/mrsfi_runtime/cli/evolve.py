@@ -33,6 +33,7 @@ from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.campaign import require_settings, run_campaign
+from mrsfi_runtime.search.space import SearchSpace
 
 _HELP = """Evolve fault specifications against MISSION and print the ten most critical.
 
@@ -136,6 +137,7 @@ def _new_campaign(
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
     code = folders.load()
     require_settings(settings, code.mission)
+    SearchSpace.of(code.mission, code.pool)  # refuses a pool that cannot be searched
     _require_ratio(settings, code.mission, ratio)
     tried = engine.tried(code, settings.mission_seed, tell)
     path = free_folder(folders.name, Path(case).stem) if out is None else out

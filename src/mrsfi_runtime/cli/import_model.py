@@ -38,6 +38,7 @@ What it lists, with the line of FILE:
                 number is 0, an absent sensor type GPS_POSITION
   inconsistent  what contradicts the rest of FILE, and every warning of `mrsfi validate`
 
+A FILE without fault specifications gets an empty faults.xmi, in which a search needs faults first.
 Also written: case_a.toml, and case_b.toml if there are goals for it, unless they exist.
 """
 

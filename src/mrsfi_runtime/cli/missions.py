@@ -16,6 +16,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 _MODELS = Path("models")
 _MISSION_FILE = "mission.xmi"
+_MISSION_CODE = "mission_loader.py"
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +33,12 @@ class MissionFolders:
         Raises
         ------
         GenerationError
-            Naming the stale files.
+            Naming the stale files, or saying that there are none yet.
         """
         names = stale(self.models, self.generated)
+        if names and not (self.generated / _MISSION_CODE).is_file():
+            message = f"{self.generated}: not generated yet; run `mrsfi generate {self.models}`"
+            raise GenerationError(message)
         if names:
             message = (
                 f"{self.generated}: stale, because the models or templates changed: "

@@ -95,11 +95,12 @@ def test_all_tasks_and_properties_import_and_what_the_format_lacks_gets_its_defa
         "goal visit: task.deadline 90 → 99",
         "goal track: task.tolerance 500.0 → 10.0",
         "goal distance: task.tolerance 5.0 → 1.0",
+        "fault specification faults added (0 elements)",
     ]
     assert {"period", "deadline", "tolerance"} <= {
         feature for _, feature in notes(imported, "default")
     }
-    assert imported.files == ("mission.xmi",)
+    assert imported.files[:3] == ("mission.xmi", "faults.xmi", "case_a.toml")
 
 
 @pytest.mark.parametrize(
@@ -280,6 +281,23 @@ def test_every_further_specification_gets_a_file(file: Path, folder: Path) -> No
     assert "faults_more.xmi" in imported.files
     more = load_specification(folder / "faults_more.xmi")
     assert more.faults.faults[0].stopRobot.affectedRobot.ID == "r2"
+
+
+def test_a_file_without_specification_gets_an_empty_pool_and_says_so(
+    file: Path, folder: Path
+) -> None:
+    text = file.read_text(encoding="ascii")
+    begin, end = text.index("<specification"), text.index("</setup:Setup>")
+    file.write_text(text[:begin] + text[end:], encoding="ascii")
+
+    imported = import_published(file, folder)
+
+    assert imported.files == ("mission.xmi", "faults.xmi", "case_a.toml", "case_b.toml")
+    assert [note.message for note in imported.notes if note.feature == "specification"] == [
+        "is absent; faults.xmi is an empty pool: it flies, a search needs faults in it"
+    ]
+    pool = load_mission_folder(folder).faults
+    assert (pool.ID, list(pool.faults)) == ("faults", [])
 
 
 def test_without_collision_or_energy_goal_there_is_no_case_b(file: Path, folder: Path) -> None:
