@@ -4,9 +4,9 @@
 
 from mrsfi_runtime.api import (
     Mission,
+    PubSub,
     SimulatedRobot,
     SimulatedSensor,
-    Transport,
     initial_state,
     move,
 )
@@ -17,7 +17,7 @@ from .topics import ROBOTS, SENSORS
 class Simulation:
     """The mission's side of the bus: publishes every topic and obeys every command."""
 
-    def __init__(self, transport: Transport, mission: Mission) -> None:
+    def __init__(self, transport: PubSub, mission: Mission) -> None:
         self.mission = mission
         self.world = world = initial_state(mission, 0)
         self.robots = tuple(

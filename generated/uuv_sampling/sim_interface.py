@@ -2,7 +2,7 @@
 # Edit inside protected regions only.
 """The simulation interface: what the collective intelligence hears and says."""
 
-from mrsfi_runtime.api import RobotInterface, SensorInterface, State, Transport
+from mrsfi_runtime.api import PubSub, RobotInterface, SensorInterface, State
 
 from .topics import ROBOTS, SENSORS
 
@@ -10,7 +10,7 @@ from .topics import ROBOTS, SENSORS
 class SimInterface:
     """Getters for what the simulation publishes, setters for what it obeys, robot by robot."""
 
-    def __init__(self, transport: Transport) -> None:
+    def __init__(self, transport: PubSub) -> None:
         self.robots = tuple(RobotInterface(transport, topics) for topics in ROBOTS)
         self.sensors = tuple(SensorInterface(transport, topics) for topics in SENSORS)
 

@@ -36,7 +36,7 @@ from mrsfi_runtime.model.mission import (
     Sensor,
     Server,
 )
-from mrsfi_runtime.transport.topics import Transport
+from mrsfi_runtime.transport.topics import PubSub
 
 __all__ = [
     "Area",
@@ -59,6 +59,7 @@ __all__ = [
     "Parameter",
     "Patrol",
     "Property",
+    "PubSub",
     "Range",
     "Robot",
     "RobotInterface",
@@ -75,7 +76,6 @@ __all__ = [
     "Struck",
     "SufficientEnergy",
     "Track",
-    "Transport",
     "Visit",
     "commands",
     "forecast",

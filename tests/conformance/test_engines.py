@@ -8,7 +8,7 @@ import pytest
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
-from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.trace import TraceDigest

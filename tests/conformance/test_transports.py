@@ -20,7 +20,7 @@ from websockets.asyncio.server import serve
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_runtime.errors import TransportClosed, TransportError, UsageError
-from mrsfi_runtime.hosting.embedded import EmbeddedTransport
+from mrsfi_runtime.transport.embedded import EmbeddedTransport
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from mrsfi_runtime.transport.topics import Service, Topic

@@ -20,7 +20,7 @@ from mrsfi_runtime.errors import (
     TransportTimeout,
     UsageError,
 )
-from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.hosting.waiting import Patience
 from tests.support.rosbridge import (
     FLIGHT_SEED,
     Relay,

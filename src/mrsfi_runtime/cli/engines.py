@@ -9,7 +9,7 @@ import click
 from mrsfi_runtime.cli.options import F, options_as
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
 

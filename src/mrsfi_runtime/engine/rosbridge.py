@@ -26,8 +26,8 @@ from mrsfi_runtime.errors import (
 from mrsfi_runtime.hosting.bundle import BundlingTransport
 from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
 from mrsfi_runtime.hosting.lockstep import Boarding, Flight
-from mrsfi_runtime.hosting.mission_topics import GO_BUNDLE
-from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.hosting.lockstep_topics import GO_BUNDLE
+from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.transport.rosbridge import Client, RosbridgeTransport
 

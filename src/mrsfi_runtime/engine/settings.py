@@ -7,7 +7,7 @@ from typing import Self
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, UsageError
-from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.transport.rosbridge import Client
 

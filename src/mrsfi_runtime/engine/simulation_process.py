@@ -19,11 +19,11 @@ from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.hosting.bundle import BundlingTransport
-from mrsfi_runtime.hosting.embedded import EmbeddedTransport
-from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.hosting.simulation_host import SimulationHost
+from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.transport.bridge_errors import as_ours
+from mrsfi_runtime.transport.embedded import EmbeddedTransport
 from mrsfi_runtime.transport.rosbridge import Client, RosbridgeTransport
 from mrsfi_runtime.transport.topics import Transport
 

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.hosting.mission_topics import FAILURE, GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
-from mrsfi_runtime.hosting.wrapped import WrappedTransport
+from mrsfi_runtime.hosting.lockstep_topics import FAILURE, GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
 from mrsfi_runtime.transport.topics import Payload, Publisher, Topic, Transport
 
 _ALONE = (SETUP, FAILURE)
@@ -20,7 +19,7 @@ _ALONE = (SETUP, FAILURE)
 _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 
 
-class BundlingTransport(WrappedTransport):
+class BundlingTransport:
     """A transport that can send what belongs to one tick as one message.
 
     Parameters
@@ -39,7 +38,9 @@ class BundlingTransport(WrappedTransport):
     def __init__(
         self, transport: Transport, closing: Topic, sends: Topic, hears: Topic, *, is_first: bool
     ) -> None:
-        super().__init__(transport)
+        self._transport = transport
+        self.provide, self.call = transport.provide, transport.call
+        self.watch, self.close = transport.watch, transport.close
         self._closing = closing
         self._hears = hears
         self._is_first = self._is_bundling = is_first

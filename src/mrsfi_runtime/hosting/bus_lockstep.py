@@ -15,9 +15,8 @@ from mrsfi_runtime.errors import (
     TransportError,
     TransportTimeout,
 )
-from mrsfi_runtime.hosting.ledger import CountedTransport, Ledger
 from mrsfi_runtime.hosting.lockstep import Boarding, Flight
-from mrsfi_runtime.hosting.mission_topics import (
+from mrsfi_runtime.hosting.lockstep_topics import (
     CLOCK,
     FAILURE,
     GO,
@@ -29,9 +28,10 @@ from mrsfi_runtime.hosting.mission_topics import (
     Tick,
     numbers,
 )
-from mrsfi_runtime.hosting.progress import Patience, Progress
+from mrsfi_runtime.hosting.message_count import CountedTopics, MessageCount
 from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.hosting.truth import take_true_values
+from mrsfi_runtime.hosting.waiting import Completion, Patience
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport
@@ -74,22 +74,21 @@ class BusLockstep:
         self._transport = transport
         self._mission = mission
         self._patience = patience
-        self._progress = Progress()
-        self._ledger = Ledger("simulation")
-        self._counted = CountedTransport(transport, self._ledger, self._proceed)
+        self._completion = Completion()
+        self._received = MessageCount("simulation")
+        self._topics = CountedTopics(transport, self._received, self._proceed)
         self._truth: dict[int, Payload] = {}
         self._n_truths = len(truth)
         self._session = secrets.randbelow(_SESSIONS) * RUNS_OF_A_SESSION
         self._n_runs = 0
-        self._n_commands = 0
         self._flight: Flight | None = None
         self._is_thinking = False
         self._setup = transport.advertise(SETUP)
         self._go = transport.advertise(GO)
-        self._interface = interface(self._counted)
+        self._interface = interface(self._topics)
         for index, topic in enumerate(truth):
-            self._counted.subscribe(topic, partial(self._truth.__setitem__, index))
-        self._counted.subscribe(CLOCK, lambda _payload: None)
+            self._topics.subscribe(topic, partial(self._truth.__setitem__, index))
+        self._topics.subscribe(CLOCK, lambda _payload: None)
         transport.subscribe(TICK, self._on_tick)
         transport.subscribe(FAILURE, self._on_failure)
         transport.watch(self._fail)
@@ -97,7 +96,7 @@ class BusLockstep:
     @property
     def tick(self) -> int:
         """Return the tick that the run has reached."""
-        return self._ledger.tick
+        return self._received.tick
 
     def fly(self, seed: int, board: Boarding) -> Flight:
         """Fly a run to its end.
@@ -126,12 +125,12 @@ class BusLockstep:
         try:
             self._prepare(seed)
             flight = self._flight = self._board(seed, board)
-            self._progress = Progress()
-            self._ledger.open()
+            self._completion = Completion()
+            self._received.open()
             flight.begin(tells_all=True)  # the simulation may be somebody else's
             self._send_go(0)
-            self._progress.wait(self._overdue)
-            self._ledger.close()
+            self._completion.wait(self._overdue)
+            self._received.close()
             self._call(STOP, self._patience.tick)
             self._flight = None
         except TransportError as error:
@@ -174,11 +173,11 @@ class BusLockstep:
     def _call(self, service: Service, timeout: float) -> Reply:
         """Call a service of the simulation and wait for its reply."""
         replies: list[Reply] = []
-        progress = self._progress = Progress()
+        completion = self._completion = Completion()
 
         def on_reply(reply: Reply) -> None:
             replies.append(reply)
-            progress.end()
+            completion.end()
 
         def overdue(silence: float) -> MrsfiError | None:
             if silence <= timeout:
@@ -186,15 +185,14 @@ class BusLockstep:
             return TransportTimeout(f"{service.name} did not answer within {timeout:g} s")
 
         self._transport.call(service, {}, on_reply)
-        progress.wait(overdue)
+        completion.wait(overdue)
         return replies[0]
 
     def _board(self, seed: int, board: Boarding) -> Flight:
         self._interface.reset()
         self._truth.clear()
         self._is_thinking = False
-        self._counted.n_sent = self._n_commands = 0
-        self._counted.is_muted = False
+        self._topics.begin()
         flight = board(self._interface, initial_state(self._mission, seed))
         flight.world.commands = flight.sent.commands  # as if they had reached it at once
         flight.world.switches = flight.sent.switches
@@ -202,7 +200,7 @@ class BusLockstep:
 
     def _end(self) -> None:
         """End the run on this side; tell the simulation, unless it knows."""
-        self._ledger.close()
+        self._received.close()
         flight, self._flight = self._flight, None
         if flight is None:
             return
@@ -210,8 +208,8 @@ class BusLockstep:
             self._transport.call(STOP, {}, lambda _reply: None)
 
     def _fail(self, error: Exception) -> None:
-        self._ledger.close()  # the run stays at the tick at which it failed
-        self._progress.fail(error)
+        self._received.close()  # the run stays at the tick at which it failed
+        self._completion.fail(error)
 
     def _where(self) -> str:
         return "before tick 0" if self._flight is None else f"tick {self.tick}"
@@ -219,23 +217,23 @@ class BusLockstep:
     def _overdue(self, silence: float) -> MrsfiError | None:
         if self._is_thinking:
             return None
-        return self._ledger.overdue(silence, self._patience.tick)
+        return self._received.overdue(silence, self._patience.tick)
 
     def _on_failure(self, payload: Payload) -> None:
-        if self._ledger.is_open:
+        if self._received.is_open:
             message = f"the simulation failed: {payload.get('data')}"
             raise TransportError(message)
 
     def _on_tick(self, payload: Payload) -> None:
         told = numbers(TICK, payload, Tick)
-        if not self._ledger.is_open or told.run != self._run:
-            self._ledger.forget()
+        if not self._received.is_open or told.run != self._run:
+            self._received.forget()
             return
-        self._progress.advance()
-        is_complete = self._ledger.announce(told.tick, told.n_messages)
-        if told.n_commands != self._n_commands:
+        self._completion.advance()
+        is_complete = self._received.announce(told.tick, told.n_messages)
+        if told.n_commands != self._topics.n_sent:
             message = (
-                f"the simulation flew with {told.n_commands} commands; {self._n_commands} were "
+                f"the simulation flew with {told.n_commands} commands; {self._topics.n_sent} were "
                 "sent since the reset: it has to count them, and to wait for as many as "
                 "/mission/go announces (docs/bus.md)"
             )
@@ -245,23 +243,23 @@ class BusLockstep:
 
     def _proceed(self) -> None:
         """Take the CI's step: all messages of the tick are there."""
-        flight, tick = self._flight, self._ledger.tick
+        flight, tick = self._flight, self._received.tick
         if flight is None:
             return
         self._take_truth(flight)
         is_last = tick + 1 == self._mission.duration
-        self._counted.is_muted = is_last  # no motion follows on which a command could act
+        self._topics.is_muted = is_last  # no motion follows on which a command could act
         self._is_thinking = True
         flight.step(tick)
         self._is_thinking = False
-        if not self._ledger.is_open:
+        if not self._received.is_open:
             return
         if is_last:
-            self._progress.end()
+            self._completion.end()
             return
-        self._ledger.turn()
+        self._received.turn()
         self._send_go(tick + 1)
-        self._progress.advance()
+        self._completion.advance()
 
     def _take_truth(self, flight: Flight) -> None:
         if len(self._truth) < self._n_truths:
@@ -272,9 +270,7 @@ class BusLockstep:
             raise ProtocolError(message)
         for index, payload in self._truth.items():
             take_true_values(flight.world, index, payload.get("data"))
-        flight.world.mission.tick = self._ledger.tick
+        flight.world.mission.tick = self._received.tick
 
     def _send_go(self, tick: int) -> None:
-        n_sent, self._counted.n_sent = self._counted.n_sent, 0
-        self._n_commands += n_sent
-        self._go({"data": [self._run, tick, n_sent]})
+        self._go({"data": [self._run, tick, self._topics.announce()]})

@@ -9,13 +9,13 @@ from typing import NoReturn
 
 from mrsfi_runtime.hosting.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.kernel.state import RobotState, SensorState
-from mrsfi_runtime.transport.topics import Payload, Topic, Transport
+from mrsfi_runtime.transport.topics import Payload, PubSub, Topic
 
 
 class RobotInterface:
     """Hears what the simulation publishes about a robot, and commands it."""
 
-    def __init__(self, transport: Transport, topics: RobotTopics) -> None:
+    def __init__(self, transport: PubSub, topics: RobotTopics) -> None:
         self._position = _Newest(transport, topics.position)
         self._speed = _Newest(transport, topics.speed)
         self._energy = _Newest(transport, topics.energy)
@@ -50,7 +50,7 @@ class RobotInterface:
 class SensorInterface:
     """Hears what the simulation publishes about a sensor, and switches it."""
 
-    def __init__(self, transport: Transport, topics: SensorTopics) -> None:
+    def __init__(self, transport: PubSub, topics: SensorTopics) -> None:
         self._samples = _Newest(transport, topics.samples)
         self._active = _Newest(transport, topics.active)
         self._switch = transport.advertise(topics.active_command)
@@ -73,7 +73,7 @@ class SensorInterface:
 class _Newest:
     """The newest message of a topic."""
 
-    def __init__(self, transport: Transport, topic: Topic) -> None:
+    def __init__(self, transport: PubSub, topic: Topic) -> None:
         self.nothing = _Nothing(topic)
         self.payload: Payload = self.nothing
         transport.subscribe(topic, self._receive)

@@ -5,7 +5,7 @@ from typing import Protocol
 from mrsfi_runtime.hosting.interface_parts import RobotInterface, SensorInterface
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.transport.topics import Transport
+from mrsfi_runtime.transport.topics import PubSub
 
 
 class Simulation(Protocol):
@@ -13,7 +13,7 @@ class Simulation(Protocol):
 
     world: State
 
-    def __init__(self, transport: Transport, mission: Mission) -> None: ...
+    def __init__(self, transport: PubSub, mission: Mission) -> None: ...
 
     def reset(self, seed: int) -> None:
         """Go back to before the first tick."""
@@ -36,7 +36,7 @@ class SimInterface(Protocol):
     def sensors(self) -> tuple[SensorInterface, ...]:
         """What is heard of each sensor, and told it."""
 
-    def __init__(self, transport: Transport) -> None: ...
+    def __init__(self, transport: PubSub) -> None: ...
 
     def reset(self) -> None:
         """Forget what was received."""

@@ -6,8 +6,7 @@ Source paper, section III-F.
 """
 
 from mrsfi_runtime.errors import MrsfiError
-from mrsfi_runtime.hosting.ledger import CountedTransport, Ledger
-from mrsfi_runtime.hosting.mission_topics import (
+from mrsfi_runtime.hosting.lockstep_topics import (
     CLOCK,
     FAILURE,
     GO,
@@ -20,8 +19,9 @@ from mrsfi_runtime.hosting.mission_topics import (
     Setup,
     numbers,
 )
-from mrsfi_runtime.hosting.progress import Patience, Progress
+from mrsfi_runtime.hosting.message_count import CountedTopics, MessageCount
 from mrsfi_runtime.hosting.sides import Simulation
+from mrsfi_runtime.hosting.waiting import Completion, Patience
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import Payload, Transport
 
@@ -49,14 +49,14 @@ class SimulationHost:
         patience: Patience,
     ) -> None:
         self._patience = patience
-        self._progress = Progress()
-        self._ledger = Ledger("collective intelligence")
-        self._transport = CountedTransport(transport, self._ledger, self._fly)
+        self._completion = Completion()
+        self._received = MessageCount("collective intelligence")
+        self._topics = CountedTopics(transport, self._received, self._fly)
         self._run = 0
         self._failed_at: str | None = None
         self._setup: Setup | None = None
-        self._simulation = simulation(self._transport, mission)
-        self._clock = self._transport.advertise(CLOCK)
+        self._simulation = simulation(self._topics, mission)
+        self._clock = self._topics.advertise(CLOCK)
         self._tick = transport.advertise(TICK)
         self._failure = transport.advertise(FAILURE)
         transport.watch(self._fail)
@@ -75,19 +75,19 @@ class SimulationHost:
         Exception
             If the simulation's own code failed.
         """
-        self._progress.wait(self._overdue)
+        self._completion.wait(self._overdue)
 
     def stop(self) -> None:
         """Let ``serve`` return; may be called by any thread."""
-        self._progress.end()
+        self._completion.end()
 
     def where(self) -> str:
         """Return run and tick, for messages."""
         if self._failed_at is not None:
             return self._failed_at
-        if not self._ledger.is_open:
+        if not self._received.is_open:
             return "no run"
-        return f"run {self._run % RUNS_OF_A_SESSION}, tick {self._ledger.tick}"
+        return f"run {self._run % RUNS_OF_A_SESSION}, tick {self._received.tick}"
 
     def tell_failure(self, error: Exception) -> None:
         """Tell the CI why the simulation cannot go on."""
@@ -95,11 +95,11 @@ class SimulationHost:
 
     def _fail(self, error: Exception) -> None:
         self._failed_at = self.where()
-        self._ledger.close()  # the run stays at the tick at which it failed
-        self._progress.fail(error)
+        self._received.close()  # the run stays at the tick at which it failed
+        self._completion.fail(error)
 
     def _overdue(self, silence: float) -> MrsfiError | None:
-        return self._ledger.overdue(silence, self._patience.tick)
+        return self._received.overdue(silence, self._patience.tick)
 
     def _on_setup(self, payload: Payload) -> None:
         self._setup = numbers(SETUP, payload, Setup)
@@ -109,30 +109,29 @@ class SimulationHost:
             return {"success": False, "message": f"no message on {SETUP.name} came yet"}
         self._run, seed = self._setup
         self._simulation.reset(seed)
-        self._transport.n_sent = 0
-        self._ledger.open()
-        self._progress.advance()
+        self._topics.begin()
+        self._received.open()
+        self._completion.advance()
         return {"success": True, "message": f"run {self._run}"}
 
     def _on_stop(self, _request: Payload) -> Payload:
-        self._ledger.close()
+        self._received.close()
         return {"success": True, "message": ""}
 
     def _on_go(self, payload: Payload) -> None:
         go = numbers(GO, payload, Go)
-        if not self._ledger.is_open or go.run != self._run:
-            self._ledger.forget()
+        if not self._received.is_open or go.run != self._run:
+            self._received.forget()
             return
-        self._progress.advance()
-        if self._ledger.announce(go.tick, go.n_commands):
+        self._completion.advance()
+        if self._received.announce(go.tick, go.n_commands):
             self._fly()
 
     def _fly(self) -> None:
-        tick = self._ledger.tick
-        self._ledger.turn()
+        tick = self._received.tick
+        self._received.turn()
         self._simulation.step(tick)
         self._simulation.publish_truth()
         self._clock({"clock": {"secs": tick, "nsecs": 0}})
-        n_sent, self._transport.n_sent = self._transport.n_sent, 0
-        self._tick({"data": [self._run, tick, n_sent, self._ledger.n_before]})
-        self._progress.advance()
+        self._tick({"data": [self._run, tick, self._topics.announce(), self._received.n_before]})
+        self._completion.advance()

@@ -9,7 +9,7 @@ from mrsfi_runtime.hosting.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.hosting.truth import true_values
 from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.transport.topics import Payload, Transport
+from mrsfi_runtime.transport.topics import Payload, PubSub
 
 
 class SimulatedRobot:
@@ -27,7 +27,7 @@ class SimulatedRobot:
         The robot's place in it.
     """
 
-    def __init__(self, transport: Transport, topics: RobotTopics, world: State, index: int) -> None:
+    def __init__(self, transport: PubSub, topics: RobotTopics, world: State, index: int) -> None:
         self._index = index
         self.reset(world)
         self._tell_position = transport.advertise(topics.position)
@@ -78,9 +78,7 @@ class SimulatedSensor:
         The sensor's place in it.
     """
 
-    def __init__(
-        self, transport: Transport, topics: SensorTopics, world: State, index: int
-    ) -> None:
+    def __init__(self, transport: PubSub, topics: SensorTopics, world: State, index: int) -> None:
         self._index = index
         self.reset(world)
         self._tell_samples = transport.advertise(topics.samples)

@@ -43,8 +43,8 @@ FailureListener: TypeAlias = Callable[[Exception], None]
 """Told of an error that nobody else would see."""
 
 
-class Transport(Protocol):
-    """Moves messages between the two sides of a mission.
+class PubSub(Protocol):
+    """What generated code needs of a transport: topics to publish on, and to subscribe to.
 
     Callbacks of one transport run one after the other, in one thread that may be another than
     the caller's; they must not block. The messages of a publisher arrive in their order.
@@ -55,6 +55,10 @@ class Transport(Protocol):
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
         """Have a callback receive every message of a topic, in order."""
+
+
+class Transport(PubSub, Protocol):
+    """Moves messages between the two sides of a mission."""
 
     def provide(self, service: Service, provider: Provider) -> None:
         """Answer the calls of a service."""

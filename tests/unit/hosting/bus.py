@@ -7,8 +7,8 @@ from threading import Thread
 
 from mrsfi_runtime.errors import TransportClosed
 from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
-from mrsfi_runtime.hosting.progress import Patience
 from mrsfi_runtime.hosting.simulation_host import SimulationHost
+from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.topics import (

@@ -7,7 +7,7 @@ import pytest
 
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.hosting.bundle import BundlingTransport
-from mrsfi_runtime.hosting.mission_topics import GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
+from mrsfi_runtime.hosting.lockstep_topics import GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.topics import Topic
 

@@ -16,7 +16,7 @@ from mrsfi_runtime.errors import (
     TransportError,
     TransportTimeout,
 )
-from mrsfi_runtime.hosting.progress import Patience
+from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification

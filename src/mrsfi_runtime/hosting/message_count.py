@@ -3,14 +3,13 @@
 from collections.abc import Callable
 
 from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
-from mrsfi_runtime.hosting.wrapped import WrappedTransport
-from mrsfi_runtime.transport.topics import Payload, Publisher, Topic, Transport
+from mrsfi_runtime.transport.topics import Payload, Publisher, PubSub, Topic
 
 GRACE = 1.0
 """Seconds for which announced messages may be late: some servers keep order per topic only."""
 
 
-class Ledger:
+class MessageCount:
     """What one side has received from the other in the current tick of a run.
 
     Each topic speaks at most once a tick. The last message of a tick announces how many there
@@ -131,13 +130,13 @@ class Ledger:
         return True
 
 
-class CountedTransport(WrappedTransport):
-    """A transport seen by generated code, every message counted on its way in and out.
+class CountedTopics:
+    """The topics of generated code, every message counted on its way in and out.
 
     Attributes
     ----------
     n_sent
-        Messages published since the other side was told of them.
+        Messages published since the beginning of the run.
     is_muted
         Whether what is published is dropped, because no tick follows that it could act on.
 
@@ -145,18 +144,30 @@ class CountedTransport(WrappedTransport):
     ----------
     transport
         Moves the messages.
-    ledger
+    received
         Counts what comes in.
     proceed
         Called when a late message completes a tick that was announced before.
     """
 
-    def __init__(self, transport: Transport, ledger: Ledger, proceed: Callable[[], None]) -> None:
-        super().__init__(transport)
-        self.n_sent = 0
+    def __init__(
+        self, transport: PubSub, received: MessageCount, proceed: Callable[[], None]
+    ) -> None:
+        self.n_sent = self._n_announced = 0
         self.is_muted = False
-        self._ledger = ledger
+        self._transport = transport
+        self._received = received
         self._proceed = proceed
+
+    def begin(self) -> None:
+        """Begin a run."""
+        self.n_sent = self._n_announced = 0
+        self.is_muted = False
+
+    def announce(self) -> int:
+        """Return how many messages were published since this was asked last."""
+        n_before, self._n_announced = self._n_announced, self.n_sent
+        return self.n_sent - n_before
 
     def advertise(self, topic: Topic) -> Publisher:
         """Return the function that publishes on a topic and counts."""
@@ -171,11 +182,11 @@ class CountedTransport(WrappedTransport):
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
         """Have a callback receive every message of a topic, after it was counted."""
-        ledger, name = self._ledger, topic.name
-        ledger.know(name)
+        received, name = self._received, topic.name
+        received.know(name)
 
         def receive(payload: Payload) -> None:
-            is_complete = ledger.count(name)
+            is_complete = received.count(name)
             try:
                 callback(payload)
             except (KeyError, TypeError, ValueError) as error:

@@ -26,8 +26,8 @@ class Patience:
     handshake: float = 30.0
 
 
-class Progress:
-    """Steps made, and the end, good or bad."""
+class Completion:
+    """What one thread brings to its end, good or bad, and another waits for; it goes by steps."""
 
     def __init__(self) -> None:
         self._n_steps = 0

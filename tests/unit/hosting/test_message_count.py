@@ -1,0 +1,112 @@
+"""Counting the messages of a tick."""
+
+import pytest
+
+from mrsfi_runtime.errors import ProtocolError, TransportError, TransportTimeout
+from mrsfi_runtime.hosting.message_count import GRACE, CountedTopics, MessageCount
+from mrsfi_runtime.transport.local_bus import LocalBus
+from mrsfi_runtime.transport.topics import Topic
+
+SPEED = Topic("/a", "std_msgs/Float64")
+
+
+@pytest.fixture
+def count():
+    count = MessageCount("simulation")
+    for topic in ("/a", "/b", "/c"):
+        count.know(topic)
+    count.open()
+    return count
+
+
+def test_a_tick_is_complete_when_its_announced_messages_are_there(count):
+    steps = [count.count("/a"), count.count("/b"), count.announce(0, 2)]
+
+    assert steps == [False, False, True]
+
+
+def test_a_message_may_come_after_its_announcement(count):
+    steps = [count.count("/a"), count.announce(0, 2), count.count("/b")]
+
+    assert steps == [False, False, True]
+
+
+def test_every_tick_begins_anew(count):
+    for tick in range(3):
+        assert not count.count("/a")
+        assert count.announce(tick, 1)
+        count.turn()
+
+
+def test_a_topic_speaks_once_a_tick(count):
+    count.count("/a")
+
+    with pytest.raises(ProtocolError, match="two messages on /a"):
+        count.count("/a")
+
+
+def test_more_messages_than_announced_are_an_error(count):
+    count.count("/a")
+    count.count("/b")
+
+    with pytest.raises(ProtocolError, match=r"2 messages .* it announced 1"):
+        count.announce(0, 1)
+
+
+@pytest.mark.parametrize("tick", [-1, 1, 7])
+def test_another_tick_than_the_expected_one_is_an_error(count, tick):
+    with pytest.raises(ProtocolError, match=f"announced tick {tick}; expected tick 0"):
+        count.announce(tick, 0)
+
+
+def test_a_tick_that_is_announced_twice_is_an_error(count):
+    count.announce(0, 1)
+
+    with pytest.raises(ProtocolError, match="announced tick 0; expected tick 1"):
+        count.announce(0, 1)
+
+
+def test_what_is_missing_is_overdue_after_the_grace(count):
+    count.count("/b")
+    count.announce(0, 2)
+
+    assert count.overdue(GRACE / 2, 10.0) is None
+    error = count.overdue(2 * GRACE, 10.0)
+    assert type(error) is TransportError
+    assert "1 of 2 messages of the simulation arrived; nothing on /a, /c" in str(error)
+
+
+def test_silence_is_overdue_after_the_timeout(count):
+    assert count.overdue(9.9, 10.0) is None
+    assert type(count.overdue(10.1, 10.0)) is TransportTimeout
+
+
+def test_between_runs_nothing_counts_and_nothing_is_overdue(count):
+    count.close()
+
+    assert not count.count("/a")
+    assert not count.count("/a")
+    assert count.overdue(1e9, 1.0) is None
+
+
+def test_a_message_that_cannot_be_read_names_its_topic(count):
+    bus = LocalBus()
+    transport = CountedTopics(bus, count, lambda: None)
+    transport.subscribe(SPEED, lambda payload: float(payload["data"]))
+
+    with pytest.raises(ProtocolError, match=r"/a carried .* expected std_msgs/Float64"):
+        bus.advertise(SPEED)({"data": None})
+
+
+def test_muted_topics_publish_nothing(count):
+    bus, received = LocalBus(), []
+    bus.subscribe(SPEED, received.append)
+    transport = CountedTopics(bus, count, lambda: None)
+    publish = transport.advertise(SPEED)
+
+    publish({"data": 1.0})
+    transport.is_muted = True
+    publish({"data": 2.0})
+
+    assert received == [{"data": 1.0}]
+    assert transport.n_sent == 1
