@@ -120,7 +120,10 @@ def _raise(error: Exception) -> None:
 
 @contextmanager
 def sides(
-    code: MissionCode, tamper: Tamper | None = None, patience: Patience = PATIENCE
+    code: MissionCode,
+    tamper: Tamper | None = None,
+    patience: Patience = PATIENCE,
+    patience_of_ci: Patience | None = None,
 ) -> Iterator[tuple[SimulationHost, BusLockstep, QueuedTransport]]:
     """Yield the two sides of a mission on a bus, and the transport of the CI."""
     bus = QueuedBus(tamper)
@@ -129,7 +132,9 @@ def sides(
     try:
         yield (
             simulation,
-            BusLockstep(transport, code.mission, code.interface, code.truth, patience),
+            BusLockstep(
+                transport, code.mission, code.interface, code.truth, patience_of_ci or patience
+            ),
             transport,
         )
     finally:

@@ -326,14 +326,12 @@ def test_a_robot_without_true_state_is_told():
 
 
 def test_a_silent_ci_in_mid_run_ends_the_simulation():
-    with sides(CODE, nth(GO, 17, lose)) as (simulation, lockstep, _):
-        with suppress(TransportTimeout):
-            thread = Thread(target=lambda: suppressed(lockstep))
-            thread.start()
-            with pytest.raises(
-                TransportTimeout, match="collective intelligence was silent for 2 s"
-            ):
-                simulation.serve()
+    patient = Patience(tick=6.0)  # it would tell the simulation to stop
+    with sides(CODE, nth(GO, 17, lose), patience_of_ci=patient) as (simulation, lockstep, _):
+        thread = Thread(target=lambda: suppressed(lockstep))
+        thread.start()
+        with pytest.raises(TransportTimeout, match="collective intelligence was silent for 2 s"):
+            simulation.serve()
         thread.join()
 
 
