@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.mission import load_code
 from tests.interop.eclipse import Note
 from tests.support.cli import (
@@ -24,7 +26,7 @@ from tests.support.cli import (
 )
 from tests.support.missing import skip
 from tests.support.page_simulator import page_simulator
-from tests.support.rosbridge import process
+from tests.support.rosbridge import Relay, code_of, digests, process
 
 EXAMPLE = ROOT / "examples" / "mujoco_simulator"
 SIMULATOR = EXAMPLE / "simulator.py"
@@ -109,6 +111,21 @@ def test_the_same_seed_gives_the_same_flight(
 
     assert again == flight
     assert other["digest"] != flight["digest"]
+
+
+def test_order_within_topics_is_all_that_it_needs() -> None:
+    require_mujoco()
+    code, flown = code_of(MISSION, 60), []
+    for scatter in (0.0, 0.02):
+        with (
+            EmbeddedBridge() as server,
+            Relay(server.url, scatter=scatter) as relay,
+            simulator(relay.url),
+            RosbridgeEngine(code, 1, url=server.url, has_simulation=False) as engine,
+        ):
+            flown.append(digests(engine, range(2)))
+
+    assert flown[0] == flown[1]
 
 
 def test_a_stopped_vehicle_misses_its_samples(

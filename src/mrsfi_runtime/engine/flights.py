@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import Self, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError
-from mrsfi_runtime.hosting.lockstep import Boarding, Flight, Observer
+from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker, Observer
 from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.kernel.injections import Plan, plan
 from mrsfi_runtime.kernel.packing import state_bytes
@@ -126,29 +126,29 @@ class PlainEngine(Engine):
     """Flies on plain Python objects: any Python is allowed in a region, and a debugger works."""
 
     @abstractmethod
-    def _fly(self, board: Boarding) -> Flight:
-        """Return the flight that ``board`` makes, after its last tick."""
+    def _fly(self, make_flight: FlightMaker) -> Flight:
+        """Return the flight that ``make_flight`` makes, after its last tick."""
 
     def _evaluate(
         self, specification: Specification, pool: FaultPool, observer: Observer | None
     ) -> Outcome:
         code = self.code
         laid_out = plan(code.mission, pool, specification)
-        boarded: list[Flight] = []
+        made: list[Flight] = []
 
-        def board(interface: SimInterface, world: State) -> Flight:
+        def make_flight(interface: SimInterface, world: State) -> Flight:
             flight = Flight(
                 code.functions, code.mission, self.seed, interface, world, laid_out, observer
             )
-            boarded.append(flight)
+            made.append(flight)
             return flight
 
         try:
-            flight = self._fly(board)
+            flight = self._fly(make_flight)
         except MrsfiError:
             raise
         except Exception as error:
-            tick = boarded[0].world.mission.tick if boarded else 0
+            tick = made[0].world.mission.tick if made else 0
             what = f"mission '{code.mission.name}' failed at tick {tick}"
             raise failed(error, code.directory, what) from error
         return _outcome(flight, laid_out)

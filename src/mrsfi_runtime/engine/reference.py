@@ -8,7 +8,7 @@ Source paper, section III-G and Figure 4.
 """
 
 from mrsfi_runtime.engine.flights import PlainEngine
-from mrsfi_runtime.hosting.lockstep import Boarding, Flight, fly
+from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker, fly
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.transport.local_bus import LocalBus
 
@@ -25,8 +25,8 @@ class ReferenceEngine(PlainEngine):
     def close(self) -> None:
         """Do nothing: the engine holds nothing but memory."""
 
-    def _fly(self, board: Boarding) -> Flight:
+    def _fly(self, make_flight: FlightMaker) -> Flight:
         self._simulation.reset(self.seed)
-        flight = board(self._interface, self._simulation.world)
+        flight = make_flight(self._interface, self._simulation.world)
         fly(self._simulation, flight, self.code.mission.duration)
         return flight

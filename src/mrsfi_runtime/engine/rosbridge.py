@@ -25,7 +25,7 @@ from mrsfi_runtime.errors import (
 )
 from mrsfi_runtime.hosting.bundle import BundlingTransport
 from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
-from mrsfi_runtime.hosting.lockstep import Boarding, Flight
+from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker
 from mrsfi_runtime.hosting.lockstep_topics import GO_BUNDLE
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode
@@ -191,9 +191,9 @@ class RosbridgeEngine(PlainEngine):
         """Close the connection and end the simulation process."""
         self._opened.close()
 
-    def _fly(self, board: Boarding) -> Flight:
+    def _fly(self, make_flight: FlightMaker) -> Flight:
         try:
-            return self._lockstep.fly(self.seed, board)
+            return self._lockstep.fly(self.seed, make_flight)
         except TransportTimeout as error:
             if not self._may_be_deaf or self._lockstep.tick:
                 raise

@@ -15,7 +15,7 @@ from mrsfi_runtime.errors import (
     TransportError,
     TransportTimeout,
 )
-from mrsfi_runtime.hosting.lockstep import Boarding, Flight
+from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker
 from mrsfi_runtime.hosting.lockstep_topics import (
     CLOCK,
     FAILURE,
@@ -98,14 +98,14 @@ class BusLockstep:
         """Return the tick that the run has reached."""
         return self._received.tick
 
-    def fly(self, seed: int, board: Boarding) -> Flight:
+    def fly(self, seed: int, make_flight: FlightMaker) -> Flight:
         """Fly a run to its end.
 
         Parameters
         ----------
         seed
             Mission seed.
-        board
+        make_flight
             Makes the flight, once the simulation is ready for it. Its true state is moved by
             what the simulation says is true.
 
@@ -124,7 +124,7 @@ class BusLockstep:
         """
         try:
             self._prepare(seed)
-            flight = self._flight = self._board(seed, board)
+            flight = self._flight = self._new_flight(seed, make_flight)
             self._completion = Completion()
             self._received.open()
             flight.begin(tells_all=True)  # the simulation may be somebody else's
@@ -188,12 +188,12 @@ class BusLockstep:
         completion.wait(overdue)
         return replies[0]
 
-    def _board(self, seed: int, board: Boarding) -> Flight:
+    def _new_flight(self, seed: int, make_flight: FlightMaker) -> Flight:
         self._interface.reset()
         self._truth.clear()
         self._is_thinking = False
         self._topics.begin()
-        flight = board(self._interface, initial_state(self._mission, seed))
+        flight = make_flight(self._interface, initial_state(self._mission, seed))
         flight.world.commands = flight.sent.commands  # as if they had reached it at once
         flight.world.switches = flight.sent.switches
         return flight

@@ -133,7 +133,7 @@ class Flight:
                 interface.sensors[index].set_active(switch.active == 1)
 
 
-Boarding: TypeAlias = Callable[[SimInterface, State], Flight]
+FlightMaker: TypeAlias = Callable[[SimInterface, State], Flight]
 """Makes a flight before its first tick, of an interface and a true state that others move."""
 
 
