@@ -12,7 +12,7 @@ from mrsfi_runtime.kernel.state import (
     ChartedState,
     CommandState,
     GoalState,
-    GridState,
+    LookupState,
     MapState,
     MemberState,
     MissionState,
@@ -90,11 +90,7 @@ def initial_state(mission: Mission, seed: int) -> State:
         map=MapState(0.0, 0.0, 1.0, 0.0, 0),
         cells=(),
         mapped=(),
-        grid=GridState(1.0, 0, 0),
-        heads=[],
-        buckets=[],
-        charted=[],
-        nearby=[0] * len(mission.robots),
+        lookup=LookupState(1.0, 0, 0, [], [], [], [0] * len(mission.robots)),
     )
     all_chances: list[int] = []
     for index, robot in enumerate(mission.robots):
@@ -169,10 +165,11 @@ def _make_room(state: State, mission: Mission) -> None:
     ]
     buckets = n_buckets(max(wanted, default=0))
     if buckets:
-        state.grid = GridState(1.0, buckets, stride(buckets))
-        state.heads = [0] * (buckets + 1)
-        state.buckets = [0] * max(wanted)
-        state.charted = [ChartedState(0, 0.0, 0.0) for _ in range(max(wanted))]
+        lookup = state.lookup
+        lookup.n_buckets, lookup.stride = buckets, stride(buckets)
+        lookup.heads = [0] * (buckets + 1)
+        lookup.buckets = [0] * max(wanted)
+        lookup.charted = [ChartedState(0, 0.0, 0.0) for _ in range(max(wanted))]
 
 
 def _obstacle(area: Area) -> ObstacleState:

@@ -5,7 +5,7 @@ that it serves robots wherever they are believed to be.
 """
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.state import GoalState, State
+from mrsfi_runtime.kernel.state import GoalState, LookupState, State
 
 FEW = 24
 """Members up to which a goal's robots are looked at one by one."""
@@ -54,38 +54,38 @@ def chart(view: State, goal: GoalState, size: float) -> None:
 
     Notes
     -----
-    Counting sort: ``State.heads`` first counts the robots of each bucket, then tells where
-    each bucket ends in ``State.charted``, and last, where it begins.
+    Counting sort: ``LookupState.heads`` first counts the robots of each bucket, then tells where
+    each bucket ends in ``charted``, and last, where it begins.
     """
     if goal.n_members <= FEW:
         return
-    grid = view.grid
+    lookup = view.lookup
     per_unit = 1.0 / size
-    grid.cells_per_unit = per_unit
-    for bucket in range(grid.n_buckets + 1):
-        view.heads[bucket] = 0
+    lookup.cells_per_unit = per_unit
+    for bucket in range(lookup.n_buckets + 1):
+        lookup.heads[bucket] = 0
     for k in range(goal.n_members):
         robot = view.robots[view.members[goal.first_member + k].robot]
-        bucket = bucket_of(view, cell(robot.x, per_unit), cell(robot.y, per_unit))
-        view.buckets[k] = bucket
-        view.heads[bucket] += 1
+        bucket = bucket_of(lookup, cell(robot.x, per_unit), cell(robot.y, per_unit))
+        lookup.buckets[k] = bucket
+        lookup.heads[bucket] += 1
     end = 0
-    for bucket in range(grid.n_buckets + 1):
-        end += view.heads[bucket]
-        view.heads[bucket] = end
+    for bucket in range(lookup.n_buckets + 1):
+        end += lookup.heads[bucket]
+        lookup.heads[bucket] = end
     for k in range(goal.n_members):
-        bucket = view.buckets[k]
-        view.heads[bucket] -= 1
-        charted = view.charted[view.heads[bucket]]
+        bucket = lookup.buckets[k]
+        lookup.heads[bucket] -= 1
+        charted = lookup.charted[lookup.heads[bucket]]
         charted.robot = view.members[goal.first_member + k].robot
         charted.x = view.robots[charted.robot].x
         charted.y = view.robots[charted.robot].y
 
 
 @kernel
-def bucket_of(view: State, column: int, row: int) -> int:
+def bucket_of(lookup: LookupState, column: int, row: int) -> int:
     """Return the bucket of a cell."""
-    return (column + row * view.grid.stride) & (view.grid.n_buckets - 1)
+    return (column + row * lookup.stride) & (lookup.n_buckets - 1)
 
 
 @kernel
@@ -106,12 +106,13 @@ def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
     Returns
     -------
     int
-        Their number; their indices stand first in ``State.nearby``.
+        Their number; their indices stand first in ``State.lookup.nearby``.
     """
+    lookup = view.lookup
     x = view.robots[index].x
     y = view.robots[index].y
     if goal.n_members > FEW:
-        per_unit = view.grid.cells_per_unit
+        per_unit = lookup.cells_per_unit
         left = cell(x - reach, per_unit)
         right = cell(x + reach, per_unit)
         low = cell(y - reach, per_unit)
@@ -123,7 +124,7 @@ def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
         other = view.members[m].robot
         robot = view.robots[other]
         if other != index and is_near(robot.x - x, robot.y - y, reach):
-            view.nearby[n] = other
+            lookup.nearby[n] = other
             n += 1
     return n
 
@@ -133,11 +134,12 @@ def gather_cells(
     view: State, index: int, reach: float, left: int, right: int, low: int, high: int
 ) -> int:
     """Collect the robots of a rectangle of cells that are near another; as ``gather``."""
-    last = view.grid.n_buckets - 1
+    lookup = view.lookup
+    last = lookup.n_buckets - 1
     n = 0
     for row in range(low, high + 1):
-        begin = bucket_of(view, left, row)
-        end = bucket_of(view, right, row)
+        begin = bucket_of(lookup, left, row)
+        end = bucket_of(lookup, right, row)
         if begin > end:  # the row goes on in the first bucket
             n = gather_buckets(view, index, reach, begin, last, n)
             begin = 0
@@ -156,12 +158,13 @@ def gather_buckets(
     All are written down, and what is not near is written over: compiled, that is faster than
     a branch that nobody can predict.
     """
+    lookup = view.lookup
     x = view.robots[index].x
     y = view.robots[index].y
     n = n_before
-    for k in range(view.heads[begin], view.heads[end + 1]):
-        other = view.charted[k]
-        view.nearby[n] = other.robot
+    for k in range(lookup.heads[begin], lookup.heads[end + 1]):
+        other = lookup.charted[k]
+        lookup.nearby[n] = other.robot
         n += is_near(other.x - x, other.y - y, reach) & (other.robot != index)
     return n
 

@@ -177,21 +177,29 @@ class MappedState:
 
 
 @dataclass(slots=True)
-class GridState:
-    """The grid in which ``kernel.neighbours`` looks robots up: how fine, and its buckets."""
-
-    cells_per_unit: float
-    n_buckets: int
-    stride: int
-
-
-@dataclass(slots=True)
 class ChartedState:
-    """A robot in the grid, and where it was when it was sorted in."""
+    """A robot in the grid of ``kernel.neighbours``, and where it was when it was sorted in."""
 
     robot: int
     x: float
     y: float
+
+
+@dataclass(slots=True)
+class LookupState:
+    """Room in which ``kernel.neighbours`` looks robots up; nothing in it is known, or remembered.
+
+    A grid, how fine, and its buckets: ``heads`` tells where each bucket's robots begin in
+    ``charted``, ``buckets`` has that of each member. ``nearby`` are the robots found last.
+    """
+
+    cells_per_unit: float
+    n_buckets: int
+    stride: int
+    heads: list[int]
+    buckets: list[int]
+    charted: list[ChartedState]
+    nearby: list[int]
 
 
 @dataclass(slots=True)
@@ -200,8 +208,7 @@ class State:
 
     Tuples are tables that nobody writes to, the same in every state of a mission.
     ``directions`` are the unit vectors of whole degrees. ``cells`` tells where the obstacles of
-    each cell of the map begin in ``mapped``. ``grid`` and what follows is room to look up
-    neighbours; nothing is remembered there.
+    each cell of the map begin in ``mapped``. ``lookup`` is no knowledge: robots are found there.
     """
 
     mission: MissionState
@@ -219,8 +226,4 @@ class State:
     map: MapState
     cells: tuple[int, ...]
     mapped: tuple[MappedState, ...]
-    grid: GridState
-    heads: list[int]
-    buckets: list[int]
-    charted: list[ChartedState]
-    nearby: list[int]
+    lookup: LookupState

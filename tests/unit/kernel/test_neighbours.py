@@ -87,7 +87,7 @@ def test_gathering_finds_every_member_within_reach_once(view, size, reach):
     neighbours.chart(view, goal, size)
 
     for index, own in enumerate(view.robots):
-        found = view.nearby[: neighbours.gather(view, goal, index, reach)]
+        found = view.lookup.nearby[: neighbours.gather(view, goal, index, reach)]
         assert sorted(found) == [
             other
             for other, each in enumerate(view.robots)

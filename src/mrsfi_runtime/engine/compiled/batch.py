@@ -84,4 +84,5 @@ class Batch:
 
     @cached_property
     def _packed(self) -> tuple[Records, Records]:
-        return packed(self.worlds), packed(self.beliefs)
+        kind = self._recorded_type
+        return packed(self.results["world"], kind), packed(self.results["belief"], kind)

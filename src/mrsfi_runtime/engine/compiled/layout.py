@@ -65,14 +65,14 @@ def state_type(state: State) -> np.dtype[Any]:
     """Return the layout of a state: what is recorded, what else changes, tables."""
     hints = get_type_hints(State)
     names = sorted(hints, key=lambda name: (name in TABLES, name not in COLUMNS))
-    return np.dtype([_member(name, hints[name], state) for name in names])
+    return np.dtype([_member(name, hints[name], getattr(state, name)) for name in names])
 
 
 def recorded_type(state: State) -> np.dtype[Any]:
     """Return the layout of what is recorded of a state: its beginning, as far as it changes."""
     hints = get_type_hints(State)
     names = [name for name in hints if name in COLUMNS]
-    return np.dtype([_member(name, hints[name], state) for name in names])
+    return np.dtype([_member(name, hints[name], getattr(state, name)) for name in names])
 
 
 def words(states: Records) -> npt.NDArray[np.int64]:
@@ -91,21 +91,26 @@ def _split(states: Records) -> list[npt.NDArray[np.int64]]:
     return np.split(states.view(np.int64).reshape(len(states), -1), [n_words], axis=1)
 
 
-def _member(name: str, hint: Any, state: State) -> tuple[Any, ...]:
+def _member(name: str, hint: Any, value: Any) -> tuple[Any, ...]:
+    """Return the layout of a record's field: a number, a record, or a list of either."""
+    if hint in _KINDS:
+        return name, _KINDS[hint]
     elements = get_args(hint)
-    if not elements:
-        return name, record_type(hint)
-    kind = _KINDS[int] if elements[0] is int else record_type(elements[0])
-    return name, kind, (len(getattr(state, name)),)
+    if elements:
+        return name, _KINDS.get(elements[0]) or record_type(elements[0]), (len(value),)
+    members = get_type_hints(hint).items()
+    return name, np.dtype([_member(inner, kind, getattr(value, inner)) for inner, kind in members])
 
 
-def write_state(row: Any, state: State) -> None:
-    """Copy a state into a record of its layout."""
-    for name, hint in get_type_hints(State).items():
+def write_state(row: Any, state: Any) -> None:
+    """Copy a state, or a record in it, into a record of its layout."""
+    for name, hint in get_type_hints(type(state)).items():
         elements = get_args(hint)
         value = getattr(state, name)
-        if not elements:
-            row[name] = astuple(value)
+        if hint in _KINDS:
+            row[name] = value
+        elif not elements:
+            write_state(row[name], value)
         elif value:
             row[name] = value if elements[0] is int else [astuple(record) for record in value]
 
@@ -152,14 +157,28 @@ def read_words(values: Records, kind: np.dtype[Any]) -> Records:
     return np.ascontiguousarray(values).view(kind).reshape(len(values))
 
 
-def packed(recorded: Records) -> npt.NDArray[np.float64]:
-    """Return what ``kernel.packing.state_bytes`` packs of recorded states, a row each."""
-    parts = [
-        np.stack([recorded[name][column].astype(np.float64) for column in columns], axis=-1)
-        for name, columns in COLUMNS.items()
-    ]
-    n = len(recorded)
-    return np.concatenate([part.reshape(n, -1) for part in parts], axis=1) + 0.0
+def packed(words: Records, kind: np.dtype[Any]) -> npt.NDArray[np.float64]:
+    """Return what ``kernel.packing.state_bytes`` packs of states, a row each; as ``read_words``."""
+    places, is_float = _columns(kind)
+    taken = words[:, places]
+    values: npt.NDArray[np.float64] = np.where(is_float, taken.view(np.float64), taken)
+    return values + 0.0
+
+
+@lru_cache(maxsize=16)
+def _columns(kind: Any) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.bool_]]:
+    """Return which word of a recorded state each packed value is, and whether that is a float."""
+    places: list[int] = []
+    is_float: list[bool] = []
+    for name, columns in COLUMNS.items():
+        records, begin = kind.fields[name][:2]
+        record, (length,) = records.subdtype
+        for first in range(begin, begin + length * record.itemsize, record.itemsize):
+            for column in columns:
+                number, offset = record.fields[column][:2]
+                places.append((first + offset) // 8)
+                is_float.append(number.kind == "f")
+    return np.array(places), np.array(is_float)
 
 
 def read_recorded(state: State, recorded: Any) -> None:

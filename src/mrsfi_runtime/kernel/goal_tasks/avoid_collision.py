@@ -109,7 +109,7 @@ def hits_neighbour(view: State, goal: GoalState, both: float) -> bool:
         index = view.members[m].robot
         robot = view.robots[index]
         for k in range(gather(view, goal, index, both)):
-            other = view.robots[view.nearby[k]]
+            other = view.robots[view.lookup.nearby[k]]
             if overlap(other.x - robot.x, other.y - robot.y, both):
                 return True
     return False

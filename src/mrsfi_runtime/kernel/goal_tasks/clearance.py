@@ -42,7 +42,7 @@ def clearance(
     ci, goal, index
         Local state, an AvoidCollision goal, and the index of the robot.
     n_near
-        Number of robots in ``ci.nearby`` that may come nearer than ``limit``.
+        Number of robots in ``ci.lookup.nearby`` that may come nearer than ``limit``.
     x, y
         Unit vector of the heading to judge.
     limit
@@ -56,7 +56,7 @@ def clearance(
     step = pace(ci, index)
     least = clearance_of_obstacles(ci, goal, index, step * x, step * y, limit)
     for k in range(n_near):
-        other = ci.nearby[k]
+        other = ci.lookup.nearby[k]
         dx = ci.robots[other].x - robot.x
         dy = ci.robots[other].y - robot.y
         other_step = pace(ci, other)
