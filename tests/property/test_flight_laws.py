@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
@@ -12,6 +12,7 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.targets import require_no_overlap, touched
 from mrsfi_runtime.record.trace import TraceDigest
 from tests.support.world import paper_code
+from tests.tiers import law
 
 DURATION = 60
 CODE = paper_code(DURATION)
@@ -44,13 +45,13 @@ def free_trace(seed):
     return trace((), seed)
 
 
-@settings(max_examples=40, deadline=None)
+@law(40)
 @given(specifications(first=DURATION), st.integers(0, 3))
 def test_faults_after_the_end_are_no_faults_tick_by_tick(specification, seed):
     assert trace(specification, seed) == free_trace(seed)
 
 
-@settings(max_examples=40, deadline=None)
+@law(40)
 @given(specifications(), st.integers(0, 2**40))
 def test_the_same_seed_flies_the_same_and_one_engine_forgets_its_last_flight(specification, seed):
     engine = ReferenceEngine(CODE, seed)
@@ -62,7 +63,7 @@ def test_the_same_seed_flies_the_same_and_one_engine_forgets_its_last_flight(spe
     assert ReferenceEngine(CODE, seed).evaluate(specification) == first
 
 
-@settings(max_examples=60, deadline=None)
+@law(60)
 @given(specifications(), st.integers(0, 2**40))
 def test_what_no_active_fault_touches_is_believed_as_it_is(specification, seed):
     windows = [
@@ -101,7 +102,7 @@ def test_what_no_active_fault_touches_is_believed_as_it_is(specification, seed):
     ReferenceEngine(CODE, seed).evaluate(specification, observer=watch)
 
 
-@settings(max_examples=40, deadline=None)
+@law(40)
 @given(specifications(), st.integers(0, 2**40))
 def test_violations_are_counted_once_per_goal_and_tick(specification, seed):
     ticks = []

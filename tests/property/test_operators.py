@@ -5,7 +5,7 @@ from itertools import combinations
 from random import Random
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
@@ -19,9 +19,10 @@ from mrsfi_runtime.search.specifications import random_specification
 from mrsfi_runtime.search.steps import STEPS, Step, crept, dropped, filled, widened
 from mrsfi_runtime.search.variation import crossed, mutated
 from tests.support.search import PAPER_FAULTS, paper_mission, paper_space, pool_of, random_pair
+from tests.tiers import law
 
 FAULT_IDS = [fault.id for fault in PAPER_FAULTS]
-LAW = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+LAW = law(150, suppress_health_check=[HealthCheck.too_slow])
 
 durations = st.one_of(st.integers(1, 12), st.integers(1, 10_000))
 pools = st.lists(st.sampled_from(FAULT_IDS), min_size=1, max_size=30, unique=True)
@@ -259,7 +260,7 @@ def legal_exchanges(
     return False
 
 
-@settings(LAW, max_examples=400)
+@law(400, suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.integers(1, 40),
     st.lists(st.sampled_from(FAULT_IDS), min_size=1, max_size=4, unique=True),

@@ -3,7 +3,7 @@
 from itertools import combinations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.api import AvoidCollision
@@ -14,6 +14,7 @@ from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle
 from tests.support.world import mission, robot, state
+from tests.tiers import law
 
 places = st.floats(-150.0, 150.0) | st.sampled_from([0.0, 2.0, 16.0, -1e300, 1e300, 1e6])
 points = st.tuples(places, places)
@@ -75,13 +76,13 @@ def least_gap(ci, index, x, y, limit):
 
 
 @given(fleets(most=60))
-@settings(max_examples=150)
+@law(150)
 def test_discs_overlap_exactly_where_some_pair_does(view):
     assert avoid_collision.violated(view, 0) is overlapping(view)
 
 
 @given(fleets(most=60), st.floats(0.5, 500.0), st.floats(0.5, 300.0))
-@settings(max_examples=150)
+@law(150)
 def test_gathering_finds_every_member_within_reach_once(view, size, reach):
     goal = view.goals[0]
     neighbours.chart(view, goal, size)
@@ -96,7 +97,7 @@ def test_gathering_finds_every_member_within_reach_once(view, size, reach):
 
 
 @given(fleets(most=40), st.sampled_from([1.0, 80.0]), st.integers(0, 359))
-@settings(max_examples=150)
+@law(150)
 def test_the_clearance_of_a_heading_is_the_least_of_all_gaps(ci, limit, degrees):
     goal = ci.goals[0]
     heading = ci.directions[degrees]
@@ -123,7 +124,7 @@ def test_no_two_cells_of_a_square_share_a_bucket(n_members):
 
 
 @given(st.lists(st.tuples(points, st.floats(0.5, 900.0)), max_size=8), points)
-@settings(max_examples=150)
+@law(150)
 def test_the_map_shows_every_obstacle_within_its_reach_nearest_first(placed, point):
     rocks = tuple(rock(n, *place, radius) for n, (place, radius) in enumerate(placed))
     view = state(obstacles=rocks)
