@@ -1,0 +1,332 @@
+"""Which defects the tests find: seeded single mutations of product code, tier by tier.
+
+Run ``python -m benchmarks.mutants 40 --out runs/mutants.jsonl``. Each mutant is one changed
+place in a copy of the tree: a comparison, an operator, a number, an ``and``, a ``not``, what is
+returned, or a statement that is gone. The tiers run on it one after the other, cheapest first,
+until a test of one fails: that tier has killed it. What was judged stands in the file, one line
+of JSON each; the same command again goes on where it was stopped. Tests that fail in the copy
+without any mutation are left out, and named.
+"""
+
+import argparse
+import ast
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from copy import deepcopy
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from threading import Lock, local
+
+ROOT = Path(__file__).resolve().parents[1]
+PRODUCT = ("m2t", "src")
+TIERS = ("quick", "test", "rest")
+
+_COMPARISONS = {
+    ast.Eq: ast.NotEq, ast.NotEq: ast.Eq, ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE,
+    ast.GtE: ast.Gt, ast.In: ast.NotIn, ast.NotIn: ast.In, ast.Is: ast.IsNot, ast.IsNot: ast.Is,
+}  # fmt: skip
+_OPERATORS = {
+    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult,
+    ast.FloorDiv: ast.Mult, ast.Mod: ast.Mult, ast.BitOr: ast.BitAnd, ast.BitAnd: ast.BitOr,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One changed place.
+
+    Attributes
+    ----------
+    file, line
+        Where it is, from the root of the tree.
+    begin, end
+        What is replaced, in bytes of the file.
+    before, after
+        The text there, and what takes its place.
+    kind
+        What was changed.
+    """
+
+    file: str
+    line: int
+    begin: int
+    end: int
+    before: str
+    after: str
+    kind: str
+
+    def __str__(self) -> str:
+        one, two = (" ".join(text.split())[:60] for text in (self.before, self.after))
+        return f"{self.file}:{self.line} ({self.kind}): {one}  ->  {two}"
+
+    def apply(self, root: Path) -> None:
+        """Write the mutant into a copy of the tree."""
+        content = (ROOT / self.file).read_bytes()
+        text = content[: self.begin] + self.after.encode() + content[self.end :]
+        (root / self.file).write_bytes(text)
+
+
+def changes(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+    """Yield what may become of a node, each with the kind of change."""
+    if isinstance(node, ast.stmt):
+        yield from _of_statement(node)
+    elif isinstance(node, ast.Constant):
+        yield from _of_constant(node.value)
+    else:
+        yield from _of_expression(deepcopy(node))
+
+
+def _of_statement(node: ast.stmt) -> Iterator[tuple[str, ast.AST]]:
+    match node:
+        case ast.Return(value=ast.expr() as value) if ast.unparse(value) != "None":
+            yield "return", ast.Return(ast.Constant(None))
+        case ast.Assign() | ast.AugAssign() | ast.Expr(value=ast.Call()):
+            yield "statement gone", ast.Pass()
+
+
+def _of_constant(value: object) -> Iterator[tuple[str, ast.AST]]:
+    if isinstance(value, bool):
+        yield "truth", ast.Constant(not value)
+    elif isinstance(value, int | float):
+        yield "number", ast.Constant(value + 1)
+        yield "number", ast.Constant(value - 1)
+
+
+def _of_expression(changed: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+    match changed:
+        case ast.Compare(ops=[operator]) if type(operator) in _COMPARISONS:
+            changed.ops = [_COMPARISONS[type(operator)]()]
+            yield "comparison", changed
+        case ast.BinOp() if type(changed.op) in _OPERATORS:
+            changed.op = _OPERATORS[type(changed.op)]()
+            yield "operator", changed
+        case ast.BoolOp():
+            changed.op = ast.Or() if isinstance(changed.op, ast.And) else ast.And()
+            yield "and, or", changed
+        case ast.UnaryOp(op=ast.Not()):
+            yield "not", changed.operand
+
+
+def _code(node: ast.AST) -> Iterator[ast.AST]:
+    """Walk what runs inside of functions: no annotation, decorator or text of a message."""
+    skipped = (ast.JoinedStr, ast.Raise, ast.arguments, ast.AnnAssign)
+    for name, value in ast.iter_fields(node):
+        if name in ("annotation", "returns", "decorator_list"):
+            continue
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.AST) and not isinstance(child, skipped):
+                yield child
+                yield from _code(child)
+
+
+def mutants(file: Path) -> Iterator[Mutant]:
+    """Yield all mutants of a file."""
+    content = file.read_bytes()
+    starts = [0]
+    for line in content.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+    tree = ast.parse(content)
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    nested = {inner for outer in functions for inner in ast.walk(outer) if inner is not outer}
+    for function in functions:
+        if function in nested:
+            continue
+        for node in _code(function):
+            for kind, changed in changes(node):
+                begin = starts[node.lineno - 1] + node.col_offset
+                end = starts[node.end_lineno - 1] + node.end_col_offset
+                text = ast.unparse(ast.fix_missing_locations(changed))
+                after = text if isinstance(changed, ast.stmt) else f"({text})"
+                before = content[begin:end].decode()
+                name = str(file.relative_to(ROOT))
+                yield Mutant(name, node.lineno, begin, end, before, after, kind)
+
+
+def drawn(seed: int, only: str) -> list[Mutant]:
+    """Return all mutants of the product in an order drawn from a seed, the kinds in turn."""
+    files = sorted(file for folder in PRODUCT for file in (ROOT / folder).rglob("*.py"))
+    found = [
+        each for file in files if only in str(file.relative_to(ROOT)) for each in mutants(file)
+    ]
+    random.Random(seed).shuffle(found)
+    turn: Counter[str] = Counter()
+    places = {}
+    for each in found:
+        places[each] = turn[each.kind], each.kind
+        turn[each.kind] += 1
+    return sorted(found, key=places.__getitem__)
+
+
+class Copy:
+    """A copy of the tree in which mutants are judged one after the other.
+
+    Parameters
+    ----------
+    folder
+        Where the copy is made.
+    left_out
+        Tests that do not take part.
+    limit
+        Seconds that a tier may take; a mutant that takes longer is killed by the clock.
+    """
+
+    def __init__(self, folder: Path, left_out: list[str], limit: float) -> None:
+        self.root = folder / "tree"
+        self._cache = folder.parent / "compiled"
+        self._left_out = left_out
+        self._limit = limit
+        listed = subprocess.run(
+            ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+            cwd=ROOT, check=True, capture_output=True, text=True,
+        ).stdout  # fmt: skip
+        for name in filter(None, listed.split("\0")):
+            if (ROOT / name).is_file():
+                (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(ROOT / name, self.root / name)
+
+    def judge(self, mutant: Mutant, tiers: list[str]) -> dict[str, object]:
+        """Return which tier killed a mutant, by which test, and in how many seconds."""
+        begun = time.monotonic()
+        mutant.apply(self.root)
+        try:
+            for tier in tiers:
+                failed = self.failed(tier, "--exitfirst")
+                if failed:
+                    break
+            else:
+                tier, failed = "", [""]
+        finally:
+            shutil.copy2(ROOT / mutant.file, self.root / mutant.file)
+        return {"killed_by": tier, "test": failed[0], "seconds": round(time.monotonic() - begun)}
+
+    def failed(self, tier: str, *options: str) -> list[str]:
+        """Return the tests of a tier that fail here."""
+        out = [f"--deselect={test}" for test in self._left_out]
+        command = [sys.executable, "-m", "pytest", "-q", "-rfE", "-n0", "--tier", tier, *out]
+        command += ["-p", "no:cacheprovider", "--tb=no", "--ignore=tests/interop", *options]
+        paths = [str(self.root / "src"), str(self.root)]
+        environment = os.environ | {
+            "PYTHONPATH": os.pathsep.join(paths),
+            "PYTHONDONTWRITEBYTECODE": "1",  # a mutant may have size and second of the last
+            "MRSFI_CACHE": str(self._cache),
+        }
+        with subprocess.Popen(
+            command, cwd=self.root, env=environment, text=True, start_new_session=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        ) as process:  # fmt: skip
+            try:
+                output, _ = process.communicate(timeout=self._limit)
+            except subprocess.TimeoutExpired:
+                return [f"took more than {self._limit:.0f} s"]
+            finally:
+                _end(process.pid)
+        lines = [line.split(" - ")[0] for line in output.splitlines()]
+        named = [line.split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]
+        return named or ([] if process.returncode == 0 else [output[-300:]])
+
+
+def _end(group: int) -> None:
+    """End what a run of the tests has left behind."""
+    try:
+        os.killpg(group, signal.SIGKILL)
+    except ProcessLookupError:
+        return
+
+
+class Record:
+    """What was judged, in a file of JSON lines that is only appended to."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._lock = Lock()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+        self.lines = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
+
+    def add(self, **line: object) -> None:
+        """Keep a line."""
+        with self._lock, self._path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line) + "\n")
+            self.lines.append(line)
+
+    def verdict(self, mutant: Mutant) -> dict[str, object] | None:
+        """Return what was found of a mutant, if it was judged."""
+        found = (line for line in self.lines if line.get("mutant") == asdict(mutant))
+        return next(found, None)
+
+    def left_out(self, tier: str) -> list[str] | None:
+        """Return which tests of a tier fail without a mutation, if that is known."""
+        found = (line["left_out"] for line in self.lines if line.get("unmutated") == tier)
+        return next(found, None)
+
+
+def measure(arguments: argparse.Namespace, record: Record, folder: Path) -> list[Mutant]:
+    """Judge as many mutants as are wanted, some at a time."""
+    left_out: list[str] = []
+    plain = Copy(folder / "plain", [], arguments.limit)
+    for tier in arguments.tiers:
+        if record.left_out(tier) is None:
+            print(f"running {tier} without a mutation", flush=True)
+            record.add(unmutated=tier, left_out=plain.failed(tier))
+        left_out += record.left_out(tier) or []
+    print(f"left out, because they fail unmutated: {left_out or 'none'}", flush=True)
+    wanted = drawn(arguments.seed, arguments.only)[: arguments.n]
+    mine = local()
+
+    def judge(mutant: Mutant) -> None:
+        if record.verdict(mutant) is None:
+            if not hasattr(mine, "copy"):
+                place = Path(tempfile.mkdtemp(dir=folder))
+                mine.copy = Copy(place, left_out, arguments.limit)
+            found = mine.copy.judge(mutant, arguments.tiers)
+            record.add(mutant=asdict(mutant), **found)
+            print(f"{found['killed_by'] or 'SURVIVED':8} {mutant}  {found['test']}", flush=True)
+
+    with ThreadPoolExecutor(arguments.jobs) as pool:
+        list(pool.map(judge, wanted))
+    return wanted
+
+
+def tell(record: Record, wanted: list[Mutant], tiers: list[str]) -> None:
+    """Print how many mutants each tier kills, and which ones live."""
+    verdicts = [(mutant, record.verdict(mutant) or {}) for mutant in wanted]
+    counts = Counter(found["killed_by"] for _, found in verdicts)
+    n_killed = len(wanted) - counts[""]
+    print(f"\n{n_killed} of {len(wanted)} mutants are killed")
+    for k in range(1, len(tiers) + 1):
+        print(f"  {sum(counts[name] for name in tiers[:k]):4} by {' and '.join(tiers[:k])}")
+    for mutant, found in verdicts:
+        if not found["killed_by"]:
+            print(f"  lives: {mutant}")
+
+
+def main() -> None:
+    """Judge mutants as the command line says."""
+    parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
+    parser.add_argument("n", type=int, help="how many mutants")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--tiers", default=",".join(TIERS), help="cheapest first")
+    parser.add_argument("--only", default="", help="text in the path of what is mutated")
+    parser.add_argument("--jobs", type=int, default=2, help="how many at a time")
+    parser.add_argument("--limit", type=float, default=3600.0, help="seconds a tier may take")
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "mutants.jsonl")
+    arguments = parser.parse_args()
+    arguments.tiers = arguments.tiers.split(",")
+    record = Record(arguments.out)
+    with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
+        wanted = measure(arguments, record, Path(folder))
+    tell(record, wanted, arguments.tiers)
+
+
+if __name__ == "__main__":
+    main()
