@@ -123,6 +123,7 @@ _MISSION: Mapping[str, Needs] = {
     "Obstacle": {**_IDENTIFIED, "area": _part("Area")},
     "Message": {
         **_IDENTIFIED,
+        "header": _value(_TEXT, 0),
         "sender": _link("Station"),
         "receiver": _link("Station"),
         "body": _parts("MessageData", 1),
@@ -171,6 +172,12 @@ _FAULTS: Mapping[str, Needs] = {
     "FaultType": {},
     **_STRUCK,
 }
+
+OWN_TASK = "OwnTask"
+"""What a goal task of a team's own is in the runtime."""
+
+PROGRESSING = frozenset({"GatherSamples", "Patrol", "Visit", "Track", "Stay"})
+"""Goal tasks that note once a tick what their check and reaction have to remember."""
 
 CONTRACT: Mapping[str, Mapping[str, Needs]] = MappingProxyType(
     {"mission": {**_MISSION, **_TASKS}, "faults": _FAULTS}

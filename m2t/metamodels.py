@@ -13,7 +13,7 @@ from pyecore.resources import URI, ResourceSet
 
 from m2t.diagnostics import Report
 from m2t.metamodel_check import MetamodelCheck
-from m2t.metamodel_contract import BOUNDS, MEANING
+from m2t.metamodel_contract import BOUNDS, CONTRACT, MEANING
 from m2t.namespaces import ECORE, XMI, XSI
 from m2t.read.nodes import Node, read_xml
 from mrsfi_runtime.errors import ModelError
@@ -247,11 +247,20 @@ def concrete_classes(package: Any, declared: Any) -> Mapping[str, Any]:
 
 @cache
 def base_class(metaclass: Any) -> Any:
-    """Return the most general concrete class of a lineage: what code knows an element as.
+    """Return what code knows an element as: the nearest class of its lineage that mrsfi reads.
 
-    A team's own subclass of a class only adds to it.
+    A team's own subclass of such a class only adds to it; a class that is all its own is known
+    as itself.
     """
-    return next((known for known in lineage(metaclass) if not known.abstract), metaclass)
+    read = (known for known in reversed(lineage(metaclass)) if is_read(known))
+    return next((known for known in read if not known.abstract), metaclass)
+
+
+@cache
+def is_read(metaclass: Any, feature: str = "") -> bool:
+    """Return whether code reads a class of the metamodel, or a feature that elements of it have."""
+    needs = CONTRACT.get(metaclass.ePackage.name, {}).get(metaclass.name)
+    return needs is not None and (not feature or feature in needs)
 
 
 @cache

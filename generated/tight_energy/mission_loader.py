@@ -10,7 +10,7 @@ from mrsfi_runtime.api import (
     GatherSamples,
     Goal,
     Message,
-    MessageField,
+    MessageData,
     Mission,
     MotionSource,
     Obstacle,
@@ -30,15 +30,15 @@ def load_mission() -> Mission:
         duration=400,
         area=Area(
             id="whole",
-            center=Coordinates(x=0.0, y=0.0, z=0.0),
             radius=500.0,
+            center=Coordinates(x=0.0, y=0.0, z=0.0),
         ),
         robots=(
             Robot(
                 id="e1",
                 name="ADA",
-                position=Coordinates(x=-200.0, y=0.0, z=0.0),
                 speed=4.0,
+                position=Coordinates(x=-200.0, y=0.0, z=0.0),
                 sensors=(
                     Sensor(
                         id="e1_gps_position",
@@ -73,8 +73,8 @@ def load_mission() -> Mission:
             Robot(
                 id="e2",
                 name="BOB",
-                position=Coordinates(x=200.0, y=0.0, z=0.0),
                 speed=4.0,
+                position=Coordinates(x=200.0, y=0.0, z=0.0),
                 sensors=(
                     Sensor(
                         id="e2_gps_position",
@@ -109,8 +109,8 @@ def load_mission() -> Mission:
             Robot(
                 id="e3",
                 name="CEM",
-                position=Coordinates(x=0.0, y=200.0, z=0.0),
                 speed=4.0,
+                position=Coordinates(x=0.0, y=200.0, z=0.0),
                 sensors=(
                     Sensor(
                         id="e3_gps_position",
@@ -154,16 +154,16 @@ def load_mission() -> Mission:
                 id="reef",
                 area=Area(
                     id="reef_area",
-                    center=Coordinates(x=0.0, y=0.0, z=0.0),
                     radius=40.0,
+                    center=Coordinates(x=0.0, y=0.0, z=0.0),
                 ),
             ),
             Obstacle(
                 id="wreck",
                 area=Area(
                     id="wreck_area",
-                    center=Coordinates(x=0.0, y=-250.0, z=0.0),
                     radius=25.0,
+                    center=Coordinates(x=0.0, y=-250.0, z=0.0),
                 ),
             ),
         ),
@@ -172,22 +172,21 @@ def load_mission() -> Mission:
                 id="clear",
                 name="AvoidCollision",
                 members=("e1", "e2", "e3"),
-                task=AvoidCollision(
-                    robots=("e1", "e2", "e3"),
-                    obstacles=("reef", "wreck"),
-                ),
+                task=AvoidCollision(robots=("e1", "e2", "e3"), obstacles=("reef", "wreck")),
                 messages=(
                     Message(
                         id="clear_e1",
+                        header="h",
                         sender="e1",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                     Message(
                         id="clear_e2",
+                        header="h",
                         sender="e2",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                 ),
             ),
@@ -199,9 +198,10 @@ def load_mission() -> Mission:
                 messages=(
                     Message(
                         id="within_e3",
+                        header="h",
                         sender="e3",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                 ),
             ),
@@ -213,32 +213,35 @@ def load_mission() -> Mission:
                 messages=(
                     Message(
                         id="energy_e1",
+                        header="h",
                         sender="e1",
                         receiver="base",
                         body=(
-                            MessageField(name="POSITION", type="Coordinates"),
-                            MessageField(name="SPEED", type="Int"),
-                            MessageField(name="ENERGY", type="Double"),
+                            MessageData(name="POSITION", type="Coordinates"),
+                            MessageData(name="SPEED", type="Int"),
+                            MessageData(name="ENERGY", type="Double"),
                         ),
                     ),
                     Message(
                         id="energy_e2",
+                        header="h",
                         sender="e2",
                         receiver="base",
                         body=(
-                            MessageField(name="POSITION", type="Coordinates"),
-                            MessageField(name="SPEED", type="Int"),
-                            MessageField(name="ENERGY", type="Double"),
+                            MessageData(name="POSITION", type="Coordinates"),
+                            MessageData(name="SPEED", type="Int"),
+                            MessageData(name="ENERGY", type="Double"),
                         ),
                     ),
                     Message(
                         id="energy_e3",
+                        header="h",
                         sender="e3",
                         receiver="base",
                         body=(
-                            MessageField(name="POSITION", type="Coordinates"),
-                            MessageField(name="SPEED", type="Int"),
-                            MessageField(name="ENERGY", type="Double"),
+                            MessageData(name="POSITION", type="Coordinates"),
+                            MessageData(name="SPEED", type="Int"),
+                            MessageData(name="ENERGY", type="Double"),
                         ),
                     ),
                 ),
@@ -247,21 +250,19 @@ def load_mission() -> Mission:
                 id="temperatures",
                 name="GatherSamples",
                 members=("e1",),
-                task=GatherSamples(
-                    target_sample_number=300,
-                    sensor="e1_temperature",
-                ),
                 area=Area(
                     id="temperatures_area",
-                    center=Coordinates(x=-200.0, y=0.0, z=0.0),
                     radius=80.0,
+                    center=Coordinates(x=-200.0, y=0.0, z=0.0),
                 ),
+                task=GatherSamples(target_sample_number=300, sensor="e1_temperature"),
                 messages=(
                     Message(
                         id="temperatures_e1",
+                        header="h",
                         sender="e1",
                         receiver="base",
-                        body=(MessageField(name="TEMPERATURE", type="Int"),),
+                        body=(MessageData(name="TEMPERATURE", type="Int"),),
                     ),
                 ),
             ),
@@ -269,21 +270,19 @@ def load_mission() -> Mission:
                 id="depths",
                 name="GatherSamples",
                 members=("e2",),
-                task=GatherSamples(
-                    target_sample_number=340,
-                    sensor="e2_depth",
-                ),
                 area=Area(
                     id="depths_area",
-                    center=Coordinates(x=200.0, y=0.0, z=0.0),
                     radius=80.0,
+                    center=Coordinates(x=200.0, y=0.0, z=0.0),
                 ),
+                task=GatherSamples(target_sample_number=340, sensor="e2_depth"),
                 messages=(
                     Message(
                         id="depths_e2",
+                        header="h",
                         sender="e2",
                         receiver="base",
-                        body=(MessageField(name="DEPTH", type="Double"),),
+                        body=(MessageData(name="DEPTH", type="Double"),),
                     ),
                 ),
             ),
@@ -294,17 +293,18 @@ def load_mission() -> Mission:
                 task=Patrol(
                     area=Area(
                         id="rounds_area",
-                        center=Coordinates(x=0.0, y=200.0, z=0.0),
                         radius=60.0,
+                        center=Coordinates(x=0.0, y=200.0, z=0.0),
                     ),
                     period=40,
                 ),
                 messages=(
                     Message(
                         id="rounds_e3",
+                        header="h",
                         sender="e3",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                 ),
             ),

@@ -10,7 +10,7 @@ from mrsfi_runtime.api import (
     GatherSamples,
     Goal,
     Message,
-    MessageField,
+    MessageData,
     Mission,
     MotionSource,
     Obstacle,
@@ -31,15 +31,15 @@ def load_mission() -> Mission:
         duration=200,
         area=Area(
             id="whole",
-            center=Coordinates(x=0.0, y=0.0, z=0.0),
             radius=250.0,
+            center=Coordinates(x=0.0, y=0.0, z=0.0),
         ),
         robots=(
             Robot(
                 id="p1",
                 name="ANN",
-                position=Coordinates(x=-120.0, y=0.0, z=0.0),
                 speed=4.0,
+                position=Coordinates(x=-120.0, y=0.0, z=0.0),
                 sensors=(
                     Sensor(
                         id="p1_gps",
@@ -74,8 +74,8 @@ def load_mission() -> Mission:
             Robot(
                 id="p2",
                 name="BEA",
-                position=Coordinates(x=120.0, y=0.0, z=0.0),
                 speed=4.0,
+                position=Coordinates(x=120.0, y=0.0, z=0.0),
                 sensors=(
                     Sensor(
                         id="p2_gps",
@@ -110,8 +110,8 @@ def load_mission() -> Mission:
             Robot(
                 id="p3",
                 name="CAY",
-                position=Coordinates(x=-90.0, y=-180.0, z=0.0),
                 speed=3.0,
+                position=Coordinates(x=-90.0, y=-180.0, z=0.0),
                 sensors=(
                     Sensor(
                         id="p3_gps",
@@ -155,8 +155,8 @@ def load_mission() -> Mission:
                 id="rock",
                 area=Area(
                     id="rock_area",
-                    center=Coordinates(x=0.0, y=150.0, z=0.0),
                     radius=30.0,
+                    center=Coordinates(x=0.0, y=150.0, z=0.0),
                 ),
             ),
         ),
@@ -165,28 +165,28 @@ def load_mission() -> Mission:
                 id="clear",
                 name="AvoidCollision",
                 members=("p1", "p2", "p3"),
-                task=AvoidCollision(
-                    robots=("p1", "p2", "p3"),
-                    obstacles=("rock",),
-                ),
+                task=AvoidCollision(robots=("p1", "p2", "p3"), obstacles=("rock",)),
                 messages=(
                     Message(
                         id="clear_p1",
+                        header="h",
                         sender="p1",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                     Message(
                         id="clear_p2",
+                        header="h",
                         sender="p2",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                     Message(
                         id="clear_p3",
+                        header="h",
                         sender="p3",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                 ),
             ),
@@ -198,9 +198,10 @@ def load_mission() -> Mission:
                 messages=(
                     Message(
                         id="within_p1",
+                        header="h",
                         sender="p1",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                 ),
             ),
@@ -212,22 +213,24 @@ def load_mission() -> Mission:
                 messages=(
                     Message(
                         id="energy_p1",
+                        header="h",
                         sender="p1",
                         receiver="base",
                         body=(
-                            MessageField(name="POSITION", type="Coordinates"),
-                            MessageField(name="SPEED", type="Int"),
-                            MessageField(name="ENERGY", type="Double"),
+                            MessageData(name="POSITION", type="Coordinates"),
+                            MessageData(name="SPEED", type="Int"),
+                            MessageData(name="ENERGY", type="Double"),
                         ),
                     ),
                     Message(
                         id="energy_p2",
+                        header="h",
                         sender="p2",
                         receiver="base",
                         body=(
-                            MessageField(name="POSITION", type="Coordinates"),
-                            MessageField(name="SPEED", type="Int"),
-                            MessageField(name="ENERGY", type="Double"),
+                            MessageData(name="POSITION", type="Coordinates"),
+                            MessageData(name="SPEED", type="Int"),
+                            MessageData(name="ENERGY", type="Double"),
                         ),
                     ),
                 ),
@@ -236,21 +239,19 @@ def load_mission() -> Mission:
                 id="depths",
                 name="GatherSamples",
                 members=("p1",),
-                task=GatherSamples(
-                    target_sample_number=140,
-                    sensor="p1_depth",
-                ),
                 area=Area(
                     id="depths_area",
-                    center=Coordinates(x=-120.0, y=0.0, z=0.0),
                     radius=40.0,
+                    center=Coordinates(x=-120.0, y=0.0, z=0.0),
                 ),
+                task=GatherSamples(target_sample_number=140, sensor="p1_depth"),
                 messages=(
                     Message(
                         id="depths_p1",
+                        header="h",
                         sender="p1",
                         receiver="base",
-                        body=(MessageField(name="DEPTH", type="Double"),),
+                        body=(MessageData(name="DEPTH", type="Double"),),
                     ),
                 ),
             ),
@@ -258,21 +259,19 @@ def load_mission() -> Mission:
                 id="pressures",
                 name="GatherSamples",
                 members=("p2",),
-                task=GatherSamples(
-                    target_sample_number=25,
-                    sensor="p2_pressure",
-                ),
                 area=Area(
                     id="pressures_area",
-                    center=Coordinates(x=120.0, y=0.0, z=0.0),
                     radius=40.0,
+                    center=Coordinates(x=120.0, y=0.0, z=0.0),
                 ),
+                task=GatherSamples(target_sample_number=25, sensor="p2_pressure"),
                 messages=(
                     Message(
                         id="pressures_p2",
+                        header="h",
                         sender="p2",
                         receiver="base",
-                        body=(MessageField(name="PRESSURE", type="Double"),),
+                        body=(MessageData(name="PRESSURE", type="Double"),),
                     ),
                 ),
             ),
@@ -288,9 +287,10 @@ def load_mission() -> Mission:
                 messages=(
                     Message(
                         id="buoy_p3",
+                        header="h",
                         sender="p3",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                 ),
             ),
@@ -301,16 +301,17 @@ def load_mission() -> Mission:
                 task=Stay(
                     area=Area(
                         id="moor_area",
-                        center=Coordinates(x=90.0, y=-180.0, z=0.0),
                         radius=20.0,
+                        center=Coordinates(x=90.0, y=-180.0, z=0.0),
                     ),
                 ),
                 messages=(
                     Message(
                         id="moor_p3",
+                        header="h",
                         sender="p3",
                         receiver="base",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                 ),
             ),

@@ -10,7 +10,7 @@ from mrsfi_runtime.api import (
     GatherSamples,
     Goal,
     Message,
-    MessageField,
+    MessageData,
     Mission,
     MotionSource,
     Obstacle,
@@ -29,15 +29,15 @@ def load_mission() -> Mission:
         duration=1000,
         area=Area(
             id="a15",
-            center=Coordinates(x=0.0, y=0.0, z=0.0),
             radius=2000.0,
+            center=Coordinates(x=0.0, y=0.0, z=0.0),
         ),
         robots=(
             Robot(
                 id="r1",
                 name="LEN",
-                position=Coordinates(x=250.0, y=-250.0, z=1.0),
                 speed=5.0,
+                position=Coordinates(x=250.0, y=-250.0, z=1.0),
                 sensors=(
                     Sensor(
                         id="s1",
@@ -77,8 +77,8 @@ def load_mission() -> Mission:
             Robot(
                 id="r2",
                 name="JEN",
-                position=Coordinates(x=-250.0, y=250.0, z=1.0),
                 speed=4.0,
+                position=Coordinates(x=-250.0, y=250.0, z=1.0),
                 sensors=(
                     Sensor(
                         id="s3",
@@ -118,8 +118,8 @@ def load_mission() -> Mission:
             Robot(
                 id="r3",
                 name="KAL",
-                position=Coordinates(x=250.0, y=250.0, z=1.0),
                 speed=4.0,
+                position=Coordinates(x=250.0, y=250.0, z=1.0),
                 sensors=(
                     Sensor(
                         id="s5",
@@ -168,64 +168,64 @@ def load_mission() -> Mission:
                 id="o1",
                 area=Area(
                     id="a7",
-                    center=Coordinates(x=0.0, y=500.0, z=1.0),
                     radius=50.0,
+                    center=Coordinates(x=0.0, y=500.0, z=1.0),
                 ),
             ),
             Obstacle(
                 id="o2",
                 area=Area(
                     id="a8",
-                    center=Coordinates(x=500.0, y=500.0, z=1.0),
                     radius=40.0,
+                    center=Coordinates(x=500.0, y=500.0, z=1.0),
                 ),
             ),
             Obstacle(
                 id="o3",
                 area=Area(
                     id="a9",
-                    center=Coordinates(x=500.0, y=0.0, z=1.0),
                     radius=45.0,
+                    center=Coordinates(x=500.0, y=0.0, z=1.0),
                 ),
             ),
             Obstacle(
                 id="o4",
                 area=Area(
                     id="a10",
-                    center=Coordinates(x=500.0, y=-500.0, z=1.0),
                     radius=25.0,
+                    center=Coordinates(x=500.0, y=-500.0, z=1.0),
                 ),
             ),
             Obstacle(
                 id="o5",
                 area=Area(
                     id="a11",
-                    center=Coordinates(x=0.0, y=-500.0, z=1.0),
                     radius=30.0,
+                    center=Coordinates(x=0.0, y=-500.0, z=1.0),
                 ),
             ),
             Obstacle(
                 id="o6",
                 area=Area(
                     id="a12",
-                    center=Coordinates(x=-500.0, y=-500.0, z=1.0),
                     radius=28.0,
+                    center=Coordinates(x=-500.0, y=-500.0, z=1.0),
                 ),
             ),
             Obstacle(
                 id="o7",
                 area=Area(
                     id="a13",
-                    center=Coordinates(x=-500.0, y=0.0, z=1.0),
                     radius=45.0,
+                    center=Coordinates(x=-500.0, y=0.0, z=1.0),
                 ),
             ),
             Obstacle(
                 id="o8",
                 area=Area(
                     id="a14",
-                    center=Coordinates(x=-500.0, y=500.0, z=1.0),
                     radius=15.0,
+                    center=Coordinates(x=-500.0, y=500.0, z=1.0),
                 ),
             ),
         ),
@@ -234,33 +234,36 @@ def load_mission() -> Mission:
                 id="g1",
                 name="AvoidCollision",
                 members=("r2", "r3", "r1"),
+                area=Area(
+                    id="a1",
+                    radius=4.0,
+                    center=Coordinates(x=600.0, y=-200.0, z=0.0),
+                ),
                 task=AvoidCollision(
                     robots=("r2", "r3", "r1"),
                     obstacles=("o1", "o2", "o3", "o4", "o5", "o6", "o7", "o8"),
                 ),
-                area=Area(
-                    id="a1",
-                    center=Coordinates(x=600.0, y=-200.0, z=0.0),
-                    radius=4.0,
-                ),
                 messages=(
                     Message(
                         id="m1",
+                        header="h",
                         sender="r2",
                         receiver="sv1",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                     Message(
                         id="m2",
+                        header="h",
                         sender="r3",
                         receiver="sv1",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                     Message(
                         id="m3",
+                        header="h",
                         sender="r1",
                         receiver="sv1",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                 ),
             ),
@@ -268,30 +271,33 @@ def load_mission() -> Mission:
                 id="g2",
                 name="StayWithinMissionArea",
                 members=("r2", "r3", "r1"),
-                task=StayWithinMissionArea(),
                 area=Area(
                     id="a2",
-                    center=Coordinates(x=-800.0, y=450.0, z=1.0),
                     radius=11.0,
+                    center=Coordinates(x=-800.0, y=450.0, z=1.0),
                 ),
+                task=StayWithinMissionArea(),
                 messages=(
                     Message(
                         id="m4",
+                        header="h",
                         sender="r2",
                         receiver="sv1",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                     Message(
                         id="m5",
+                        header="h",
                         sender="r3",
                         receiver="sv1",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                     Message(
                         id="m6",
+                        header="h",
                         sender="r1",
                         receiver="sv1",
-                        body=(MessageField(name="POSITION", type="Coordinates"),),
+                        body=(MessageData(name="POSITION", type="Coordinates"),),
                     ),
                 ),
             ),
@@ -299,41 +305,44 @@ def load_mission() -> Mission:
                 id="g3",
                 name="SufficientEnergy",
                 members=("r2", "r3", "r1"),
-                task=SufficientEnergy(),
                 area=Area(
                     id="a3",
-                    center=Coordinates(x=0.0, y=0.0, z=0.0),
                     radius=1000.0,
+                    center=Coordinates(x=0.0, y=0.0, z=0.0),
                 ),
+                task=SufficientEnergy(),
                 messages=(
                     Message(
                         id="m7",
+                        header="h",
                         sender="r2",
                         receiver="sv1",
                         body=(
-                            MessageField(name="POSITION", type="Coordinates"),
-                            MessageField(name="SPEED", type="Int"),
-                            MessageField(name="ENERGY", type="Double"),
+                            MessageData(name="POSITION", type="Coordinates"),
+                            MessageData(name="SPEED", type="Int"),
+                            MessageData(name="ENERGY", type="Double"),
                         ),
                     ),
                     Message(
                         id="m8",
+                        header="h",
                         sender="r3",
                         receiver="sv1",
                         body=(
-                            MessageField(name="POSITION", type="Coordinates"),
-                            MessageField(name="SPEED", type="Int"),
-                            MessageField(name="ENERGY", type="Double"),
+                            MessageData(name="POSITION", type="Coordinates"),
+                            MessageData(name="SPEED", type="Int"),
+                            MessageData(name="ENERGY", type="Double"),
                         ),
                     ),
                     Message(
                         id="m9",
+                        header="h",
                         sender="r1",
                         receiver="sv1",
                         body=(
-                            MessageField(name="POSITION", type="Coordinates"),
-                            MessageField(name="SPEED", type="Int"),
-                            MessageField(name="ENERGY", type="Double"),
+                            MessageData(name="POSITION", type="Coordinates"),
+                            MessageData(name="SPEED", type="Int"),
+                            MessageData(name="ENERGY", type="Double"),
                         ),
                     ),
                 ),
@@ -342,21 +351,19 @@ def load_mission() -> Mission:
                 id="g4",
                 name="GatherSamples",
                 members=("r2",),
-                task=GatherSamples(
-                    target_sample_number=250,
-                    sensor="s4",
-                ),
                 area=Area(
                     id="a4",
-                    center=Coordinates(x=-250.0, y=250.0, z=1.0),
                     radius=150.0,
+                    center=Coordinates(x=-250.0, y=250.0, z=1.0),
                 ),
+                task=GatherSamples(target_sample_number=250, sensor="s4"),
                 messages=(
                     Message(
                         id="m10",
+                        header="h",
                         sender="r2",
                         receiver="sv1",
-                        body=(MessageField(name="TEMPERATURE", type="Int"),),
+                        body=(MessageData(name="TEMPERATURE", type="Int"),),
                     ),
                 ),
             ),
@@ -364,21 +371,19 @@ def load_mission() -> Mission:
                 id="g5",
                 name="GatherSamples",
                 members=("r3",),
-                task=GatherSamples(
-                    target_sample_number=400,
-                    sensor="s6",
-                ),
                 area=Area(
                     id="a5",
-                    center=Coordinates(x=250.0, y=250.0, z=1.0),
                     radius=150.0,
+                    center=Coordinates(x=250.0, y=250.0, z=1.0),
                 ),
+                task=GatherSamples(target_sample_number=400, sensor="s6"),
                 messages=(
                     Message(
                         id="m11",
+                        header="h",
                         sender="r3",
                         receiver="sv1",
-                        body=(MessageField(name="DEPTH", type="Double"),),
+                        body=(MessageData(name="DEPTH", type="Double"),),
                     ),
                 ),
             ),
@@ -386,21 +391,19 @@ def load_mission() -> Mission:
                 id="g6",
                 name="GatherSamples",
                 members=("r1",),
-                task=GatherSamples(
-                    target_sample_number=500,
-                    sensor="s2",
-                ),
                 area=Area(
                     id="a6",
-                    center=Coordinates(x=250.0, y=-250.0, z=1.0),
                     radius=150.0,
+                    center=Coordinates(x=250.0, y=-250.0, z=1.0),
                 ),
+                task=GatherSamples(target_sample_number=500, sensor="s2"),
                 messages=(
                     Message(
                         id="m12",
+                        header="h",
                         sender="r1",
                         receiver="sv1",
-                        body=(MessageField(name="PRESSURE", type="Double"),),
+                        body=(MessageData(name="PRESSURE", type="Double"),),
                     ),
                 ),
             ),

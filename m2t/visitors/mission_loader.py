@@ -2,207 +2,73 @@
 
 from collections.abc import Mapping
 from pathlib import PurePosixPath
+from types import MappingProxyType
 from typing import Any
 
+from pyecore.ecore import EEnumLiteral
+
 from m2t.environment import Call, Expression, Name
-from m2t.metamodels import base_class
+from m2t.metamodel_contract import OWN_TASK
+from m2t.metamodels import Slot, base_class, is_read, slots
+from m2t.naming import snake_case
 from m2t.visitors.base import ModelVisitor
 
-_PROPERTY_FEATURES = ("stringProperties", "intProperties", "doubleProperties")
+_NAMES: Mapping[str, str] = MappingProxyType({"missionArea": "area"})
+_ORIGIN = Call("Coordinates", (("x", 0.0), ("y", 0.0), ("z", 0.0)), is_flat=True)
 
 
 class MissionLoaderVisitor(ModelVisitor):
-    """Turn a mission into calls of the runtime's vocabulary, in model order."""
+    """Turn a mission into calls of the runtime's vocabulary, which the metamodel names.
+
+    An element becomes a call of its class with the features that the runtime reads, in the
+    order of the metamodel; a team's own go to ``collective_intelligence.py``.
+    """
 
     template = "mission_loader.py.j2"
     target = PurePosixPath("mission_loader.py")
 
     def visit_Mission(self, mission: Any) -> Mapping[str, Any]:
         """Return the template context of one mission."""
-        expression = Call(
-            "Mission",
-            (
-                ("name", mission.name),
-                ("duration", mission.duration),
-                ("area", self.visit(mission.missionArea)),
-                ("robots", self._all(mission.robots)),
-                ("servers", self._all(mission.servers)),
-                ("obstacles", self._all(mission.obstacles)),
-                ("goals", self._all(mission.goals)),
-            ),
-        )
+        expression = _call(mission)
         return {"imports": functions(expression), "result": expression}
 
-    def visit_Robot(self, robot: Any) -> Call:
-        """Return a robot with its parts; lists that are empty are left out."""
-        return Call(
-            "Robot",
-            (
-                ("id", robot.ID),
-                ("name", robot.name),
-                ("position", self._point(robot.position)),
-                ("speed", float(robot.speed)),
-                *_given("sensors", self._all(robot.sensors)),
-                *_given("batteries", self._all(robot.batteries)),
-                *_given("motion_sources", self._all(robot.motionSources)),
-                *_given("properties", _properties(robot)),
-            ),
-        )
 
-    def visit_Sensor(self, sensor: Any) -> Call:
-        """Return a sensor."""
-        return Call(
-            "Sensor",
-            (
-                ("id", sensor.ID),
-                ("name", sensor.name),
-                ("type", sensor.type.name),
-                ("energy_per_sample", float(sensor.energyPerSample)),
-                ("samples_per_second", sensor.samplesPerSecond),
-            ),
-        )
+def _call(element: Any) -> Call:
+    """Return an element; one without an identity is short enough for one line."""
+    metaclass = base_class(element.eClass)
+    if not is_read(metaclass):
+        return Call(OWN_TASK, (("class_name", str(metaclass.name)),), is_flat=True)
+    known = [slot for slot in slots(metaclass).values() if is_read(metaclass, slot.name)]
+    values = (
+        (_NAMES.get(slot.name, snake_case(slot.name)), _value(element, slot)) for slot in known
+    )
+    arguments = tuple((name, value) for name, value in values if value not in (None, ()))
+    return Call(metaclass.name, arguments, is_flat=not any(slot.is_id for slot in known))
 
-    def visit_Battery(self, battery: Any) -> Call:
-        """Return a battery."""
-        energy = float(battery.totalEnergy)
-        return Call(
-            "Battery", (("id", battery.ID), ("name", battery.name), ("total_energy", energy))
-        )
 
-    def visit_MotionSource(self, source: Any) -> Call:
-        """Return a motion source."""
-        return Call(
-            "MotionSource",
-            (
-                ("id", source.ID),
-                ("name", source.name),
-                ("energy_per_distance_unit", float(source.energyPerDistanceUnit)),
-            ),
-        )
+def _value(element: Any, slot: Slot) -> Expression:
+    """Return what an element holds in a feature; where it gives no point, it means the origin."""
+    value = getattr(element, slot.name)
+    if slot.many:
+        return tuple(_one(entry, slot) for entry in value)
+    if value is None:
+        return _ORIGIN if slot.type.name == "Coordinates" else None
+    return _one(value, slot)
 
-    def visit_Server(self, server: Any) -> Call:
-        """Return a server."""
-        return Call(
-            "Server",
-            (
-                ("id", server.ID),
-                ("name", server.name),
-                *_given("properties", _properties(server)),
-            ),
-        )
 
-    def visit_Obstacle(self, obstacle: Any) -> Call:
-        """Return an obstacle."""
-        return Call("Obstacle", (("id", obstacle.ID), ("area", self.visit(obstacle.area))))
+def _one(value: Any, slot: Slot) -> Expression:
+    if slot.is_contained:
+        return _call(value)
+    if slot.is_reference:
+        return str(value.ID)
+    return plain(value, slot)
 
-    def visit_Area(self, area: Any) -> Call:
-        """Return an area; its centre is the origin where the model gives none."""
-        return Call(
-            "Area",
-            (
-                ("id", area.ID),
-                ("center", self._point(area.center)),
-                ("radius", float(area.radius)),
-            ),
-        )
 
-    def visit_Coordinates(self, point: Any) -> Call:
-        """Return a point."""
-        axes = (("x", float(point.x)), ("y", float(point.y)), ("z", float(point.z)))
-        return Call("Coordinates", axes, is_flat=True)
-
-    def visit_Goal(self, goal: Any) -> Call:
-        """Return a goal with its task and messages."""
-        area = () if goal.area is None else (("area", self.visit(goal.area)),)
-        return Call(
-            "Goal",
-            (
-                ("id", goal.ID),
-                ("name", goal.name),
-                ("members", _ids(goal.members)),
-                ("task", self.visit(goal.task)),
-                *area,
-                *_given("messages", self._all(goal.messages)),
-                *_given("dependent_goals", _ids(goal.dependentGoals)),
-            ),
-        )
-
-    def visit_Message(self, message: Any) -> Call:
-        """Return a message."""
-        return Call(
-            "Message",
-            (
-                ("id", message.ID),
-                ("sender", message.sender.ID),
-                ("receiver", message.receiver.ID),
-                ("body", self._all(message.body)),
-            ),
-        )
-
-    def visit_MessageData(self, entry: Any) -> Call:
-        """Return an entry of a message body."""
-        return Call("MessageField", (("name", entry.name), ("type", entry.type)), is_flat=True)
-
-    def visit_GoalTask(self, task: Any) -> Call:
-        """Return a task that has no features: its members and goal say everything."""
-        return Call(base_class(task.eClass).name)
-
-    def visit_AvoidCollision(self, task: Any) -> Call:
-        """Return an AvoidCollision task."""
-        hazards = (("robots", _ids(task.robots)), *_given("obstacles", _ids(task.obstacles)))
-        return Call("AvoidCollision", hazards)
-
-    def visit_GatherSamples(self, task: Any) -> Call:
-        """Return a GatherSamples task."""
-        return Call(
-            "GatherSamples",
-            (("target_sample_number", task.targetSampleNumber), ("sensor", task.sensor.ID)),
-        )
-
-    def visit_Patrol(self, task: Any) -> Call:
-        """Return a Patrol task."""
-        return Call("Patrol", (("area", self.visit(task.area)), ("period", task.period)))
-
-    def visit_Visit(self, task: Any) -> Call:
-        """Return a Visit task."""
-        return Call(
-            "Visit",
-            (
-                ("coordinates", self.visit(task.coordinates)),
-                ("tolerance", float(task.tolerance)),
-                ("deadline", task.deadline),
-            ),
-        )
-
-    def visit_Track(self, task: Any) -> Call:
-        """Return a Track task."""
-        return Call(
-            "Track",
-            (("trajectory", self._all(task.trajectory)), ("tolerance", float(task.tolerance))),
-        )
-
-    def visit_Stay(self, task: Any) -> Call:
-        """Return a Stay task."""
-        return Call("Stay", (("area", self.visit(task.area)),))
-
-    def visit_FixedDistanceBetweenRobots(self, task: Any) -> Call:
-        """Return a FixedDistanceBetweenRobots task."""
-        return Call(
-            "FixedDistanceBetweenRobots",
-            (
-                ("fixed_distance", float(task.fixedDistance)),
-                ("tolerance", float(task.tolerance)),
-            ),
-        )
-
-    def _all(self, elements: Any) -> tuple[Call, ...]:
-        return tuple(self.visit(element) for element in elements)
-
-    def _point(self, point: Any) -> Call:
-        if point is None:
-            return Call("Coordinates", (("x", 0.0), ("y", 0.0), ("z", 0.0)), is_flat=True)
-        found: Call = self.visit(point)
-        return found
+def plain(value: Any, slot: Slot) -> str | int | float | bool:
+    """Return the value of an attribute as plain Python; that of an enumeration is its name."""
+    if isinstance(value, EEnumLiteral):
+        return str(value.name)
+    return float(value) if slot.type.name == "EDouble" else value
 
 
 def functions(expression: Expression) -> tuple[str, ...]:
@@ -218,19 +84,3 @@ def functions(expression: Expression) -> tuple[str, ...]:
         elif isinstance(value, Name) and "." in value.text:
             found[value.text.partition(".")[0]] = None
     return tuple(sorted(found))
-
-
-def _ids(elements: Any) -> tuple[str, ...]:
-    return tuple(element.ID for element in elements)
-
-
-def _given(name: str, values: tuple[Expression, ...]) -> tuple[tuple[str, Expression], ...]:
-    return ((name, values),) if values else ()
-
-
-def _properties(owner: Any) -> tuple[Call, ...]:
-    return tuple(
-        Call("Property", (("name", entry.name), ("value", entry.value)), is_flat=True)
-        for feature in _PROPERTY_FEATURES
-        for entry in getattr(owner, feature)
-    )

@@ -10,6 +10,7 @@ from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.fixed_distance_between_robots import FixedDistanceBetweenRobots
 from mrsfi_runtime.kernel.goal_tasks.gather_samples import GatherSamples
+from mrsfi_runtime.kernel.goal_tasks.own import OwnTask
 from mrsfi_runtime.kernel.goal_tasks.patrol import Patrol
 from mrsfi_runtime.kernel.goal_tasks.progress import progress as progress_of_goals
 from mrsfi_runtime.kernel.goal_tasks.stay import Stay
@@ -25,16 +26,18 @@ from mrsfi_runtime.model.mission import (
     Area,
     Battery,
     Coordinates,
+    DoubleProperty,
     Goal,
+    IntProperty,
     Message,
-    MessageField,
+    MessageData,
     Mission,
     MotionSource,
     Obstacle,
-    Property,
     Robot,
     Sensor,
     Server,
+    StringProperty,
 )
 from mrsfi_runtime.transport.topics import PubSub
 
@@ -43,6 +46,7 @@ __all__ = [
     "AvoidCollision",
     "Battery",
     "Coordinates",
+    "DoubleProperty",
     "Fault",
     "FaultPool",
     "FaultType",
@@ -50,15 +54,16 @@ __all__ = [
     "FixedDistanceBetweenRobots",
     "GatherSamples",
     "Goal",
+    "IntProperty",
     "Message",
-    "MessageField",
+    "MessageData",
     "Mission",
     "Mode",
     "MotionSource",
     "Obstacle",
+    "OwnTask",
     "Parameter",
     "Patrol",
-    "Property",
     "PubSub",
     "Range",
     "Robot",
@@ -73,6 +78,7 @@ __all__ = [
     "State",
     "Stay",
     "StayWithinMissionArea",
+    "StringProperty",
     "Struck",
     "SufficientEnergy",
     "Track",

@@ -12,7 +12,7 @@ from mrsfi_runtime.model.mission import (
     Coordinates,
     Goal,
     Message,
-    MessageField,
+    MessageData,
     Mission,
     MotionSource,
     Obstacle,
@@ -36,8 +36,8 @@ OBSTACLES = (
     ("o7", -500, 0, 45),
     ("o8", -500, 500, 15),
 )
-POSITION = (MessageField("POSITION", "Coordinates"),)
-REPORT = (*POSITION, MessageField("SPEED", "Int"), MessageField("ENERGY", "Double"))
+POSITION = (MessageData("POSITION", "Coordinates"),)
+REPORT = (*POSITION, MessageData("SPEED", "Int"), MessageData("ENERGY", "Double"))
 MEMBERS = ("r2", "r3", "r1")
 
 
@@ -88,7 +88,7 @@ def _robot(
     )
 
 
-def _goal(goal: str, task: object, first_message: int, body: tuple[MessageField, ...]) -> Goal:
+def _goal(goal: str, task: object, first_message: int, body: tuple[MessageData, ...]) -> Goal:
     return Goal(
         id=goal,
         name=goal,
@@ -109,7 +109,7 @@ def _sampling_goal(
         name=goal,
         members=(robot,),
         task=GatherSamples(target, sensor),
-        messages=(Message(message, robot, "sv1", (MessageField(sensor_type, "Double"),)),),
+        messages=(Message(message, robot, "sv1", (MessageData(sensor_type, "Double"),)),),
     )
 
 

@@ -173,7 +173,7 @@ def _as_json(
         "goals": [
             {
                 "id": goal.id,
-                "task": type(goal.task).__name__,
+                "task": goal.task.name,
                 **{name: getattr(outcome, name)[index] for name in counts},
             }
             for index, goal in enumerate(mission.goals)

@@ -31,7 +31,7 @@ def goal_table(mission: Mission, outcome: Outcome) -> Table:
     for index, goal in enumerate(mission.goals):
         table.add_row(
             Text(goal.id),
-            Text(type(goal.task).__name__),
+            Text(goal.task.name),
             *(str(getattr(outcome, name)[index]) for name in counts),
             _samples(goal, outcome.samples[index]),
         )

@@ -65,11 +65,27 @@ class MotionSource:
 
 
 @dataclass(frozen=True, slots=True)
-class Property:
-    """A user-defined property of a robot or server."""
+class IntProperty:
+    """A user-defined whole number of a robot or server."""
 
     name: str
-    value: str | int | float
+    value: int
+
+
+@dataclass(frozen=True, slots=True)
+class StringProperty:
+    """A user-defined text of a robot or server."""
+
+    name: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class DoubleProperty:
+    """A user-defined number of a robot or server."""
+
+    name: str
+    value: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +99,9 @@ class Robot:
     sensors: tuple[Sensor, ...] = ()
     batteries: tuple[Battery, ...] = ()
     motion_sources: tuple[MotionSource, ...] = ()
-    properties: tuple[Property, ...] = ()
+    int_properties: tuple[IntProperty, ...] = ()
+    string_properties: tuple[StringProperty, ...] = ()
+    double_properties: tuple[DoubleProperty, ...] = ()
 
     @property
     def total_energy(self) -> float:
@@ -102,7 +120,9 @@ class Server:
 
     id: str
     name: str
-    properties: tuple[Property, ...] = ()
+    int_properties: tuple[IntProperty, ...] = ()
+    string_properties: tuple[StringProperty, ...] = ()
+    double_properties: tuple[DoubleProperty, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +134,7 @@ class Obstacle:
 
 
 @dataclass(frozen=True, slots=True)
-class MessageField:
+class MessageData:
     """One entry of a message body: POSITION, SPEED, ENERGY or a sensor type."""
 
     name: str
@@ -128,7 +148,8 @@ class Message:
     id: str
     sender: str
     receiver: str
-    body: tuple[MessageField, ...]
+    body: tuple[MessageData, ...]
+    header: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +190,11 @@ class Terms:
 class GoalTask:
     """What the members of a goal have to do; ``kernel.goal_tasks`` has a subclass for each kind."""
 
+    @property
+    def name(self) -> str:
+        """Name of its class in the metamodel."""
+        return type(self).__name__
+
     def terms(self, goal: "Goal") -> Terms:
         """Return what the task is about as that of a goal: by default, the goal's members."""
         return Terms(goal.members)
@@ -200,9 +226,9 @@ class Mission:
     duration: int
     area: Area
     robots: tuple[Robot, ...]
-    servers: tuple[Server, ...]
-    obstacles: tuple[Obstacle, ...]
     goals: tuple[Goal, ...]
+    servers: tuple[Server, ...] = ()
+    obstacles: tuple[Obstacle, ...] = ()
 
     @cached_property
     def robot_index(self) -> dict[str, int]:

@@ -5,7 +5,7 @@ import pytest
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import Fault
-from mrsfi_runtime.model.mission import Area, Coordinates, Message, MessageField
+from mrsfi_runtime.model.mission import Area, Coordinates, Message, MessageData
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.search import PAPER_FAULTS, paper_mission
 
@@ -94,7 +94,7 @@ def test_rates_and_costs_follow_the_largest_of_the_touched_sensors() -> None:
 
 def test_a_fault_in_a_servers_message_has_nothing_nominal_to_exceed() -> None:
     mission = paper_mission()
-    message = Message("m99", "sv1", "r1", (MessageField("SPEED", "Int"),))
+    message = Message("m99", "sv1", "r1", (MessageData("SPEED", "Int"),))
     goal = replace(mission.goals[0], messages=(message,))
     mission = replace(mission, goals=(goal, *mission.goals[1:]))
 

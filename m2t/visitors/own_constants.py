@@ -1,0 +1,173 @@
+"""What a team has added to the metamodel, as constants of generated code: nothing is dropped.
+
+Whatever code does not read of an element becomes a constant that begins with the ID of the
+element: ``R1_PAYLOAD = 3.0``. The features of a task belong to its goal: ``G7_RADIUS``. Parts
+without a meaning for code are taken apart, many of them into a tuple a feature: ``ZONES_DEPTH =
+(3.0, 5.0)``.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from m2t.environment import Expression
+from m2t.metamodels import Slot, base_class, is_read, slots
+from m2t.naming import constant, snake_case
+from m2t.read.nodes import Node
+from m2t.visitors.mission_loader import plain
+from mrsfi_runtime.errors import ModelError
+
+NONE = -1
+"""Index that stands for a reference to nothing."""
+
+Held: TypeAlias = Any
+"""An element, or a tuple of what is held, as deep as lists contain lists."""
+
+
+@dataclass(frozen=True, slots=True)
+class OwnConstant:
+    """A named value, and the element that it belongs to."""
+
+    name: str
+    value: Expression
+    element: Any
+
+
+@dataclass(frozen=True, slots=True)
+class OwnFeatures:
+    """Finds what elements hold in features that code does not read.
+
+    Attributes
+    ----------
+    indices
+        Index by which code knows an element that others refer to.
+    nodes
+        Element of the file, with its line, of every object.
+    """
+
+    indices: Mapping[Any, int]
+    nodes: Mapping[Any, Node]
+
+    def of(self, element: Any, prefix: str) -> Iterator[OwnConstant]:
+        """Yield the constants of an element that code reads, and of all that it contains.
+
+        Raises
+        ------
+        ModelError
+            If a value cannot be a constant.
+        """
+        metaclass = base_class(element.eClass)
+        for slot in slots(element.eClass).values():
+            name = f"{prefix}_{snake_case(slot.name).upper()}"
+            if not is_read(metaclass, slot.name):
+                yield from self._constants(element, slot, name)
+            elif slot.is_contained:
+                yield from self._parts(element, slot, name if slot.name != "task" else prefix)
+
+    def _parts(self, element: Any, slot: Slot, prefix: str) -> Iterator[OwnConstant]:
+        """Yield the constants of parts that code reads: by their IDs, else by where they are."""
+        held = getattr(element, slot.name)
+        parts = list(held) if slot.many else [] if held is None else [held]
+        for part in parts:
+            if any(each.is_id for each in slots(part.eClass).values()):
+                yield from self.of(part, constant(part.ID))
+            elif not slot.many:
+                yield from self.of(part, prefix)
+        if slot.many and parts and not any(each.is_id for each in slots(slot.type).values()):
+            yield from self._columns(tuple(parts), slot.type, prefix, read=False)
+
+    def _constants(self, held: Held, slot: Slot, name: str) -> Iterator[OwnConstant]:
+        """Yield what is held in a feature: one constant, or one a feature of the parts there."""
+        values = _mapped(lambda element: self._values(element, slot), held)
+        if not slot.is_contained:
+            yield OwnConstant(name, values, _first(held))
+        elif base_class(slot.type).name in _NUMBERS:
+            yield OwnConstant(name, _mapped(_numbers, values), _first(held))
+            yield from self._columns(values, slot.type, name, read=False)
+        else:
+            yield from self._columns(values, slot.type, name, read=True)
+
+    def _columns(
+        self, held: Held, declared: Any, prefix: str, *, read: bool
+    ) -> Iterator[OwnConstant]:
+        """Yield a constant for each feature of parts, with a value for each part.
+
+        ``read`` asks for features too that code would read of such a part elsewhere.
+        """
+        metaclass = self._class(held, declared)
+        known = base_class(metaclass)
+        for slot in slots(metaclass).values():
+            if read or not is_read(known, slot.name):
+                name = f"{prefix}_{snake_case(slot.name).upper()}"
+                yield from self._constants(held, slot, name)
+
+    def _class(self, held: Held, declared: Any) -> Any:
+        """Return the class of parts, which have to be of the same one."""
+        parts = list(_flat(held))
+        for part in parts:
+            if part.eClass is not parts[0].eClass:
+                raise self._error(
+                    part,
+                    f"is of class {part.eClass.name}, beside others of {parts[0].eClass.name}; "
+                    "no constants can hold both; expected parts of one class",
+                )
+        return parts[0].eClass if parts else declared
+
+    def _values(self, element: Any, slot: Slot) -> Held:
+        value = getattr(element, slot.name)
+        if slot.many:
+            return tuple(self._value(element, entry, slot) for entry in value)
+        return self._value(element, value, slot)
+
+    def _value(self, element: Any, value: Any, slot: Slot) -> Held:
+        if slot.is_contained:
+            if value is None and slot.type.name != "Coordinates":
+                raise self._error(
+                    element,
+                    f"has no {slot.name}; code knows it as constants, which need a value; add it",
+                )
+            return value
+        if not slot.is_reference:
+            return "" if value is None else plain(value, slot)
+        if value is not None and value not in self.indices:
+            raise self._error(
+                element,
+                f"refers to {self.nodes[value].description} as {slot.name}, which has no index in "
+                "code; expected a robot, a sensor, an obstacle, a goal, a server or a part that "
+                "the mission lists",
+            )
+        return NONE if value is None else self.indices[value]
+
+    def _error(self, element: Any, finding: str) -> ModelError:
+        node = self.nodes[element]
+        return ModelError(f"{node.path}:{node.line}: {node.description} {finding}")
+
+
+def _numbers(part: Any) -> Expression:
+    """Return a point as (x, y, z), a disc as (x, y, z, radius); no point means the origin."""
+    if part is None:
+        return (0.0, 0.0, 0.0)
+    if base_class(part.eClass).name == "Coordinates":
+        return (float(part.x), float(part.y), float(part.z))
+    return (*_numbers(part.center), float(part.radius))  # type: ignore[misc]
+
+
+_NUMBERS = ("Coordinates", "Area")
+
+
+def _mapped(function: Callable[[Any], Any], held: Held) -> Any:
+    if isinstance(held, tuple):
+        return tuple(_mapped(function, entry) for entry in held)
+    return function(held)
+
+
+def _flat(held: Held) -> Iterator[Any]:
+    if isinstance(held, tuple):
+        for entry in held:
+            yield from _flat(entry)
+    elif held is not None:
+        yield held
+
+
+def _first(held: Held) -> Any:
+    return next(_flat(held), None)
