@@ -19,7 +19,8 @@ from m2t.read.nodes import Node
 
 if TYPE_CHECKING:
     from mrsfi_runtime.model.fault_types import FaultType
-VALUE_TYPES = ("EString", "EInt", "EDouble")
+
+VALUE_TYPES = ("EString", "EInt", "EDouble", "EBoolean")
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 _SWITCH = re.compile(r"true|false")
@@ -329,7 +330,8 @@ class MetamodelCheck:
             finding = f"has type {shown(name)}; expected {expected} or an enumeration; choose one"
             self._report.add(node, "ReferenceType", finding)
             return
-        pattern = {"EString": _ANY, "EInt": _INTEGER, "EDouble": _NUMBER}[name]
+        patterns = {"EString": _ANY, "EInt": _INTEGER, "EDouble": _NUMBER, "EBoolean": _SWITCH}
+        pattern = patterns[name]
         self._default(node, pattern, None)
 
     def _default(self, node: Node, pattern: re.Pattern[str], names: list[str] | None) -> None:

@@ -273,7 +273,7 @@ def _literal(slot: Slot, text: str | None) -> Value:
             return str(int(text))
     except (ValueError, ArithmeticError):
         return repr(text)
-    return _plain(text)
+    return _plain(text.lower() if kind == "EBoolean" else text)
 
 
 def _compact(node: Node | None, metaclass: Any) -> str:

@@ -1,6 +1,6 @@
 # Generated from mission tight_energy by collective_intelligence.py.j2.
 # Edit inside protected regions only.
-"""The collective intelligence: one check and one reaction per goal, in model order."""
+"""The collective intelligence: what each goal checks and does, in model order."""
 
 from mrsfi_runtime.api import (
     State,
@@ -10,7 +10,6 @@ from mrsfi_runtime.api import (
     goal_tasks,
     guidance,
     kernel,
-    progress_of_goals,
     randomness,
 )
 
@@ -107,6 +106,17 @@ def react_energy(ci: State) -> None:
 
 
 @kernel
+def progress_temperatures(ci: State) -> None:
+    """Note what goal temperatures (GatherSamples) has to remember, once a tick before its check.
+
+    Members: e1.
+    """
+    # protected region temperatures.progress on begin
+    goal_tasks.gather_samples.progress(ci, TEMPERATURES)
+    # protected region temperatures.progress end
+
+
+@kernel
 def check_temperatures(ci: State) -> bool:
     """Return whether goal temperatures (GatherSamples) is violated now.
 
@@ -129,6 +139,17 @@ def react_temperatures(ci: State) -> None:
 
 
 @kernel
+def progress_depths(ci: State) -> None:
+    """Note what goal depths (GatherSamples) has to remember, once a tick before its check.
+
+    Members: e2.
+    """
+    # protected region depths.progress on begin
+    goal_tasks.gather_samples.progress(ci, DEPTHS)
+    # protected region depths.progress end
+
+
+@kernel
 def check_depths(ci: State) -> bool:
     """Return whether goal depths (GatherSamples) is violated now.
 
@@ -148,6 +169,17 @@ def react_depths(ci: State) -> None:
     # protected region depths.react on begin
     goal_tasks.gather_samples.react(ci, DEPTHS)
     # protected region depths.react end
+
+
+@kernel
+def progress_rounds(ci: State) -> None:
+    """Note what goal rounds (Patrol) has to remember, once a tick before its check.
+
+    Members: e3.
+    """
+    # protected region rounds.progress on begin
+    goal_tasks.patrol.progress(ci, ROUNDS)
+    # protected region rounds.progress end
 
 
 @kernel
@@ -175,7 +207,9 @@ def react_rounds(ci: State) -> None:
 @kernel
 def progress(view: State) -> None:
     """Bring the progress of every goal up to the tick of a state."""
-    progress_of_goals(view)
+    progress_temperatures(view)
+    progress_depths(view)
+    progress_rounds(view)
 
 
 @kernel

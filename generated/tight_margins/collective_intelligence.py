@@ -1,6 +1,6 @@
 # Generated from mission tight_margins by collective_intelligence.py.j2.
 # Edit inside protected regions only.
-"""The collective intelligence: one check and one reaction per goal, in model order."""
+"""The collective intelligence: what each goal checks and does, in model order."""
 
 from mrsfi_runtime.api import (
     State,
@@ -10,7 +10,6 @@ from mrsfi_runtime.api import (
     goal_tasks,
     guidance,
     kernel,
-    progress_of_goals,
     randomness,
 )
 
@@ -114,6 +113,17 @@ def react_energy(ci: State) -> None:
 
 
 @kernel
+def progress_depths(ci: State) -> None:
+    """Note what goal depths (GatherSamples) has to remember, once a tick before its check.
+
+    Members: p1.
+    """
+    # protected region depths.progress on begin
+    goal_tasks.gather_samples.progress(ci, DEPTHS)
+    # protected region depths.progress end
+
+
+@kernel
 def check_depths(ci: State) -> bool:
     """Return whether goal depths (GatherSamples) is violated now.
 
@@ -133,6 +143,17 @@ def react_depths(ci: State) -> None:
     # protected region depths.react on begin
     goal_tasks.gather_samples.react(ci, DEPTHS)
     # protected region depths.react end
+
+
+@kernel
+def progress_pressures(ci: State) -> None:
+    """Note what goal pressures (GatherSamples) has to remember, once a tick before its check.
+
+    Members: p2.
+    """
+    # protected region pressures.progress on begin
+    goal_tasks.gather_samples.progress(ci, PRESSURES)
+    # protected region pressures.progress end
 
 
 @kernel
@@ -158,6 +179,17 @@ def react_pressures(ci: State) -> None:
 
 
 @kernel
+def progress_buoy(ci: State) -> None:
+    """Note what goal buoy (Visit) has to remember, once a tick before its check.
+
+    Members: p3.
+    """
+    # protected region buoy.progress on begin
+    goal_tasks.visit.progress(ci, BUOY)
+    # protected region buoy.progress end
+
+
+@kernel
 def check_buoy(ci: State) -> bool:
     """Return whether goal buoy (Visit) is violated now.
 
@@ -177,6 +209,17 @@ def react_buoy(ci: State) -> None:
     # protected region buoy.react on begin
     goal_tasks.visit.react(ci, BUOY)
     # protected region buoy.react end
+
+
+@kernel
+def progress_moor(ci: State) -> None:
+    """Note what goal moor (Stay) has to remember, once a tick before its check.
+
+    Members: p3.
+    """
+    # protected region moor.progress on begin
+    goal_tasks.stay.progress(ci, MOOR)
+    # protected region moor.progress end
 
 
 @kernel
@@ -204,7 +247,10 @@ def react_moor(ci: State) -> None:
 @kernel
 def progress(view: State) -> None:
     """Bring the progress of every goal up to the tick of a state."""
-    progress_of_goals(view)
+    progress_depths(view)
+    progress_pressures(view)
+    progress_buoy(view)
+    progress_moor(view)
 
 
 @kernel

@@ -1,6 +1,6 @@
 # Generated from mission uuv_sampling by collective_intelligence.py.j2.
 # Edit inside protected regions only.
-"""The collective intelligence: one check and one reaction per goal, in model order."""
+"""The collective intelligence: what each goal checks and does, in model order."""
 
 from mrsfi_runtime.api import (
     State,
@@ -10,7 +10,6 @@ from mrsfi_runtime.api import (
     goal_tasks,
     guidance,
     kernel,
-    progress_of_goals,
     randomness,
 )
 
@@ -113,6 +112,17 @@ def react_g3(ci: State) -> None:
 
 
 @kernel
+def progress_g4(ci: State) -> None:
+    """Note what goal g4 (GatherSamples) has to remember, once a tick before its check.
+
+    Members: r2.
+    """
+    # protected region g4.progress on begin
+    goal_tasks.gather_samples.progress(ci, G4)
+    # protected region g4.progress end
+
+
+@kernel
 def check_g4(ci: State) -> bool:
     """Return whether goal g4 (GatherSamples) is violated now.
 
@@ -135,6 +145,17 @@ def react_g4(ci: State) -> None:
 
 
 @kernel
+def progress_g5(ci: State) -> None:
+    """Note what goal g5 (GatherSamples) has to remember, once a tick before its check.
+
+    Members: r3.
+    """
+    # protected region g5.progress on begin
+    goal_tasks.gather_samples.progress(ci, G5)
+    # protected region g5.progress end
+
+
+@kernel
 def check_g5(ci: State) -> bool:
     """Return whether goal g5 (GatherSamples) is violated now.
 
@@ -154,6 +175,17 @@ def react_g5(ci: State) -> None:
     # protected region g5.react on begin
     goal_tasks.gather_samples.react(ci, G5)
     # protected region g5.react end
+
+
+@kernel
+def progress_g6(ci: State) -> None:
+    """Note what goal g6 (GatherSamples) has to remember, once a tick before its check.
+
+    Members: r1.
+    """
+    # protected region g6.progress on begin
+    goal_tasks.gather_samples.progress(ci, G6)
+    # protected region g6.progress end
 
 
 @kernel
@@ -181,7 +213,9 @@ def react_g6(ci: State) -> None:
 @kernel
 def progress(view: State) -> None:
     """Bring the progress of every goal up to the tick of a state."""
-    progress_of_goals(view)
+    progress_g4(view)
+    progress_g5(view)
+    progress_g6(view)
 
 
 @kernel

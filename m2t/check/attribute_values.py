@@ -145,6 +145,15 @@ def _double(slot: Slot, text: str) -> float:
     return value
 
 
+def _boolean(slot: Slot, text: str) -> bool:
+    if text not in ("true", "false"):
+        raise Defect(
+            "EnumLiteral",
+            f"has {slot.name} {shown(text)}; expected true or false; correct the spelling",
+        )
+    return text == "true"
+
+
 _READERS: Mapping[str, Callable[[Slot, str], Value]] = MappingProxyType(
-    {"EString": _text, "EInt": _integer, "EDouble": _double}
+    {"EString": _text, "EInt": _integer, "EDouble": _double, "EBoolean": _boolean}
 )

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from m2t.elements import values
 from m2t.environment import Expression
 from m2t.metamodels import Slot, base_class, is_read, slots
 from m2t.naming import constant, snake_case
@@ -19,6 +20,8 @@ from mrsfi_runtime.errors import ModelError
 
 NONE = -1
 """Index that stands for a reference to nothing."""
+
+_NUMBERS = ("Coordinates", "Area")
 
 Held: TypeAlias = Any
 """An element, or a tuple of what is held, as deep as lists contain lists."""
@@ -62,30 +65,31 @@ class OwnFeatures:
             if not is_read(metaclass, slot.name):
                 yield from self._constants(element, slot, name)
             elif slot.is_contained:
-                yield from self._parts(element, slot, name if slot.name != "task" else prefix)
+                is_task = slot.type.name == "GoalTask"
+                yield from self._parts(element, slot, prefix if is_task else name)
 
     def _parts(self, element: Any, slot: Slot, prefix: str) -> Iterator[OwnConstant]:
         """Yield the constants of parts that code reads: by their IDs, else by where they are."""
-        held = getattr(element, slot.name)
-        parts = list(held) if slot.many else [] if held is None else [held]
-        for part in parts:
-            if any(each.is_id for each in slots(part.eClass).values()):
+        parts = values(element, slot)
+        if any(each.is_id for each in slots(slot.type).values()):
+            for part in parts:
                 yield from self.of(part, constant(part.ID))
-            elif not slot.many:
-                yield from self.of(part, prefix)
-        if slot.many and parts and not any(each.is_id for each in slots(slot.type).values()):
+        elif slot.many:
             yield from self._columns(tuple(parts), slot.type, prefix, read=False)
+        else:
+            for part in parts:
+                yield from self.of(part, prefix)
 
     def _constants(self, held: Held, slot: Slot, name: str) -> Iterator[OwnConstant]:
         """Yield what is held in a feature: one constant, or one a feature of the parts there."""
-        values = _mapped(lambda element: self._values(element, slot), held)
+        found = _mapped(lambda element: self._values(element, slot, held), held)
         if not slot.is_contained:
-            yield OwnConstant(name, values, _first(held))
-        elif base_class(slot.type).name in _NUMBERS:
-            yield OwnConstant(name, _mapped(_numbers, values), _first(held))
-            yield from self._columns(values, slot.type, name, read=False)
-        else:
-            yield from self._columns(values, slot.type, name, read=True)
+            yield OwnConstant(name, found, _first(held))
+        elif found is not None:
+            is_number = base_class(slot.type).name in _NUMBERS
+            if is_number:
+                yield OwnConstant(name, _mapped(_numbers, found), _first(held))
+            yield from self._columns(found, slot.type, name, read=not is_number)
 
     def _columns(
         self, held: Held, declared: Any, prefix: str, *, read: bool
@@ -113,19 +117,20 @@ class OwnFeatures:
                 )
         return parts[0].eClass if parts else declared
 
-    def _values(self, element: Any, slot: Slot) -> Held:
+    def _values(self, element: Any, slot: Slot, beside: Held) -> Held:
         value = getattr(element, slot.name)
         if slot.many:
             return tuple(self._value(element, entry, slot) for entry in value)
+        if value is None and slot.is_contained and isinstance(beside, tuple):
+            raise self._error(
+                element,
+                f"has no {slot.name}; code knows those of all its neighbours as one constant, in "
+                "which every one needs a value; add it",
+            )
         return self._value(element, value, slot)
 
     def _value(self, element: Any, value: Any, slot: Slot) -> Held:
         if slot.is_contained:
-            if value is None and slot.type.name != "Coordinates":
-                raise self._error(
-                    element,
-                    f"has no {slot.name}; code knows it as constants, which need a value; add it",
-                )
             return value
         if not slot.is_reference:
             return "" if value is None else plain(value, slot)
@@ -144,15 +149,11 @@ class OwnFeatures:
 
 
 def _numbers(part: Any) -> Expression:
-    """Return a point as (x, y, z), a disc as (x, y, z, radius); no point means the origin."""
-    if part is None:
-        return (0.0, 0.0, 0.0)
-    if base_class(part.eClass).name == "Coordinates":
-        return (float(part.x), float(part.y), float(part.z))
-    return (*_numbers(part.center), float(part.radius))  # type: ignore[misc]
-
-
-_NUMBERS = ("Coordinates", "Area")
+    """Return a point as (x, y, z), a disc as (x, y, z, radius); no centre means the origin."""
+    is_disc = base_class(part.eClass).name == "Area"
+    point = part.center if is_disc else part
+    place = (0.0, 0.0, 0.0) if point is None else (float(point.x), float(point.y), float(point.z))
+    return (*place, float(part.radius)) if is_disc else place
 
 
 def _mapped(function: Callable[[Any], Any], held: Held) -> Any:

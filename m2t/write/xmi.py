@@ -349,7 +349,7 @@ def _text(slot: Slot, value: Any) -> str:
         return str(value.name)
     if slot.type.name == "EDouble":
         return java_double(float(value))
-    return str(value)
+    return str(value).lower() if slot.type.name == "EBoolean" else str(value)
 
 
 def escaped(text: str, escapes: Mapping[int, str]) -> str:

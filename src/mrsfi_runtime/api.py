@@ -12,7 +12,6 @@ from mrsfi_runtime.kernel.goal_tasks.fixed_distance_between_robots import FixedD
 from mrsfi_runtime.kernel.goal_tasks.gather_samples import GatherSamples
 from mrsfi_runtime.kernel.goal_tasks.own import OwnTask
 from mrsfi_runtime.kernel.goal_tasks.patrol import Patrol
-from mrsfi_runtime.kernel.goal_tasks.progress import progress as progress_of_goals
 from mrsfi_runtime.kernel.goal_tasks.stay import Stay
 from mrsfi_runtime.kernel.goal_tasks.stay_within_mission_area import StayWithinMissionArea
 from mrsfi_runtime.kernel.goal_tasks.sufficient_energy import SufficientEnergy
@@ -91,6 +90,5 @@ __all__ = [
     "initial_state",
     "kernel",
     "move",
-    "progress_of_goals",
     "randomness",
 ]

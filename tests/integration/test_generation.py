@@ -22,7 +22,13 @@ from mrsfi_runtime.api import (
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, pool_from_text
-from mrsfi_runtime.model.mission import Area, Coordinates, Property
+from mrsfi_runtime.model.mission import (
+    Area,
+    Coordinates,
+    DoubleProperty,
+    IntProperty,
+    StringProperty,
+)
 from mrsfi_runtime.transport.local_bus import LocalBus
 from tests.support.models.generation import (
     ALL_TASKS,
@@ -140,12 +146,11 @@ def test_all_tasks_reach_the_mission(tmp_path):
         FixedDistanceBetweenRobots(50.0, 5.0),
     ]
     assert code.mission.goals[0].dependent_goals == ("area",)
-    assert code.mission.robots[0].properties == (
-        Property("skipper", "none"),
-        Property("hull number", 7),
-        Property("draught", 1.5),
-    )
-    assert code.mission.servers[0].properties == (Property("place", "{{ ashore }}"),)
+    robot, server = code.mission.robots[0], code.mission.servers[0]
+    assert robot.int_properties == (IntProperty("hull number", 7),)
+    assert robot.string_properties == (StringProperty("skipper", "none"),)
+    assert robot.double_properties == (DoubleProperty("draught", 1.5),)
+    assert server.string_properties == (StringProperty("place", "{{ ashore }}"),)
     assert code.mission.robots[1].position == Coordinates(50.0, 1e-05)
     assert len(code.pool) == 0
     state = initial_state(code.mission, 1)

@@ -11,12 +11,15 @@ from mrsfi_runtime.cli.missions import (
     generated_option,
     mission_argument,
 )
+from mrsfi_runtime.errors import GenerationError
+from mrsfi_runtime.unfilled import unfilled_regions
 
 _HELP = """Generate the middleware of MISSION into generated/NAME/.
 
 What you write between `# protected region … begin` and `… end` is kept, also when robots
 are renamed or goals are added. Where generation would lose hand-written code it stops
-with exit code 4 and changes nothing. A second run changes nothing.
+with exit code 4 and changes nothing. A second run changes nothing. A goal task of your own has
+empty regions: they are written, and named with exit code 4 until you fill them.
 
 \b
 Examples:
@@ -56,3 +59,6 @@ def _write(folders: MissionFolders, *, force: bool) -> None:
     ):
         for name in names:
             click.echo(f"{verb:<9}  {folders.generated / name}")
+    unfilled = unfilled_regions(folders.generated)
+    if unfilled:
+        raise GenerationError("\n".join(map(str, unfilled)))

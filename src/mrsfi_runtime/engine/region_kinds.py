@@ -6,7 +6,7 @@ local name has one if all that is ever assigned to it has.
 """
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, MutableSequence, Sequence
 from contextlib import suppress
 from dataclasses import is_dataclass
 from difflib import get_close_matches
@@ -41,7 +41,7 @@ def is_record(kind: Kind) -> bool:
 def element(kind: Kind) -> Kind:
     """Return the kind of what a list or a tuple holds."""
     origin: Kind = get_origin(kind)
-    return get_args(kind)[0] if origin in (list, tuple) else None
+    return get_args(kind)[0] if origin in (list, tuple, MutableSequence) else None
 
 
 def is_record_list(kind: Kind) -> bool:

@@ -18,6 +18,7 @@ from mrsfi_runtime.engine.region_kinds import missing
 from mrsfi_runtime.engine.region_rules import remarks
 from mrsfi_runtime.engine.region_sources import Source, sources
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.unfilled import unfilled_regions
 
 _CERTAIN = (
     messages.UndefinedLocal,
@@ -36,7 +37,8 @@ _CERTAIN = (
 )
 """What pyflakes finds that Python refuses as soon as it reaches the line."""
 
-RUNS, COMPILES, COMPILES_ALIKE = "RegionRuns", "RegionCompiles", "RegionCompilesAlike"
+FILLED, RUNS = "RegionFilled", "RegionRuns"
+COMPILES, COMPILES_ALIKE = "RegionCompiles", "RegionCompilesAlike"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +52,9 @@ class RegionFinding:
     place
         Region, function or module that it stands in, such as ``region 'g1.check'``.
     constraint
-        ``RegionRuns`` is an error; the others, ``RegionCompiles`` and ``RegionCompilesAlike``,
-        are warnings: the line does not compile, or does to something else.
+        ``RegionFilled`` and ``RegionRuns`` are errors; the others, ``RegionCompiles`` and
+        ``RegionCompilesAlike``, are warnings: the line does not compile, or does to something
+        else.
     message
         What was found, why it matters and what to write instead.
     """
@@ -65,7 +68,7 @@ class RegionFinding:
     @property
     def is_error(self) -> bool:
         """Whether nothing should fly with it."""
-        return self.constraint == RUNS
+        return self.constraint in (FILLED, RUNS)
 
     def __str__(self) -> str:
         return f"{self.path}:{self.line}: {self.place}: {self.message} [{self.constraint}]"
@@ -105,12 +108,16 @@ def require_sound_regions(directory: Path) -> None:
 def _found(
     directory: Path, search_path: Sequence[str] | None, rules: Sequence[Rule]
 ) -> tuple[RegionFinding, ...]:
+    unfilled = (
+        RegionFinding(each.path, each.line, each.place, FILLED, each.message)
+        for each in unfilled_regions(directory)
+    )
     found = (
         RegionFinding(source.path, line, source.place(line), constraint, message)
         for source in sources(directory, search_path)
         for line, constraint, message in _said(source, rules)
     )
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys((*unfilled, *found)))
 
 
 def _said(source: Source, rules: Sequence[Rule]) -> Iterator[tuple[int, str, str]]:

@@ -4,7 +4,7 @@ from mrsfi_runtime.kernel.commands import SPEED_LIMIT
 from mrsfi_runtime.kernel.directions import DIRECTIONS, N_DIRECTIONS
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.clearance import LOOK_AHEAD, MARGIN
-from mrsfi_runtime.kernel.goal_tasks.table import TASKS
+from mrsfi_runtime.kernel.goal_tasks.table import number
 from mrsfi_runtime.kernel.neighbours import n_buckets, stride
 from mrsfi_runtime.kernel.obstacles import SIDE, Survey, drawn
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
@@ -182,7 +182,7 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
     area = terms.area or goal.area or Area(goal.id, Coordinates(), 0.0)
     state.goals.append(
         GoalState(
-            task=TASKS.index(type(goal.task)),
+            task=number(goal.task),
             x=float(area.center.x),
             y=float(area.center.y),
             radius=float(area.radius),

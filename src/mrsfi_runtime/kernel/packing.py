@@ -65,7 +65,8 @@ COLUMNS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 def state_bytes(state: State) -> bytes:
     """Return all that changes in a state as bytes: IEEE-754 doubles, record after record, −0 as 0.
 
-    Compiled flights are packed alike (``engine.compiled.layout.packed``).
+    Last comes what goals remember, unless it is all 0, as in missions that do without. Compiled
+    flights are packed alike (``engine.compiled.layout.packed``).
     """
     values = [
         float(getattr(record, column)) + 0.0
@@ -73,4 +74,7 @@ def state_bytes(state: State) -> bytes:
         for record in getattr(state, name)
         for column in columns
     ]
+    memory = [number + 0.0 for goal in state.goals for number in goal.memory]
+    if any(memory):
+        values += memory
     return struct.pack(f"<{len(values)}d", *values)

@@ -6,7 +6,12 @@ floats only, and refer to each other by index, so that compiled code can lay the
 fields out in arrays.
 """
 
-from dataclasses import dataclass
+from array import array
+from collections.abc import MutableSequence
+from dataclasses import dataclass, field
+
+N_MEMORY = 8
+"""Numbers that a goal remembers for whoever writes its regions."""
 
 
 @dataclass(slots=True)
@@ -75,7 +80,8 @@ class GoalState:
     """A goal: parameters of its task and the progress made.
 
     ``x``, ``y``, ``radius`` are the area or point of the task. Members, hazards and
-    waypoints are ranges of lists in ``State``; a hazard is an obstacle's index.
+    waypoints are ranges of lists in ``State``; a hazard is an obstacle's index. ``memory`` are
+    numbers, 0 at the start, for what a team's own regions have to remember.
     """
 
     task: int
@@ -98,6 +104,7 @@ class GoalState:
     seen: int
     sampled_x: float
     sampled_y: float
+    memory: MutableSequence[float] = field(default_factory=lambda: array("d", bytes(8 * N_MEMORY)))
 
 
 @dataclass(slots=True)

@@ -70,7 +70,7 @@ class Batch:
         counts = [result[name].tolist() for name in ("believed", "true", "phantom", "masked")]
         counts += [self.worlds[k]["goals"]["count"].tolist()]
         counts += [tallies["applied"].tolist(), tallies["changed"].tolist()]
-        return digested(counts, *(values[k].tobytes() for values in self._packed))
+        return digested(counts, *(rows[k] for rows in self._packed))
 
     @cached_property
     def worlds(self) -> Records:
@@ -83,6 +83,6 @@ class Batch:
         return read_words(self.results["belief"], self._recorded_type)
 
     @cached_property
-    def _packed(self) -> tuple[Records, Records]:
+    def _packed(self) -> tuple[list[bytes], list[bytes]]:
         kind = self._recorded_type
         return packed(self.results["world"], kind), packed(self.results["belief"], kind)

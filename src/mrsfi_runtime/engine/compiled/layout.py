@@ -4,7 +4,7 @@ A state becomes one record that holds arrays of records; the kernel reads and wr
 the same attributes, indices and loops as the plain objects.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableSequence, Sequence
 from dataclasses import astuple, dataclass
 from functools import lru_cache
 from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
@@ -15,7 +15,7 @@ import numpy.typing as npt
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, PlanRows
 from mrsfi_runtime.kernel.packing import COLUMNS
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import N_MEMORY, State
 
 Records: TypeAlias = npt.NDArray[Any]
 """A structured array."""
@@ -26,7 +26,7 @@ NEVER = 2**62
 TABLES = tuple(name for name, hint in get_type_hints(State).items() if get_origin(hint) is tuple)
 """Parts of a state that no flight may change, so that they need not be laid out anew for each."""
 
-_KINDS = {int: "<i8", float: "<f8"}
+_KINDS: Mapping[Any, Any] = {int: "<i8", float: "<f8", MutableSequence[float]: ("<f8", (N_MEMORY,))}
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ def _grown(room: int, needed: int) -> int:
 
 
 def record_type(record: type) -> np.dtype[Any]:
-    """Return the layout of a record of integers and floats."""
+    """Return the layout of a record of integers, floats and arrays of floats."""
     return np.dtype([(name, _KINDS[hint]) for name, hint in get_type_hints(record).items()])
 
 
@@ -157,12 +157,16 @@ def read_words(values: Records, kind: np.dtype[Any]) -> Records:
     return np.ascontiguousarray(values).view(kind).reshape(len(values))
 
 
-def packed(words: Records, kind: np.dtype[Any]) -> npt.NDArray[np.float64]:
-    """Return what ``kernel.packing.state_bytes`` packs of states, a row each; as ``read_words``."""
+def packed(words: Records, kind: np.dtype[Any]) -> list[bytes]:
+    """Return what ``kernel.packing.state_bytes`` returns of states; as ``read_words``."""
     places, is_float = _columns(kind)
     taken = words[:, places]
-    values: npt.NDArray[np.float64] = np.where(is_float, taken.view(np.float64), taken)
-    return values + 0.0
+    rows = np.where(is_float, taken.view(np.float64), taken) + 0.0
+    memories = read_words(words, kind)["goals"]["memory"].reshape(len(words), -1) + 0.0
+    return [
+        row.tobytes() + (memory.tobytes() if memory.any() else b"")
+        for row, memory in zip(rows, memories, strict=True)
+    ]
 
 
 @lru_cache(maxsize=16)

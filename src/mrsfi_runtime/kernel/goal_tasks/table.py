@@ -14,10 +14,12 @@ from mrsfi_runtime.kernel.goal_tasks import (
 from mrsfi_runtime.model.mission import GoalTask
 
 __all__ = [
+    "OWN_TASK",
     "TASKS",
     "avoid_collision",
     "fixed_distance_between_robots",
     "gather_samples",
+    "number",
     "patrol",
     "stay",
     "stay_within_mission_area",
@@ -37,4 +39,12 @@ TASKS: tuple[type[GoalTask], ...] = (
     stay.Stay,
     fixed_distance_between_robots.FixedDistanceBetweenRobots,
 )
-"""All tasks; where one stands is its number in ``GoalState.task``."""
+"""All tasks that stand here; where one stands is its number."""
+
+OWN_TASK = len(TASKS)
+"""Number of every task of a team's own."""
+
+
+def number(task: GoalTask) -> int:
+    """Return the number of a task, ``GoalState.task``."""
+    return TASKS.index(type(task)) if type(task) in TASKS else OWN_TASK

@@ -1,0 +1,97 @@
+"""Regions that are generated empty, because only the team knows what belongs there.
+
+No engine flies a mission that has one: a check without a body would never find a violation.
+"""
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from mrsfi_runtime.errors import EvaluationError
+
+FILES = ("collective_intelligence.py", "fault_effects.py")
+"""Generated files that hold regions."""
+
+_BEGIN = re.compile(r"[ \t]*# protected region (\S+) (?:on|off) begin[ \t]*")
+_OPTIONAL = (".progress",)
+
+
+@dataclass(frozen=True, slots=True)
+class UnfilledRegion:
+    """A region whose function has no body.
+
+    Attributes
+    ----------
+    path, line
+        Where the region begins.
+    region
+        Its ID.
+    function
+        The function that it is the body of.
+    purpose
+        What the function is to do, the first line of its docstring.
+    """
+
+    path: Path
+    line: int
+    region: str
+    function: str
+    purpose: str
+
+    @property
+    def place(self) -> str:
+        """The region in words."""
+        return f"region '{self.region}'"
+
+    @property
+    def message(self) -> str:
+        """What was found, and what to write."""
+        return f"is empty; expected the body of {self.function}, which is to: {self.purpose}"
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: {self.place}: {self.message}"
+
+
+def unfilled_regions(directory: Path) -> tuple[UnfilledRegion, ...]:
+    """Return the regions of a mission that have to be filled before it can fly.
+
+    Parameters
+    ----------
+    directory
+        ``generated/<mission>``; a file that is missing, or no Python, has none.
+    """
+    paths = (directory / name for name in FILES)
+    return tuple(found for path in paths if path.is_file() for found in _of_file(path))
+
+
+def require_filled(directory: Path) -> None:
+    """Refuse a mission with regions that have to be filled first.
+
+    Raises
+    ------
+    EvaluationError
+        Naming each, one a line.
+    """
+    found = unfilled_regions(directory)
+    if found:
+        raise EvaluationError("\n".join(map(str, found)))
+
+
+def _of_file(path: Path) -> Iterator[UnfilledRegion]:
+    text = path.read_text(encoding="utf-8", errors="replace")
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError):
+        return
+    lines = text.split("\n")
+    for node in tree.body:
+        if not isinstance(node, ast.FunctionDef) or len(node.body) > 1:
+            continue
+        purpose = (ast.get_docstring(node) or "").partition("\n")[0]
+        rest = enumerate(lines[node.end_lineno or 0 :], start=(node.end_lineno or 0) + 1)
+        number, line = next(((n, line) for n, line in rest if line.strip()), (0, ""))
+        begin = _BEGIN.fullmatch(line)
+        if purpose and begin is not None and not begin[1].endswith(_OPTIONAL):
+            yield UnfilledRegion(path, number, begin[1], node.name, purpose)

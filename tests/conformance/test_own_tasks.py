@@ -1,0 +1,116 @@
+"""A goal task of a team's own: generated, filled, and flown alike on every engine."""
+
+from dataclasses import replace
+
+import pytest
+
+from m2t.generate import generate, stale
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
+from mrsfi_runtime.record.trace import TraceDigest
+from tests.support.fault_types import FAULT_TYPES
+from tests.support.models.loiter import BODIES, CONSTANTS, fill, write_loiter
+from tests.support.models.own_metamodels import own_metamodels  # noqa: F401 - a fixture
+
+STRAY = Fault("stray", FAULT_TYPES["FixedRobotCoordinates"], "from_a", (500.0, 500.0, 0.0))
+POOL = FaultPool("one", (STRAY,))
+SPECIFICATION = (TimedFault("stray", 10, 30, STRAY.values),)
+
+
+@pytest.fixture
+def generated(tmp_path, own_metamodels):  # noqa: F811 - the fixture
+    models = write_loiter(tmp_path, own_metamodels)
+    target = tmp_path / "generated" / "own_task"
+    generate(models, target)
+    yield target
+    assert stale(models, target) == ()
+
+
+def flown(engine, seen=None):
+    digest = TraceDigest()
+
+    def observer(world, belief, true, believed):
+        digest(world, belief, true, believed)
+        if seen is not None:
+            seen.append((list(world.goals[1].memory), list(belief.goals[1].memory)))
+
+    outcome = engine.evaluate(SPECIFICATION, pool=POOL, observer=observer)
+    return outcome, digest.hexdigest()
+
+
+def test_features_reach_the_regions_as_constants(generated):
+    names: dict[str, object] = {}
+    text = (generated / "collective_intelligence.py").read_text(encoding="utf-8")
+
+    exec(text, names)
+
+    found = {name: value for name, value in names.items() if name.startswith("NEAR_")}
+    assert found == CONSTANTS
+    assert 'task=OwnTask(class_name="Loiter")' in (generated / "mission_loader.py").read_text()
+
+
+def test_memory_is_kept_apart_in_belief_and_truth(generated):
+    fill(generated)
+    seen = []
+
+    outcome, _ = flown(ReferenceEngine(load_code(generated), 1), seen)
+
+    worlds, beliefs = zip(*seen, strict=True)
+    assert (worlds[9][0], beliefs[9][0]) == (0.0, 0.0)
+    assert (worlds[12][0], beliefs[12][0]) == (0.0, 3.0)
+    assert beliefs[30][0] == 21.0
+    assert outcome.believed[1] > outcome.true[1] > 0
+    assert (worlds[-1][7], beliefs[-1][7]) == (0.0, 120 * 2.5)
+
+
+def test_what_only_memory_tells_apart_changes_digests(generated):
+    fill(generated)
+    usual = flown(ReferenceEngine(load_code(generated), 1))
+    fill(generated, {**BODIES, "near.react": BODIES["near.react"].replace("[7]", "[6]")})
+
+    other = flown(ReferenceEngine(load_code(generated), 1))
+
+    assert replace(other[0], digest=usual[0].digest) == usual[0]
+    assert other[0].digest != usual[0].digest
+    assert other[1] != usual[1]
+
+
+@pytest.mark.parametrize("name", ["compiled", "rosbridge"])
+def test_it_flies_alike_on_every_engine(generated, name):
+    fill(generated)
+    code = load_code(generated)
+
+    with EngineSettings(name).open(code, 1) as engine:
+        assert flown(engine) == flown(ReferenceEngine(code, 1))
+
+
+def test_regions_that_nobody_filled_do_not_fly(generated):
+    fill(generated, {"near.check": "    # later\n"})
+
+    with pytest.raises(EvaluationError) as caught:
+        load_code(generated)
+
+    path = generated / "collective_intelligence.py"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    check, react = (
+        lines.index(f"    # protected region near.{word} on begin") + 1
+        for word in ("check", "react")
+    )
+    told = "{}:{}: region 'near.{}': is empty; expected the body of {}_near, which is to: {}"
+    whether = "Return whether goal near (Loiter) is violated now."
+    command = "Command the members of goal near (Loiter)."
+    assert str(caught.value).splitlines() == [
+        told.format(path, check, "check", "check", whether),
+        told.format(path, react, "react", "react", command),
+    ]
+
+
+def test_progress_is_optional(generated):
+    fill(generated, {"near.check": "    return False\n", "near.react": "    pass\n"})
+
+    outcome, _ = flown(ReferenceEngine(load_code(generated), 1))
+
+    assert outcome.believed[1] == 0

@@ -1,0 +1,68 @@
+"""A goal task of a team's own, from the command line: what is left to write is named everywhere."""
+
+import pytest
+
+from tests.support.cli import mrsfi
+from tests.support.models.loiter import fill, write_loiter
+from tests.support.models.own_metamodels import own_metamodels  # noqa: F401 - a fixture
+
+EMPTY = "region 'near.check': is empty; expected the body of check_near"
+CASE = '[search]\nalgorithm = "random"\n'
+
+
+@pytest.fixture
+def project(tmp_path, own_metamodels):  # noqa: F811 - the fixture
+    write_loiter(tmp_path, own_metamodels)
+    return tmp_path
+
+
+def test_generate_writes_the_files_and_names_what_is_left_to_write(project):
+    done = mrsfi("generate", "own_task", cwd=project, expected=4)
+
+    path = "generated/own_task/collective_intelligence.py"
+    assert (project / path).is_file()
+    assert f"written    {path}\n" in done.stdout
+    assert f"{path}:" in done.stderr
+    assert EMPTY in done.stderr
+
+    fill(project / "generated" / "own_task")
+    mrsfi("generate", "own_task", cwd=project)
+    mrsfi("validate", "own_task", cwd=project)
+
+
+def test_validate_reports_it_as_an_error(project):
+    mrsfi("generate", "own_task", cwd=project, expected=4)
+
+    done = mrsfi("validate", "own_task", cwd=project, expected=6)
+
+    assert "own_task/collective_intelligence.py:" in done.stdout
+    assert f"error: {EMPTY}" in done.stdout
+    assert "near.progress" not in done.stdout
+
+
+@pytest.mark.parametrize("engine", ["reference", "compiled", "rosbridge"])
+def test_no_engine_flies_it(project, engine):
+    mrsfi("generate", "own_task", cwd=project, expected=4)
+
+    done = mrsfi("simulate", "own_task", "--no-faults", "--engine", engine, cwd=project, expected=6)
+
+    assert EMPTY in done.stderr
+
+
+def test_no_campaign_begins_with_it(project):
+    mrsfi("generate", "own_task", cwd=project, expected=4)
+    (project / "models" / "own_task" / "case_a.toml").write_text(CASE)
+
+    done = mrsfi("evolve", "own_task", cwd=project, expected=6)
+
+    assert EMPTY in done.stderr
+    assert not (project / "runs").exists()
+
+
+def test_the_goal_is_shown_by_the_name_of_its_task(project):
+    mrsfi("generate", "own_task", cwd=project, expected=4)
+    fill(project / "generated" / "own_task")
+
+    done = mrsfi("simulate", "own_task", "--no-faults", cwd=project)
+
+    assert "near     Loiter" in done.stdout

@@ -1,0 +1,135 @@
+"""A goal task of a team's own: stay near a robot's home, away for a few ticks at most."""
+
+from pathlib import Path
+
+from tests.support.models.own_metamodels import (
+    OwnMetamodels,
+    a_class,
+    an_enumeration,
+    attribute,
+    many,
+    part,
+    reference,
+)
+
+LOITER = (
+    an_enumeration("Mood", "CALM", "BOLD"),
+    a_class("Mark", "", attribute("depth", "EDouble") + attribute("word")),
+    a_class(
+        "Loiter",
+        "#//GoalTask",
+        attribute("radius", "EDouble")
+        + attribute("awayTicks", "EInt")
+        + attribute("isStrict", "EBoolean")
+        + attribute("word")
+        + attribute("mood", "#//Mood")
+        + attribute("legs", "EDouble", many())
+        + reference("leader", "Robot")
+        + reference("probes", "Sensor", many())
+        + reference("twin", "Goal")
+        + part("home", "Coordinates")
+        + part("stops", "Coordinates", many())
+        + part("zone", "Area")
+        + part("marks", "Mark", many())
+        + part("mark", "Mark"),
+    ),
+)
+
+MISSION = """<?xml version="1.0" encoding="ASCII"?>
+<mission:Mission xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" \
+xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" \
+xmlns:mission="http://mrsfi.org/mission/1.0" name="own task" duration="120">
+  <missionArea ID="whole" radius="400.0"/>
+  <robots ID="a" name="a" speed="3.0">
+    <sensors ID="a_gps" name="" type="GPS_POSITION" energyPerSample="1.0" samplesPerSecond="4"/>
+    <sensors ID="a_depth" name="" type="DEPTH" energyPerSample="1.0" samplesPerSecond="4"/>
+    <batteries ID="a_battery" name="" totalEnergy="20000.0"/>
+    <motionSources ID="a_drive" name="" energyPerDistanceUnit="2.0"/>
+  </robots>
+  <servers ID="base" name="base"/>
+  <goals ID="inside" name="inside" members="a">
+    <task xsi:type="mission:StayWithinMissionArea"/>
+  </goals>
+  <goals ID="near" name="near" members="a">
+    <task xsi:type="mission:Loiter" radius="20.0" awayTicks="4" isStrict="true" word="so" \
+mood="BOLD" leader="a" probes="a_gps a_depth">
+      <legs>1.5</legs>
+      <legs>2.5</legs>
+      <home x="30.0"/>
+      <stops x="1.0"/>
+      <stops y="2.0" z="3.0"/>
+      <zone ID="near_zone" radius="5.0">
+        <center x="7.0"/>
+      </zone>
+      <marks depth="1.0" word="one"/>
+      <marks depth="2.0"/>
+      <mark depth="3.0"/>
+    </task>
+    <messages ID="from_a" sender="a" receiver="base">
+      <body name="POSITION" type="Coordinates"/>
+      <body name="ENERGY" type="Double"/>
+      <body name="SPEED" type="Int"/>
+    </messages>
+  </goals>
+</mission:Mission>
+"""
+
+CONSTANTS = {
+    "NEAR_RADIUS": 20.0,
+    "NEAR_AWAY_TICKS": 4,
+    "NEAR_IS_STRICT": True,
+    "NEAR_WORD": "so",
+    "NEAR_MOOD": "BOLD",
+    "NEAR_LEGS": (1.5, 2.5),
+    "NEAR_LEADER": 0,
+    "NEAR_PROBES": (0, 1),
+    "NEAR_TWIN": -1,
+    "NEAR_HOME": (30.0, 0.0, 0.0),
+    "NEAR_STOPS": ((1.0, 0.0, 0.0), (0.0, 2.0, 3.0)),
+    "NEAR_ZONE": (7.0, 0.0, 0.0, 5.0),
+    "NEAR_MARKS_DEPTH": (1.0, 2.0),
+    "NEAR_MARKS_WORD": ("one", ""),
+    "NEAR_MARK_DEPTH": 3.0,
+    "NEAR_MARK_WORD": "",
+}
+"""What the features of the task become."""
+
+BODIES = {
+    "near.progress": (
+        "    goal = ci.goals[NEAR]\n"
+        "    robot = ci.robots[NEAR_LEADER]\n"
+        "    goal.memory[1] = geometry.distance(robot.x, robot.y, NEAR_HOME[0], NEAR_HOME[1])\n"
+        "    goal.memory[0] = goal.memory[0] + 1 if goal.memory[1] > NEAR_RADIUS else 0\n"
+    ),
+    "near.check": (
+        '    limit = NEAR_AWAY_TICKS if NEAR_IS_STRICT and NEAR_MOOD == "BOLD" else 1000\n'
+        "    return ci.goals[NEAR].memory[0] > limit\n"
+    ),
+    "near.react": (
+        "    ci.goals[NEAR].memory[7] += NEAR_LEGS[1]\n"
+        "    if ci.goals[NEAR].memory[1] > 0.5 * NEAR_RADIUS:\n"
+        "        guidance.approach(ci, NEAR_LEADER, NEAR_HOME[0], NEAR_HOME[1])\n"
+    ),
+}
+"""What a team writes into the regions of the goal, by region."""
+
+
+def write_loiter(folder: Path, own_metamodels: OwnMetamodels) -> Path:
+    """Add the task to the metamodel, and return a mission folder with a goal of it."""
+    own_metamodels.add(*LOITER)
+    models = folder / "models" / "own_task"
+    models.mkdir(parents=True)
+    (models / "mission.xmi").write_text(MISSION, encoding="ascii")
+    return models
+
+
+def fill(generated: Path, bodies: dict[str, str] = BODIES) -> None:
+    """Write bodies into regions of the generated collective intelligence."""
+    path = generated / "collective_intelligence.py"
+    text = path.read_text(encoding="utf-8")
+    for region, body in bodies.items():
+        begin, end = (f"    # protected region {region} {word}\n" for word in ("on begin", "end"))
+        before, _, rest = text.partition(begin)
+        _, _, after = rest.partition(end)
+        text = f"{before}{begin}{body}{end}{after}"
+    path.write_text(text, encoding="utf-8")
