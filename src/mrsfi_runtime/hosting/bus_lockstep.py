@@ -227,7 +227,6 @@ class BusLockstep:
     def _on_tick(self, payload: Payload) -> None:
         told = numbers(TICK, payload, Tick)
         if not self._received.is_open or told.run != self._run:
-            self._received.forget()
             return
         self._completion.advance()
         is_complete = self._received.announce(told.tick, told.n_messages)

@@ -46,17 +46,12 @@ class MessageCount:
     def open(self) -> None:
         """Begin a run: expect tick 0."""
         self.tick = self.n_before = 0
-        self.forget()
+        self._forget()
         self.is_open = True
 
     def close(self) -> None:
         """End the run."""
         self.is_open = False
-
-    def forget(self) -> None:
-        """Drop what was counted: it belonged to another run."""
-        self._received.clear()
-        self._announced = None
 
     def count(self, topic: str) -> bool:
         """Count a message; return whether it completes its tick.
@@ -96,7 +91,7 @@ class MessageCount:
         """Go on to the next tick."""
         self.tick += 1
         self.n_before += len(self._received)
-        self.forget()
+        self._forget()
 
     def silent(self) -> list[str]:
         """Return the topics on which nothing came in this tick."""
@@ -117,6 +112,10 @@ class MessageCount:
                 "or allow more with --timeout"
             )
         return None
+
+    def _forget(self) -> None:
+        self._received.clear()
+        self._announced = None
 
     def _is_complete(self) -> bool:
         if self._announced is None or len(self._received) < self._announced:

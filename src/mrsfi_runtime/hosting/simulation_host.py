@@ -121,7 +121,6 @@ class SimulationHost:
     def _on_go(self, payload: Payload) -> None:
         go = numbers(GO, payload, Go)
         if not self._received.is_open or go.run != self._run:
-            self._received.forget()
             return
         self._completion.advance()
         if self._received.announce(go.tick, go.n_commands):

@@ -68,6 +68,15 @@ def numbers(change):
     return lambda message: [(message[0], {"data": change(*message[1]["data"])})]
 
 
+def other_command(message):
+    """Return what another collective intelligence says on the same topics, in mid-run."""
+    run, tick, _ = message[1]["data"]
+    return [
+        (HEADING, {"x": 0.0, "y": -1.0, "z": 0.0}),
+        (GO, {"data": [run + 1_000_000, tick, 1]}),
+    ]
+
+
 def lose(_message):
     return []
 
@@ -156,6 +165,7 @@ def test_what_goes_wrong_on_the_way_to_the_ci_is_told_with_its_tick(tamper, prob
             r"\d+ messages of the collective intelligence arrived; nothing on .*/r1/command/h",
         ),
         (nth(HEADING, 0, double), "two messages on /r1/command/heading"),
+        (nth(GO, 17, lambda go: [*other_command(go), go]), "it announced|two messages on"),
         (nth(GO, 17, double), "tick 18: the collective intelligence announced tick 17"),
     ],
 )
