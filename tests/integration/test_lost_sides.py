@@ -112,17 +112,16 @@ def test_a_killed_ci_ends_the_simulation_with_8_and_the_server_goes_on(note: Not
 
 def test_a_region_that_raises_ends_its_run_with_6_and_the_server_goes_on(tmp_path: Path) -> None:
     workspace(tmp_path)
-    edit(
-        tmp_path / "generated" / MISSION / "collective_intelligence.py",
-        "    return goal_tasks.sufficient_energy.violated(ci, ENERGY)\n",
-        "    return 1 // (60 - ci.mission.tick) == 7\n",
-    )
+    code = tmp_path / "generated" / MISSION / "collective_intelligence.py"
+    raising = "    return 1 // (60 - ci.mission.tick) == 7"
+    edit(code, "    return goal_tasks.sufficient_energy.violated(ci, ENERGY)", raising)
+    line = code.read_text(encoding="utf-8").splitlines().index(raising) + 1
     words = ("simulate", MISSION, "--engine", "rosbridge")
 
     with bridge() as server, Witness(server.url) as witness:
         errors = mrsfi(*words, "--url", server.url, cwd=tmp_path, expected=6).stderr
 
-        assert "collective_intelligence.py:85: mission 'tight margins' failed at tick 60" in errors
+        assert f"{code.name}:{line}: mission 'tight margins' failed at tick 60" in errors
         assert witness.is_served()
 
 
