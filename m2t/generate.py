@@ -23,6 +23,7 @@ from m2t.metamodels import FAULTS_FILE, MISSION_FILE, metamodel_folder
 from m2t.protected_regions import text_lines
 from m2t.visitors.base import ModelVisitor
 from m2t.visitors.collective_intelligence import CollectiveIntelligenceVisitor
+from m2t.visitors.fault_effects import FaultEffectsVisitor
 from m2t.visitors.fault_loader import FaultLoaderVisitor
 from m2t.visitors.mission_loader import MissionLoaderVisitor
 from m2t.visitors.sim_interface import SimInterfaceVisitor
@@ -32,6 +33,7 @@ from m2t.visitors.topics import TopicsVisitor
 VISITORS: tuple[type[ModelVisitor], ...] = (
     MissionLoaderVisitor,
     FaultLoaderVisitor,
+    FaultEffectsVisitor,
     TopicsVisitor,
     SimInterfaceVisitor,
     SimulationVisitor,

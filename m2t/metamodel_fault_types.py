@@ -5,6 +5,7 @@ its attributes the range of the parameter. A class that says nothing means what 
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from enum import Enum
 from types import MappingProxyType
 from typing import TypeAlias, TypeVar
@@ -13,6 +14,8 @@ from m2t.diagnostics import Report, shown
 from m2t.metamodel_contract import BOUNDS, MEANING, OURS
 from m2t.read.nodes import Node
 from mrsfi_runtime.model.fault_types import (
+    ELEMENTS,
+    N_VALUES,
     REPORTED,
     ROLES,
     WITHIN_REACH,
@@ -71,7 +74,14 @@ class FaultTypeReader:
         found = [self._fault_type(node) for node in kinds if not _is_abstract(node)]
         self._require_containments(root, kinds)
         self._require_all_read(root)
-        return MappingProxyType({kind.name: kind for kind in found if kind is not None})
+        types = [kind for kind in found if kind is not None]
+        own = [kind.name for kind in types if kind.mode is Mode.OWN]
+        return MappingProxyType(
+            {
+                kind.name: replace(kind, effect=own.index(kind.name)) if kind.name in own else kind
+                for kind in types
+            }
+        )
 
     def _is_fault_type(self, node: Node) -> bool:
         """Return whether a class inherits from that of fault types, or says that it is one."""
@@ -92,6 +102,9 @@ class FaultTypeReader:
             return None
         touched = tuple(word for word in properties if word is not None)
         self._require_reach(node, mode, struck, touched)
+        if mode is Mode.OWN:
+            self._require_own(node, touched, declared)
+            return FaultType(_name(node), mode, struck, touched, tuple(declared))
         roles = self._roles(node, mode, touched)
         if roles is None:
             return None
@@ -134,6 +147,31 @@ class FaultTypeReader:
                     f"expected one of {listed}, or another supertype; correct either"
                 )
                 self._add(node, "RequiredFeature", finding)
+
+    def _require_own(
+        self, node: Node, touched: tuple[Field, ...], declared: Mapping[Parameter, Role]
+    ) -> None:
+        """Refuse a type of mode OWN that no region could be written for."""
+        is_one_kind = any(set(touched) <= {*known} for known in ELEMENTS)
+        if not touched or not is_one_kind or len(set(touched)) < len(touched):
+            choices = "; or ".join(", ".join(field.name for field in known) for known in ELEMENTS)
+            named = " and ".join(field.name for field in touched) or "no property"
+            finding = (
+                f"of mode OWN touches {named}; "
+                f"expected some of: {choices}; correct property, or make a type for each"
+            )
+            self._add(node, "EnumLiteral", finding)
+        if len(declared) > N_VALUES:
+            finding = (
+                f"has {len(declared)} parameters; mode OWN takes at most {N_VALUES}; join some"
+            )
+            self._add(node, "KnownFeature", finding)
+        for parameter, role in declared.items():
+            if role in _GIVEN_ROLES.values():
+                finding = (
+                    f"has parameter {parameter.name} with a role; mode OWN has none; delete it"
+                )
+                self._add(node, "KnownFeature", finding)
 
     def _roles(self, node: Node, mode: Mode, touched: tuple[Field, ...]) -> Roles | None:
         """Return the parameters that a mode takes for the properties that a type names."""

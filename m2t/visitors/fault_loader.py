@@ -100,6 +100,7 @@ def _type(kind: FaultType) -> Call:
             ("", Name(f"Struck.{kind.struck.name}")),
             *_given("", tuple(Name(f"Field.{known.name}") for known in kind.properties)),
             *_given("parameters", tuple(_parameter(known) for known in kind.parameters)),
+            *((("effect", kind.effect),) if kind.effect >= 0 else ()),
         ),
         is_flat=True,
     )

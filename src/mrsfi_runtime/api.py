@@ -18,6 +18,7 @@ from mrsfi_runtime.kernel.goal_tasks.sufficient_energy import SufficientEnergy
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode, Parameter, Range, Struck
 from mrsfi_runtime.model.faults import Fault, FaultPool
@@ -60,6 +61,7 @@ __all__ = [
     "Mode",
     "MotionSource",
     "Obstacle",
+    "OwnFault",
     "OwnTask",
     "Parameter",
     "Patrol",

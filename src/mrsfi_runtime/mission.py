@@ -73,13 +73,13 @@ def load_code(directory: Path) -> MissionCode:
         simulation=simulation.Simulation,
         interface=interface.SimInterface,
         truth=tuple(robot.truth for robot in topics.ROBOTS),
-        functions=_functions(directory, collective),
+        functions=_functions(directory, collective, _module(directory, "fault_effects")),
         directory=directory,
     )
 
 
-def _functions(directory: Path, collective: ModuleType) -> MissionFunctions:
-    names = MissionFunctions._fields
+def _functions(directory: Path, collective: ModuleType, effects: ModuleType) -> MissionFunctions:
+    names = [name for name in MissionFunctions._fields if name != "apply"]
     missing = [name for name in names if not hasattr(collective, name)]
     if missing:
         message = (
@@ -88,7 +88,8 @@ def _functions(directory: Path, collective: ModuleType) -> MissionFunctions:
             "run `mrsfi generate`"
         )
         raise GenerationError(message)
-    return MissionFunctions(*(getattr(collective, name) for name in names))
+    own = {name: getattr(collective, name) for name in names}
+    return MissionFunctions(**own, apply=effects.apply)
 
 
 def _loaded(directory: Path, stem: str, function: str) -> Any:

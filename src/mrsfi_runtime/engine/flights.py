@@ -10,6 +10,7 @@ from typing import Self, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError
 from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker, Observer
+from mrsfi_runtime.hosting.own_effects import guarded
 from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.kernel.injections import Plan, plan
 from mrsfi_runtime.kernel.packing import state_bytes
@@ -135,10 +136,14 @@ class PlainEngine(Engine):
         code = self.code
         laid_out = plan(code.mission, pool, specification)
         made: list[Flight] = []
+        own = {fault.kind.effect: fault.kind for fault in pool if fault.kind.effect >= 0}
+        functions = code.functions
+        if own:
+            functions = functions._replace(apply=guarded(functions.apply, own))
 
         def make_flight(interface: SimInterface, world: State) -> Flight:
             flight = Flight(
-                code.functions, code.mission, self.seed, interface, world, laid_out, observer
+                functions, code.mission, self.seed, interface, world, laid_out, observer
             )
             made.append(flight)
             return flight

@@ -12,6 +12,8 @@ from functools import cached_property
 from importlib.machinery import PathFinder
 from pathlib import Path
 
+from mrsfi_runtime.unfilled import FILES
+
 _BEGIN = re.compile(r"[ \t]*# protected region (\S+) (?:on|off) begin[ \t]*")
 _END = re.compile(r"[ \t]*# protected region \S+ end[ \t]*")
 _OURS = "mrsfi_runtime"
@@ -79,7 +81,7 @@ class Source:
 
 
 def sources(directory: Path, search_path: Sequence[str] | None = None) -> Iterator[Source]:
-    """Yield the collective intelligence of a mission, and the team's files that it imports.
+    """Yield the files of a mission that hold regions, and the team's files that they import.
 
     Parameters
     ----------
@@ -88,12 +90,10 @@ def sources(directory: Path, search_path: Sequence[str] | None = None) -> Iterat
     search_path
         Folders in which imports are found, by default those of Python.
     """
-    collective = directory / "collective_intelligence.py"
-    if not collective.is_file():
-        return
-    paths = [collective]
+    generated = [path for path in (directory / name for name in FILES) if path.is_file()]
+    paths = [*generated]
     for path in paths:  # which grows
-        source = Source(path, has_regions=path is collective)
+        source = Source(path, has_regions=path in generated)
         yield source
         try:
             tree = source.tree

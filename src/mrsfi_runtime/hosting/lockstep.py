@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.hosting.sides import SimInterface, Simulation
-from mrsfi_runtime.kernel.effects import Orders
+from mrsfi_runtime.kernel.effects.commands import Orders
 from mrsfi_runtime.kernel.flight import MissionFunctions, answer, begin, no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import Plan

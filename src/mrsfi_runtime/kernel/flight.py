@@ -16,8 +16,10 @@ from typing import NamedTuple
 from mrsfi_runtime.kernel.commands import release
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.delivery import deliver, send
-from mrsfi_runtime.kernel.effects import Orders, falsify, issue
-from mrsfi_runtime.kernel.injections import Plan
+from mrsfi_runtime.kernel.effects.commands import Orders, issue
+from mrsfi_runtime.kernel.effects.own import disturb
+from mrsfi_runtime.kernel.effects.reports import falsify
+from mrsfi_runtime.kernel.injections import OwnEffect, Plan
 from mrsfi_runtime.kernel.motion import advance
 from mrsfi_runtime.kernel.state import State
 
@@ -33,11 +35,14 @@ class MissionFunctions(NamedTuple):
         Writes 1 for every goal that is violated in a state, else 0.
     react
         Lets every goal command its members; the first that claims a channel keeps it.
+    apply
+        Lets a fault of a team's own type act.
     """
 
     progress: Callable[[State], None]
     check: Callable[[State, list[int]], None]
     react: Callable[[State], None]
+    apply: OwnEffect
 
 
 @dataclass(slots=True)
@@ -124,7 +129,7 @@ def answer(
     ``orders`` receives the commands for the motion of the tick after.
     """
     judge(functions, world, verdicts.is_true)
-    perceive(ci, inbox, plan, tick)
+    perceive(functions, ci, inbox, plan, tick)
     judge(functions, ci, verdicts.is_believed)
     functions.react(ci)
     issue(ci, orders, plan, tick + 1)
@@ -132,7 +137,7 @@ def answer(
 
 
 @kernel
-def perceive(ci: State, inbox: State, plan: Plan, tick: int) -> None:
+def perceive(functions: MissionFunctions, ci: State, inbox: State, plan: Plan, tick: int) -> None:
     """Turn the messages of a tick into belief: delivery, then faults; all channels are free.
 
     References
@@ -142,6 +147,7 @@ def perceive(ci: State, inbox: State, plan: Plan, tick: int) -> None:
     ci.mission.tick = tick
     deliver(ci, inbox, plan)
     falsify(ci, inbox, plan)
+    disturb(functions.apply, ci, inbox, plan)
     release(ci)
 
 

@@ -5,14 +5,18 @@ References
 Source paper, sections III-B b) and III-G; DESIGN of the fault effects in docs/semantics.md.
 """
 
-from dataclasses import dataclass
+from array import array
+from collections.abc import Callable, Iterator, MutableSequence, Sequence
+from dataclasses import dataclass, field
 from operator import attrgetter
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
-from mrsfi_runtime.model.fault_types import Field, Mode
+from mrsfi_runtime.kernel.state import N_MEMORY, State
+from mrsfi_runtime.model import fault_types
+from mrsfi_runtime.model.fault_types import FaultType, Field, Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import touched
+from mrsfi_runtime.model.targets import Target, touched
 
 
 @dataclass(slots=True)
@@ -41,6 +45,35 @@ class InjectionState:
     kept_c: float
 
 
+def _numbers() -> MutableSequence[float]:
+    return array("d", bytes(8 * N_MEMORY))
+
+
+@dataclass(slots=True)
+class OwnFault:
+    """A fault of a team's own type at work on one target, active for ``start <= tick <= finish``.
+
+    ``target`` is the index of a robot, a sensor or an obstacle. ``values`` are those of the
+    fault's parameters, ``age`` the ticks since its start, ``memory`` numbers that are 0 at its
+    start. ``fault``, ``effect`` and ``kind`` say which fault it is, which effect it has, and on
+    what.
+    """
+
+    fault: int
+    effect: int
+    kind: int
+    target: int
+    start: int
+    finish: int
+    age: int = 0
+    values: MutableSequence[float] = field(default_factory=_numbers)
+    memory: MutableSequence[float] = field(default_factory=_numbers)
+
+
+OwnEffect: TypeAlias = Callable[[State, State, OwnFault], None]
+"""Changes the local state, the first argument; the second holds the newest messages."""
+
+
 @dataclass(slots=True)
 class FaultTally:
     """At how many ticks a timed fault was active, and at how many it changed a value."""
@@ -56,8 +89,8 @@ class Plan:
     """All injections of one fault specification, by what they act on, each list by start.
 
     ``messages`` are delayed and blocked ones, ``reports`` falsify what is believed,
-    ``commands`` are forged. ``held`` is room for delayed messages; ``tallies`` has one entry
-    for each timed fault.
+    ``commands`` are forged, ``own`` are those of a team's own types. ``held`` is room for delayed
+    messages; ``tallies`` has one entry for each timed fault.
     """
 
     messages: list[InjectionState]
@@ -65,6 +98,7 @@ class Plan:
     commands: list[InjectionState]
     held: list[float]
     tallies: list[FaultTally]
+    own: list[OwnFault]
 
 
 class InjectionRow(NamedTuple):
@@ -83,6 +117,18 @@ class InjectionRow(NamedTuple):
     n_held: int
 
 
+class OwnRow(NamedTuple):
+    """What a fault of a team's own type is before its run: attributes of ``OwnFault``."""
+
+    fault: int
+    effect: int
+    kind: int
+    target: int
+    start: int
+    finish: int
+    values: tuple[float, ...]
+
+
 class PlanRows(NamedTuple):
     """A plan before its run.
 
@@ -90,6 +136,8 @@ class PlanRows(NamedTuple):
     ----------
     lists
         Messages, reports and commands, each by start.
+    own
+        Faults of a team's own types, by start.
     n_held
         Numbers that delays hold back.
     n_faults
@@ -97,6 +145,7 @@ class PlanRows(NamedTuple):
     """
 
     lists: tuple[list[InjectionRow], list[InjectionRow], list[InjectionRow]]
+    own: list[OwnRow]
     n_held: int
     n_faults: int
 
@@ -109,24 +158,36 @@ def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Pla
     SpecificationError
         If a fault is not in the pool, or refers to what the mission does not have.
     """
-    lists, n_held, n_faults = plan_rows(mission, pool, specification)
+    lists, own, n_held, n_faults = plan_rows(mission, pool, specification)
     messages, reports, commands = (
         [InjectionState(*row, 0.0, 0.0, 0.0) for row in rows] for rows in lists
     )
     tallies = [FaultTally(0, 0, -1, -1) for _ in range(n_faults)]
-    return Plan(messages, reports, commands, [0.0] * n_held, tallies)
+    return Plan(
+        messages, reports, commands, [0.0] * n_held, tallies, [_own_fault(row) for row in own]
+    )
+
+
+def _own_fault(row: OwnRow) -> OwnFault:
+    fault = OwnFault(*row[:-1])
+    for place, value in enumerate(row.values):
+        fault.values[place] = value
+    return fault
 
 
 def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -> PlanRows:
     """Lay a fault specification out as rows; as ``plan``."""
-    rows = PlanRows(([], [], []), 0, len(specification))
+    rows = PlanRows(([], [], []), [], 0, len(specification))
     messages, reports, commands = rows.lists
     n_held = 0
     for number, timed in enumerate(specification):
         fault = pool[timed.fault]
+        if fault.kind.mode is Mode.OWN:
+            rows.own.extend(_own_rows(number, timed, fault.kind, touched(mission, fault)))
+            continue
         mode = int(fault.kind.mode)
-        for field, target in touched(mission, fault):
-            affected = int(field)
+        for touched_field, target in touched(mission, fault):
+            affected = int(touched_field)
             if mode in _HELD_BACK:
                 row = _held_back(number, timed, affected, mode, target, n_held)
                 n_held += 3 * row.n_held
@@ -139,6 +200,7 @@ def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -
                 (commands if affected in _COMMANDED else reports).append(row)
     for injections in rows.lists:
         injections.sort(key=_start)
+    rows.own.sort(key=_start)
     return rows._replace(n_held=n_held)
 
 
@@ -148,6 +210,17 @@ _start = attrgetter("start")
 def _values(timed: TimedFault) -> tuple[float, float, float]:
     a, b, c = (*map(float, timed.values), 0.0, 0.0, 0.0)[:3]
     return a, b, c
+
+
+def _own_rows(
+    number: int, timed: TimedFault, kind: FaultType, targets: Sequence[Target]
+) -> Iterator[OwnRow]:
+    """Yield a row for each target of which all is touched that the fault's type names."""
+    values = tuple(map(float, timed.values))
+    for target in dict.fromkeys(index for _, index in targets):
+        if all((affected, target) in targets for affected in kind.properties):
+            of = _KINDS[kind.properties[0]]
+            yield OwnRow(number, kind.effect, of, target, timed.start, timed.finish, values)
 
 
 def _held_back(
@@ -190,6 +263,15 @@ STOP = int(Mode.STOP)
 START = int(Mode.START)
 DEACTIVATE = int(Mode.DEACTIVATE)
 ACTIVATE = int(Mode.ACTIVATE)
+
+OF_ROBOT, OF_SENSOR, OF_OBSTACLE = 0, 1, 2
+"""On what a fault of a team's own type acts."""
+
+_KINDS = {
+    **dict.fromkeys(fault_types.OF_ROBOT, OF_ROBOT),
+    **dict.fromkeys(fault_types.OF_SENSOR, OF_SENSOR),
+    Field.OBSTACLE: OF_OBSTACLE,
+}
 
 _HELD_BACK = (DELAY, BLOCK)
 _COMMANDED = (MOTION, ACTIVATION)

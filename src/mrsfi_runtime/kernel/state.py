@@ -13,6 +13,9 @@ from dataclasses import dataclass, field
 N_MEMORY = 8
 """Numbers that a goal remembers for whoever writes its regions."""
 
+N_MEMORY = 8
+"""Numbers that are remembered for whoever writes a region."""
+
 
 @dataclass(slots=True)
 class MissionState:

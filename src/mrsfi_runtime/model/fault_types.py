@@ -44,6 +44,7 @@ class Mode(IntEnum):
     START = 10
     DEACTIVATE = 11
     ACTIVATE = 12
+    OWN = 13  # what a region of the generated code says
 
 
 class Range(Enum):
@@ -104,7 +105,7 @@ class FaultType:
 
     ``properties`` is empty for delays and blocks, which touch whatever their message carries.
     ``parameters`` fixes the order of a fault's ``values``; it is the order of the roles in
-    which the mode takes them.
+    which the mode takes them. ``effect`` numbers the effects of a team's own.
     """
 
     name: str
@@ -112,6 +113,7 @@ class FaultType:
     struck: Struck
     properties: tuple[Field, ...] = ()
     parameters: tuple[Parameter, ...] = ()
+    effect: int = -1
 
     @property
     def is_place(self) -> bool:
@@ -171,6 +173,12 @@ OF_SENSOR = (Field.COUNT, Field.RATE, Field.COST)
 
 IN_NO_MESSAGE = (Field.RATE, Field.COST)
 """Properties that are believed to be what the model says; no message carries them."""
+
+ELEMENTS = (OF_ROBOT, OF_SENSOR, (Field.OBSTACLE,))
+"""Properties by what they are properties of; an effect of a team's own acts on one of the three."""
+
+N_VALUES = 8
+"""Parameters of a type of a team's own, at most."""
 
 WITHIN_REACH: Mapping[Struck, tuple[Field | None, ...]] = MappingProxyType(
     {

@@ -12,6 +12,7 @@ GENERATED = ROOT / "generated" / "uuv_sampling"
 FILES = (
     "mission_loader.py",
     "fault_loader.py",
+    "fault_effects.py",
     "topics.py",
     "sim_interface.py",
     "simulation.py",

@@ -14,11 +14,19 @@ from mrsfi_runtime.engine.compiled.layout import (
     record_type,
 )
 from mrsfi_runtime.engine.flights import digested
-from mrsfi_runtime.kernel.injections import FaultTally, InjectionRow, InjectionState, PlanRows
+from mrsfi_runtime.kernel.injections import (
+    FaultTally,
+    InjectionRow,
+    InjectionState,
+    OwnFault,
+    OwnRow,
+    PlanRows,
+)
 from mrsfi_runtime.model.outcome import Outcome
 
 _INJECTION = record_type(InjectionState)
 _TALLY = record_type(FaultTally)
+_OWN = record_type(OwnFault)
 
 
 class Batch:
@@ -26,11 +34,11 @@ class Batch:
 
     Attributes
     ----------
-    injections, tallies
+    injections, tallies, own
         Those of all specifications, one after the other.
     ends
-        Shape ``(n, 6)``: where each specification's messages, reports and commands begin in
-        ``injections``, where its commands end, and where its tallies begin and end.
+        Shape ``(n, 8)``: where each specification's messages, reports and commands begin in
+        ``injections``, where its commands end, where its tallies begin and end, and its ``own``.
     results
         One record a specification.
     room
@@ -47,16 +55,24 @@ class Batch:
         rows: list[InjectionRow] = []
         ends = []
         n_tallies = 0
+        own: list[OwnRow] = []
         for one in plans:
             marks = [len(rows)]
             for injections in one.lists:
                 rows.extend(injections)
                 marks.append(len(rows))
-            ends.append((*marks, n_tallies, n_tallies + one.n_faults))
+            last = len(own) + len(one.own)
+            ends.append((*marks, n_tallies, n_tallies + one.n_faults, len(own), last))
+            own.extend(one.own)
             n_tallies += one.n_faults
         self.injections: Records = np.zeros(len(rows), _INJECTION)
         for name, column in zip(InjectionRow._fields, zip(*rows, strict=True), strict=False):
             self.injections[name] = column
+        self.own: Records = np.zeros(len(own), _OWN)
+        for place, row in enumerate(own):
+            for name, value in zip(OwnRow._fields[:-1], row, strict=False):
+                self.own[name][place] = value
+            self.own["values"][place, : len(row.values)] = row.values
         self.ends = np.array(ends, np.int64)
         self.tallies: Records = np.zeros(n_tallies, _TALLY)
         self.tallies["last_applied"] = self.tallies["last_changed"] = -1

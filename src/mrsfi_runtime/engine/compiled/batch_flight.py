@@ -26,7 +26,7 @@ class Arrays(NamedTuple):
         Truth, belief and inbox.
     plans
         Room for one plan.
-    injections, tallies, ends
+    injections, tallies, own, ends
         Those of all specifications, and where each one's are; see ``Batch``.
     results
         A record a specification: verdicts, and the words of the last truth and belief.
@@ -42,6 +42,7 @@ class Arrays(NamedTuple):
     plans: Records
     injections: Records
     tallies: Records
+    own: Records
     ends: npt.NDArray[np.int64]
     results: Records
     moments: Records
@@ -86,6 +87,7 @@ def board(plan: Any, arrays: Arrays, k: int) -> None:
     load(plan.messages, arrays.injections, ends[k, 0], ends[k, 1])
     load(plan.reports, arrays.injections, ends[k, 1], ends[k, 2])
     load(plan.commands, arrays.injections, ends[k, 2], ends[k, 3])
+    load(plan.own, arrays.own, ends[k, 6], ends[k, 7])
     for n in range(ends[k, 4], ends[k, 5]):
         plan.tallies[n - ends[k, 4]] = arrays.tallies[n]
 

@@ -73,8 +73,8 @@ def _require_one_file(code: MissionCode) -> None:
 
     Where the file was loaded again since, its module is another, of the same content.
     """
-    names = code.functions.check.__globals__
     for name, function in code.functions._asdict().items():
+        names = function.__globals__ if name == "apply" else code.functions.check.__globals__
         if names.get(name) is not function:
             message = (
                 f"{code.directory}: '{name}' is no function of {names['__name__']}; "
@@ -87,12 +87,13 @@ def _require_one_file(code: MissionCode) -> None:
 def _driver(functions: MissionFunctions, state_type: Any) -> ModuleType:
     """Return the driver of a mission's functions, the same for all of its engines."""
     collective = sys.modules[functions.check.__module__]
+    effects = sys.modules[functions.apply.__module__]
     parts = [repr(state_type)]
-    for module in (batch_flight, collective):
+    for module in (batch_flight, collective, effects):
         register(module)
         parts += [path.read_text(encoding="utf-8") for path in sources(module)]
         parts += constants(module)
-    text = driver_text(collective.__name__)
+    text = driver_text(collective.__name__, effects.__name__)
     return load_driver(source_hash([text, *parts]), text)
 
 

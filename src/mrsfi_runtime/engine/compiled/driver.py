@@ -24,6 +24,7 @@ N_KEPT = 64
 _TEXT = '''"""Compiled flight of a mission."""
 
 import {collective} as ci
+import {effects} as own
 from mrsfi_runtime.engine.compiled import batch_flight
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from numba import njit
@@ -31,20 +32,22 @@ from numba import njit
 
 @njit(cache=True, nogil=True, boundscheck=True)
 def fly_many(arrays, first, last):
-    functions = MissionFunctions(ci.progress, ci.check, ci.react)
+    functions = MissionFunctions(ci.progress, ci.check, ci.react, own.apply)
     batch_flight.fly_many(functions, arrays, first, last)
 '''
 
 
-def driver_text(collective: str) -> str:
+def driver_text(collective: str, effects: str) -> str:
     """Return the stub of a mission.
 
     Parameters
     ----------
     collective
         Name under which its collective intelligence can be imported.
+    effects
+        The same of its fault effects.
     """
-    return _TEXT.format(collective=collective)
+    return _TEXT.format(collective=collective, effects=effects)
 
 
 def cache_folder() -> Path:

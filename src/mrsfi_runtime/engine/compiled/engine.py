@@ -167,6 +167,7 @@ class CompiledEngine(Engine):
             plans,
             batch.injections,
             batch.tallies,
+            batch.own,
             batch.ends,
             batch.results,
             moments,

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mrsfi_runtime.kernel.flight import Verdicts
-from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, PlanRows
+from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, OwnFault, PlanRows
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.kernel.state import N_MEMORY, State
 
@@ -34,12 +34,13 @@ class Room:
     """How much a compiled plan has room for; a larger specification is compiled for anew.
 
     ``faults`` counts timed faults, ``injections`` those of one list with the sentinel behind
-    the last, ``held`` numbers that delays hold back.
+    the last, ``own`` faults of a team's own types likewise, ``held`` numbers that delays hold back.
     """
 
     faults: int = 64
     injections: int = 256
     held: int = 65_536
+    own: int = 8
 
     def for_plans(self, plans: Sequence[PlanRows]) -> "Room":
         """Return room for all of some plans, in few sizes."""
@@ -47,6 +48,7 @@ class Room:
             _grown(self.faults, max(one.n_faults for one in plans)),
             _grown(self.injections, 1 + max(max(map(len, one.lists)) for one in plans)),
             _grown(self.held, max(one.n_held for one in plans)),
+            _grown(self.own, 1 + max(len(one.own) for one in plans)),
         )
 
 
@@ -126,6 +128,7 @@ def plan_type(room: Room) -> np.dtype[Any]:
             ("commands", injection, (room.injections,)),
             ("held", "<f8", (room.held,)),
             ("tallies", record_type(FaultTally), (room.faults,)),
+            ("own", record_type(OwnFault), (room.own,)),
         ]
     )
 

@@ -2,15 +2,17 @@
 
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 import numba
 
+from mrsfi_runtime.engine.compiled.layout import record_type
 from mrsfi_runtime.engine.compiled.reach import is_kernel
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.mission import MissionCode
 
 _BEGIN = re.compile(r"# protected region (\S+) (?:on|off) begin")
@@ -41,19 +43,25 @@ def explain(code: MissionCode, state_type: Any, error: Exception) -> Compilation
     error
         What numba said of the whole.
     """
-    for function in _goal_functions(code):
+    state = numba.from_dtype(state_type)
+    own = (state, state, numba.from_dtype(record_type(OwnFault)))
+    candidates: list[tuple[FunctionType, tuple[Any, ...]]] = [
+        (function, (state,)) for function in _called(code.functions[:-1])
+    ]
+    candidates += [(function, own) for function in _called([code.functions.apply])]
+    for function, arguments in candidates:
         try:
-            numba.njit(boundscheck=True)(function).compile((numba.from_dtype(state_type),))
+            numba.njit(boundscheck=True)(function).compile(arguments)
         except Exception as own:  # noqa: BLE001 - numba raises errors of any kind
             where = _where(code.directory, function, str(own))
             return CompilationError(f"{where} cannot be compiled: {_why(own)}")
     return CompilationError(f"{code.directory}: cannot be compiled: {_why(error)}")
 
 
-def _goal_functions(code: MissionCode) -> list[FunctionType]:
-    """Return the kernel functions of the generated file that the mission's functions call."""
+def _called(functions: Iterable[Callable[..., Any]]) -> list[FunctionType]:
+    """Return the kernel functions of the generated file that a mission's functions call."""
     found: dict[FunctionType, None] = {}
-    for function in code.functions:
+    for function in functions:
         names = function.__globals__
         called = [names.get(name) for name in function.__code__.co_names]
         found |= dict.fromkeys(one for one in called if is_kernel(one))

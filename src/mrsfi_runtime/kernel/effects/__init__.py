@@ -1,0 +1,1 @@
+"""What active faults do: a module for each thing that they act on."""

@@ -1,0 +1,70 @@
+"""What forged commands do: they beat the collective intelligence's own, which hold again later.
+
+References
+----------
+Source paper, sections III-B b) and III-G.
+"""
+
+from dataclasses import dataclass
+
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.effects.belief import note
+from mrsfi_runtime.kernel.injections import ACTIVATE, ACTIVATION, START, InjectionState, Plan
+from mrsfi_runtime.kernel.state import CommandState, State, SwitchState
+
+
+@dataclass(slots=True)
+class Orders:
+    """What leaves for the simulation: one command per robot, one switch per sensor."""
+
+    commands: list[CommandState]
+    switches: list[SwitchState]
+
+
+@kernel
+def issue(ci: State, orders: Orders | State, plan: Plan, tick: int) -> None:
+    """Write the commands that the simulation obeys at a tick: the CI's, or forged ones.
+
+    Parameters
+    ----------
+    ci
+        Local state with the collective intelligence's own commands, which stay as they are.
+    orders
+        Receives the commands.
+    plan
+        Faults of this run. Forged commands beat all others.
+    tick
+        The tick whose motion obeys; forged commands act from the motion of their ``start`` to
+        that of their ``finish``.
+    """
+    for index in range(len(ci.commands)):
+        own = ci.commands[index]
+        order = orders.commands[index]
+        order.heading_x = own.heading_x
+        order.heading_y = own.heading_y
+        order.speed = own.speed
+    for index in range(len(ci.switches)):
+        orders.switches[index].active = ci.switches[index].active
+    if tick >= ci.mission.duration:
+        return
+    for injection in plan.commands:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
+            forge(ci, orders, plan, injection, tick)
+
+
+@kernel
+def forge(
+    ci: State, orders: Orders | State, plan: Plan, injection: InjectionState, tick: int
+) -> None:
+    """Replace one command by the forged one of an active fault."""
+    target = injection.target
+    if injection.affected == ACTIVATION:
+        active = 1 if injection.mode == ACTIVATE else 0
+        note(plan, injection, tick, ci.switches[target].active != active)
+        orders.switches[target].active = active
+    else:
+        speed = ci.robots[target].nominal_speed if injection.mode == START else 0.0
+        note(plan, injection, tick, ci.commands[target].speed != speed)
+        orders.commands[target].speed = speed
