@@ -147,6 +147,7 @@ class MetamodelCheck:
             self._classifier(classifier)
         if not self._report.n_errors:
             self._check_contract(root, name)
+            self._check_meanings(root, name)
         if not self._report.n_errors:
             self.fault_types = FaultTypeReader(self._lineage, self._report).read(root)
 
@@ -174,6 +175,24 @@ class MetamodelCheck:
                         "restore it"
                     )
                     self._report.add(feature, "RequiredFeature", finding)
+
+    def _check_meanings(self, root: Node, package: str) -> None:
+        """Check that code knows the elements of each class as one thing only."""
+        for node in _named(root, "eClassifiers"):
+            read = [
+                known
+                for known in self._lineage(node)
+                if known.attributes["name"] in CONTRACT[package]
+                and known.attributes.get("abstract") != "true"
+            ]
+            general = {known for other in read for known in self._ancestors(other)}
+            names = [known.attributes["name"] for known in read if known not in general]
+            if len(names) > 1:
+                finding = (
+                    f"inherits from {' and '.join(names)}, and mrsfi can know it as one of them "
+                    "only; keep one"
+                )
+                self._report.add(node, "ConcreteType", finding)
 
     def _check_supertype(self, node: Node, lineage: Mapping[Node, None], name: str | None) -> None:
         if name is not None and name not in {known.attributes["name"] for known in lineage}:

@@ -195,7 +195,13 @@ def failed(
     ]
     place = f"{lines[-1][0]}:{lines[-1][1]}: " if lines else f"{file}: " if file else ""
     remedy = "; correct the region" if lines else ""
-    found = EvaluationError(f"{place}{what}: {type(error).__name__}: {error}{remedy}")
+    said = str(error)
+    if isinstance(error, ImportError) and error.name == "mrsfi_runtime.api":
+        said = said.partition(" (")[0]
+        remedy = (
+            "; code of another version of mrsfi: run `mrsfi generate`, then correct the regions"
+        )
+    found = EvaluationError(f"{place}{what}: {type(error).__name__}: {said}{remedy}")
     found.line = lines[-1] if lines else None
     return found
 

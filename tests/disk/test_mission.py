@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.mission import load_module
 
 
@@ -35,3 +36,17 @@ def test_code_loaded_by_a_relative_path_knows_its_file(
     del sys.modules["known_by_its_file"]
 
     assert module.speed.__code__.co_filename == str(tmp_path / "team.py")
+
+
+def test_code_of_another_version_is_told_apart_from_a_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "old.py"
+    path.write_text("from mrsfi_runtime.api import reactions\n", encoding="utf-8")
+
+    with pytest.raises(EvaluationError) as caught:
+        load_module("of_another_version", path)
+
+    assert str(caught.value) == (
+        f"{path}:1: cannot be imported: ImportError: cannot import name 'reactions' from "
+        "'mrsfi_runtime.api'; code of another version of mrsfi: run `mrsfi generate`, then correct "
+        "the regions"
+    )
