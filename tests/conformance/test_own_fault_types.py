@@ -6,18 +6,25 @@ to the last bit, also on a specification that follows others.
 
 import shutil
 from pathlib import Path
+from random import Random
 
 import pytest
 
 from m2t.generate import generate
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
+from mrsfi_runtime.engine.compiled.regions import CompilationError
 from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.region_lint import lint_regions
+from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.targets import conflicts
 from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.steps import crept
 from tests.support.cli import edit
 from tests.support.own_metamodels import (
     add_fault_type,
@@ -215,6 +222,53 @@ def test_both_engines_agree_also_after_other_specifications(code: MissionCode) -
     assert found == expected
     assert again == expected[::-1]
     assert all(all(outcome.changed) for outcome in found[:4])
+
+
+def test_own_effects_fly_over_rosbridge_as_without_a_bus(code: MissionCode) -> None:
+    expected = [ReferenceEngine(code, 3).evaluate(each) for each in SPECIFICATIONS[:2]]
+
+    with RosbridgeEngine(code, 3, patience=Patience()) as engine:
+        found = [engine.evaluate(each) for each in SPECIFICATIONS[:2]]
+
+    assert found == expected
+
+
+def test_search_evolves_own_types_within_the_bounds_of_their_ranges(code: MissionCode) -> None:
+    space = SearchSpace.of(code.mission, code.pool)
+    rng = Random(5)
+
+    drawn = [
+        timed
+        for _ in range(60)
+        for timed in crept(space, random_specification(space, 20, rng), rng)
+        if timed.fault in {"slip", "drawn", "stuck", "drift"}
+    ]
+
+    assert {timed.fault for timed in drawn} == {"slip", "drawn", "stuck", "drift"}
+    for timed in drawn:
+        for value, (low, high) in zip(
+            timed.values, space.candidates[timed.fault].bounds, strict=True
+        ):
+            assert low <= value <= high
+    assert all(timed.values[0] % 1 == 0 for timed in drawn if timed.fault == "slip")
+
+
+def test_what_does_not_compile_in_a_region_is_named_and_linted_with_its_line(
+    target: Path, tmp_path: Path
+) -> None:
+    folder = shutil.copytree(target, tmp_path / "generated")
+    end = "    # protected region Held.apply end\n"
+    edit(folder / "fault_effects.py", end, f"    sensor.rate = sensor.rat + fault.agee\n{end}")
+    lines = (folder / "fault_effects.py").read_text(encoding="utf-8").split("\n")
+    line = lines.index("    sensor.rate = sensor.rat + fault.agee") + 1
+
+    with pytest.raises(CompilationError) as caught:
+        CompiledEngine(load_code(folder), 3)
+
+    assert "region Held.apply cannot be compiled: records have no 'rat'" in str(caught.value)
+    said = [found.message for found in lint_regions(folder) if found.line == line]
+    assert any("sensor.rat" in message for message in said)
+    assert any("fault.agee" in message for message in said)
 
 
 @pytest.mark.parametrize(

@@ -229,6 +229,42 @@ WRONG = {
         SPEED_OFFSET + parameter("BY", range="SPEED") + parameter("WHY", "EString", range="SPEED"),
         "'WHY' has the source 'http://mrsfi.org/meaning'; expected",
     ),
+    "an own effect on nothing": (
+        "RobotFault",
+        meaning(mode="OWN"),
+        "'Odd' of mode OWN touches no property; expected some of: POSITION, SPEED, ENERGY; or",
+    ),
+    "an own effect on a command": (
+        "RobotFault",
+        meaning(mode="OWN", property="MOTION"),
+        "'Odd' of mode OWN touches MOTION; expected some of: POSITION, SPEED, ENERGY; or COUNT",
+    ),
+    "an own effect on an activation": (
+        "SensorFault",
+        meaning(mode="OWN", property="COUNT ACTIVATION"),
+        "'Odd' of mode OWN touches COUNT and ACTIVATION; expected some of",
+    ),
+    "an own effect on two elements": (
+        "MessageFault",
+        meaning(mode="OWN", property="SPEED COUNT"),
+        "'Odd' of mode OWN touches SPEED and COUNT; expected some of",
+    ),
+    "an own effect out of reach": (
+        "SensorFault",
+        meaning(mode="OWN", property="SPEED"),
+        "'Odd' of mode OWN touches property SPEED, but refers to one sensor",
+    ),
+    "an own effect with nine parameters": (
+        "RobotFault",
+        meaning(mode="OWN", property="SPEED")
+        + "".join(parameter(f"P{number}", range="SHARE") for number in range(9)),
+        "'Odd' has 9 parameters; mode OWN takes at most 8",
+    ),
+    "an own effect with a role": (
+        "RobotFault",
+        meaning(mode="OWN", property="SPEED") + parameter("P", range="SPEED", role="LOWEST"),
+        "'Odd' has parameter P with a role; mode OWN has none",
+    ),
     "another source of ours": (
         "RobotFault",
         meaning(mode="STOP", property="MOTION")

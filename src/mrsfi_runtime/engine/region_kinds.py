@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
 
 from mrsfi_runtime.engine.region_sources import Source
+from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.kernel.state import State
 
 Kind: TypeAlias = Any
@@ -56,6 +57,9 @@ def _all_fields() -> Iterator[tuple[str, Kind]]:
         if is_record(record):
             yield from fields(record).items()
 
+
+_RECORDS: Mapping[str, Kind] = {f"{_API}State": State, f"{_API}OwnFault": OwnFault}
+"""Records that arguments of regions are annotated with."""
 
 _FIELDS: Mapping[str, Kind] = dict(_all_fields())
 """Kinds of fields by name alone, where the record cannot be told."""
@@ -180,8 +184,10 @@ def _arguments(function: ast.FunctionDef, imports: Mapping[str, str]) -> Iterato
     for argument in (*function.args.args, *function.args.kwonlyargs):
         hint = argument.annotation
         name = "" if not isinstance(hint, ast.Name) else hint.id
-        is_state = imports.get(name) == f"{_API}State" or (hint is None and argument.arg == "ci")
-        yield argument.arg, State if is_state else _NUMBERS.get(name)
+        if hint is None and argument.arg == "ci":
+            yield argument.arg, State
+        else:
+            yield argument.arg, _RECORDS.get(imports.get(name, ""), _NUMBERS.get(name))
 
 
 def _assignments(function: ast.FunctionDef) -> Iterator[tuple[str, ast.AST | None]]:
