@@ -21,14 +21,15 @@ from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
-from mrsfi_runtime.search.archive import Archive
 from mrsfi_runtime.search.fitness import (
     FITNESS_FUNCTIONS,
     FitnessFunction,
     Judge,
     Score,
     averaged,
+    require_finite,
 )
+from mrsfi_runtime.search.fronts import Goals, enter_front
 from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
 from mrsfi_runtime.search.resumable_record import (
     WORST_FITNESS,
@@ -117,7 +118,7 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
     fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
     clock: Callable[[], float] = monotonic,
-) -> Archive:
+) -> None:
     """Run a search to its end and record every evaluation, but for those recorded already.
 
     Whatever ends the run early, what was evaluated until then is recorded. Only the death of
@@ -135,11 +136,6 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
         The same as ``evaluate_many`` on each of the other mission seeds.
     clock
         Seconds since any moment.
-
-    Returns
-    -------
-    Archive
-        The most critical individuals and the Pareto front of all evaluations.
 
     Raises
     ------
@@ -174,7 +170,6 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
                 record.keep(generation)
                 on_generation(progress)
             index += 1
-    return assessment.archive
 
 
 class _Assessment:
@@ -188,7 +183,6 @@ class _Assessment:
         evaluators: Sequence[EvaluateMany],
         record: ResumableRecord,
     ) -> None:
-        self.archive = Archive()
         self._settings = settings
         self._duration = duration
         self._judge = judge
@@ -197,6 +191,9 @@ class _Assessment:
         self._indexes: list[int | None] = []  # evaluation of each specification asked for
         self._n_evaluations = 0
         self._last_failure = ""
+        self._best = WORST_FITNESS
+        self._front: dict[Goals, int] = {}
+        self._vectors: set[Goals] = set()  # that are on the front, or were dominated
 
     def scores_of(self, specifications: Sequence[Specification], generation: int) -> list[Score]:
         """Return the scores of specifications after recording them."""
@@ -269,7 +266,7 @@ class _Assessment:
                 raise RecordError(self._record.astray(f"the fitness of specification {place}"))
 
     def _counted(self, result: Result) -> Score:
-        """Count a result, offer it to the archive, and return its score."""
+        """Count a result, compare it with the best so far, and return its score."""
         if isinstance(result, FailedEvaluation):
             self._indexes.append(None)
             self._last_failure = result.traceback
@@ -277,7 +274,11 @@ class _Assessment:
         self._indexes.append(result.index)
         self._n_evaluations += 1
         score = self._score(result)
-        self.archive.add(result.index, result.specification, score)
+        require_finite(result.specification, score)
+        self._best = score.fitness if result.index == 0 else max(self._best, score.fitness)
+        if score.goals not in self._vectors:
+            self._vectors.add(score.goals)
+            enter_front(self._front, score.goals, result.index)
         return score
 
     def _require_few_failures(self) -> None:
@@ -300,14 +301,12 @@ class _Assessment:
         return tuple(index for index in indexes if index is not None)
 
     def progress(self, summary: GenerationSummary) -> CampaignProgress:
-        """Return how far the campaign is and enter the generation in the logbook."""
-        self.archive.log(summary.index, summary.statistics)
-        best = self.archive.hall_of_fame
+        """Return how far the campaign is."""
         return CampaignProgress(
             generation=summary.index,
-            best=best[0].fitness.values[0] if best else WORST_FITNESS,
+            best=self._best,
             mean=summary.statistics["mean"],
             n_evaluations=self._n_evaluations,
             n_failures=self._n_failures,
-            front_size=len(self.archive.front),
+            front_size=len(self._front),
         )

@@ -5,12 +5,15 @@ References
 Source paper, section III-E e), equations (1) to (3).
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -141,6 +144,19 @@ class Judge:
     def _violations(self, outcome: Outcome) -> tuple[int, ...]:
         violations: tuple[int, ...] = getattr(outcome, self._measure)
         return violations
+
+
+def require_finite(specification: Specification, score: Score) -> None:
+    """Refuse a score that is not finite: DEAP takes NaN for better than everything.
+
+    Raises
+    ------
+    EvaluationError
+        If it is not.
+    """
+    if not all(map(math.isfinite, (score.fitness, *score.goals))):
+        message = f"the fitness of {specification} is {score.fitness}; expected a finite number"
+        raise EvaluationError(message)
 
 
 def averaged(scores: Sequence[Score]) -> Score:

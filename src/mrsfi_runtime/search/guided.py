@@ -5,12 +5,14 @@ every value anew. This one begins with faults that are active as long as they ma
 landmarks, keeps the best, and takes small steps from there. Of few goals it keeps a front.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from random import Random
 from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.search.fronts import Goals, enter_front
 from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.loop import Algorithm, GenerationalLoop
 from mrsfi_runtime.search.space import SearchSpace
@@ -30,7 +32,6 @@ _HALF = 0.5
 _ATTEMPTS = 10  # to breed what was not asked for yet
 
 _Niche: TypeAlias = tuple[object, ...]
-_Goals: TypeAlias = tuple[float, ...]
 
 
 def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -65,7 +66,7 @@ class _Guide:
         self._asked: set[Specification] = set()
         self._niches: dict[_Niche, tuple[tuple[float, ...], Individual]] = {}
         self._has_front = 0 < len(settings.goals) <= _MOST_GOALS
-        self._front: dict[_Goals, Individual] = {}
+        self._front: dict[Goals, Individual] = {}
         self._credit = dict.fromkeys(STEPS, 1.0)
         self._bred: list[tuple[Individual, float, list[Step]]] = []
 
@@ -91,7 +92,7 @@ class _Guide:
         for individual in offspring:
             self._enter_niches(individual)
             if self._has_front:
-                self._enter_front(individual)
+                enter_front(self._front, individual.score.goals, individual)
         for individual, parent_fitness, steps in self._bred:
             if individual.is_evaluated:
                 self._reward(steps, is_better=individual.score.fitness > parent_fitness)
@@ -105,25 +106,13 @@ class _Guide:
     def _enter_niches(self, individual: Individual) -> None:
         """Keep the best of every pattern of violated goals, and of every goal."""
         goals, fitness = individual.score.goals, individual.score.fitness
-        self._enter(("pattern", *(violations > 0 for violations in goals)), (fitness,), individual)
-        for place, violations in enumerate(goals):
-            self._enter(("goal", place), (violations, fitness), individual)
-
-    def _enter(self, niche: _Niche, rank: tuple[float, ...], individual: Individual) -> None:
-        known = self._niches.get(niche)
-        if known is None or rank > known[0]:
-            self._niches[niche] = rank, individual
-
-    def _enter_front(self, individual: Individual) -> None:
-        """Keep what no goal vector dominates; of equal ones the newest."""
-        goals = individual.score.goals
-        others = [known for known in self._front if known != goals]
-        if any(_covers(known, goals) for known in others):
-            return
-        for known in others:
-            if _covers(goals, known):
-                del self._front[known]
-        self._front[goals] = individual
+        ranks: dict[_Niche, tuple[float, ...]] = {
+            ("pattern", *(violations > 0 for violations in goals)): (fitness,),
+            **{("goal", place): (count, fitness) for place, count in enumerate(goals)},
+        }
+        for niche, rank in ranks.items():
+            if niche not in self._niches or rank > self._niches[niche][0]:
+                self._niches[niche] = rank, individual
 
     def _child(self, population: Sequence[Individual]) -> Individual:
         """Return a child that was not asked for yet, if that is not hard to find."""
@@ -180,18 +169,12 @@ def _fitness(individual: Individual) -> float:
     return individual.score.fitness
 
 
-def _covers(goals: _Goals, others: _Goals) -> bool:
-    """Return whether the violations are as many, or more, in every goal."""
-    return all(mine >= theirs for mine, theirs in zip(goals, others, strict=True))
-
-
 def _without_twins(ranked: Sequence[Individual]) -> list[Individual]:
     """Return the first few of every goal vector, then the rest."""
-    n_seen: dict[_Goals, int] = {}
+    n_seen: Counter[Goals] = Counter()
     first: list[Individual] = []
     rest: list[Individual] = []
     for individual in ranked:
-        n_twins = n_seen.get(individual.score.goals, 0)
-        n_seen[individual.score.goals] = n_twins + 1
-        (first if n_twins < _TWINS else rest).append(individual)
+        n_seen[individual.score.goals] += 1
+        (first if n_seen[individual.score.goals] <= _TWINS else rest).append(individual)
     return first + rest

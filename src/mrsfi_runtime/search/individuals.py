@@ -3,16 +3,14 @@
 The classes are plain ones: ``deap.creator`` would keep them in a global registry.
 """
 
-import math
 from collections.abc import Sequence
 from random import Random
 from typing import Any, ClassVar, Self
 
 from deap import base
 
-from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.search.fitness import Score
+from mrsfi_runtime.search.fitness import Score, require_finite
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.variation import Crossover, Mutation, crossed, mutated
 
@@ -29,9 +27,6 @@ class GoalVector(base.Fitness):  # type: ignore[misc]  # DEAP has no types
     def __init__(self, violations: Sequence[float] = ()) -> None:
         self.weights = (1.0,) * len(violations)
         super().__init__(violations)
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        return type(self)(self.values)
 
 
 class Individual(list[TimedFault]):
@@ -69,13 +64,9 @@ class Individual(list[TimedFault]):
         Raises
         ------
         EvaluationError
-            If it is not finite: DEAP takes NaN for better than everything.
+            If it is not finite.
         """
-        if not all(map(math.isfinite, (score.fitness, *score.goals))):
-            message = (
-                f"the fitness of {self.specification} is {score.fitness}; expected a finite number"
-            )
-            raise EvaluationError(message)
+        require_finite(self.specification, score)
         self.score = score
         self.fitness = self._compared(score)
 

@@ -123,10 +123,10 @@ class GenerationalLoop:
             raise ValueError(message)
         offspring = []
         pending: list[Individual] = []
-        room = self._room()
+        limit = self._settings.evaluations
         for individual in self._breed(self._population):
             if not individual.is_evaluated:
-                if room is not None and len(pending) >= room:
+                if limit is not None and self._n_asked + len(pending) >= limit:
                     continue
                 individual.number = self._n_asked + len(pending)
                 pending.append(individual)
@@ -136,10 +136,6 @@ class GenerationalLoop:
         self._n_asked += len(pending)
         self._is_idle = not pending
         return [individual.specification for individual in pending]
-
-    def _room(self) -> int | None:
-        limit = self._settings.evaluations
-        return None if limit is None else limit - self._n_asked
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
         """Take the scores of the specifications asked for, in the same order.
