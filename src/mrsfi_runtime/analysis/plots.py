@@ -11,7 +11,6 @@ Source paper, section V, figures 5 to 12.
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 from matplotlib import rc_context
@@ -80,14 +79,6 @@ def rendered(figure: Figure) -> dict[str, bytes]:
         vector: Any = FigureCanvasSVG(figure)
         vector.print_svg(svg, metadata={"Date": None, "Creator": None})
     return {".png": png.getvalue(), ".svg": svg.getvalue()}
-
-
-def save(figure: Figure, stem: Path) -> tuple[Path, ...]:
-    """Write a figure as PNG and SVG and return both paths."""
-    files = {stem.with_suffix(suffix): content for suffix, content in rendered(figure).items()}
-    for path, content in files.items():
-        path.write_bytes(content)
-    return tuple(files)
 
 
 def mission_map(mission: Mission) -> Figure:

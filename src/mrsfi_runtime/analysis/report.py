@@ -3,17 +3,17 @@
 import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
-from mrsfi_runtime.analysis.figures import Illustration, illustrate
+from mrsfi_runtime.analysis.figures import illustrate
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.summary import Summary, as_json, parameter_values, summarise
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
+from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
@@ -23,23 +23,9 @@ SpecificationWriter: TypeAlias = Callable[[Sequence[SpecificationRow], Path, str
 """Writes rows as a fault specification to a path, under an identifier."""
 
 
-class FlownCode(Protocol):
-    """What a report needs to know about the mission that a campaign flew."""
-
-    @property
-    def mission(self) -> Mission:
-        """The mission."""
-        ...
-
-    @property
-    def pool(self) -> FaultPool:
-        """The pool that search chose from."""
-        ...
-
-
 def write_report(
     folder: Path,
-    code: FlownCode,
+    code: MissionCode,
     write_specification: SpecificationWriter,
     *,
     ratio: str | None = None,
@@ -81,7 +67,10 @@ def write_report(
         _emptied(layout.figures, "figure_*.*")
         finish = draw([(each.drawing, layout.figures / each.name) for each in shown])
         _write_critical(layout, summary, code.pool, write_specification)
-        _write_tables(layout, summary, shown, evaluations)
+        _emptied(layout.tables, "*.csv")
+        all_rows = tables.evaluations_table(evaluations, summary.measure)
+        for name, rows in (*((each.name, each.rows) for each in shown), ("evaluations", all_rows)):
+            (layout.tables / f"{name}.csv").write_bytes(tables.as_csv(rows))
         content = json.dumps(as_json(summary, code.pool), indent=2, ensure_ascii=False)
         layout.summary.write_text(content + "\n", encoding="utf-8")
         captions = {each.name: each.caption for each in shown}
@@ -115,21 +104,6 @@ def _write_critical(
     for rank, evaluation in enumerate(summary.top, start=1):
         rows = specification_rows(pool, evaluation.specification)
         write(rows, layout.critical / critical_name(rank), f"evaluation_{evaluation.index}")
-
-
-def _write_tables(
-    layout: CampaignFolder,
-    summary: Summary,
-    shown: Sequence[Illustration],
-    evaluations: Sequence[Evaluation],
-) -> None:
-    _emptied(layout.tables, "*.csv")
-    for each in shown:
-        tables.write_table(layout.tables / f"{each.name}.csv", each.rows)
-    tables.write_table(
-        layout.tables / "evaluations.csv",
-        tables.evaluations_table(evaluations, summary.measure),
-    )
 
 
 def _emptied(folder: Path, pattern: str) -> None:

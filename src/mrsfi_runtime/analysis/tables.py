@@ -1,9 +1,9 @@
 """The numbers behind the figures, as CSV."""
 
 import csv
+import io
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple, fields
-from pathlib import Path
 from typing import TypeAlias
 
 from mrsfi_runtime.analysis.fronts import Front
@@ -19,11 +19,11 @@ Rows: TypeAlias = list[tuple[Cell, ...]]
 """A table: the first row names the columns."""
 
 
-def write_table(path: Path, rows: Rows) -> Path:
-    """Write rows as CSV with line feeds, floats in their shortest exact form."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows(rows)
-    return path
+def as_csv(rows: Rows) -> bytes:
+    """Return rows as CSV with line feeds, floats in their shortest exact form."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode()
 
 
 def map_table(mission: Mission) -> Rows:

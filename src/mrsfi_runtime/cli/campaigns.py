@@ -1,6 +1,5 @@
 """Campaign folders: find, make and open them."""
 
-import hashlib
 import platform
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +11,7 @@ from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.errors import GenerationError, RecordError, UsageError
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 
 RUNS = Path("runs")
@@ -67,12 +66,6 @@ def latest_folder() -> Path:
 
 def manifest_of(folders: MissionFolders, case: str, engine: EngineRecord) -> Manifest:
     """Return what a campaign runs on: engine, versions, and the hash of every copied file."""
-    files = sorted(
-        path
-        for source in (folders.models, folders.generated)
-        for path in source.iterdir()
-        if path.is_file()
-    )
     return Manifest(
         mission=folders.name,
         case=case,
@@ -82,7 +75,7 @@ def manifest_of(folders: MissionFolders, case: str, engine: EngineRecord) -> Man
             **{name: installed_version(name) for name in _VERSIONED},
         },
         machine=platform.machine(),
-        sha256={path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
+        sha256=hashes(folders.generated) | hashes(folders.models),
     )
 
 

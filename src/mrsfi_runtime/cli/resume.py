@@ -1,6 +1,5 @@
 """Beginning a campaign and continuing one, by one writer at a time."""
 
-import hashlib
 import platform
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -20,7 +19,7 @@ from mrsfi_runtime.cli.workers import WorkerOptions
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.lock import only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
 
@@ -110,13 +109,12 @@ def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str,
 
 def _require_same_files(folder: CampaignFolder, sha256: Mapping[str, str]) -> None:
     """Refuse copies that are not those that the campaign was begun on."""
+    found = hashes(folder.generated) | hashes(folder.model)
     for name, recorded in sha256.items():
-        places = [place / name for place in (folder.model, folder.generated)]
-        found = [hashlib.sha256(p.read_bytes()).hexdigest() for p in places if p.is_file()]
-        if recorded not in found:
+        if recorded != found.get(name):
+            what = "another one than it was begun on" if name in found else "gone"
             message = (
-                f"{folder.path}: the campaign's own copy of {name} is "
-                f"{'another one than it was begun on' if found else 'gone'}; expected the folder "
+                f"{folder.path}: the campaign's own copy of {name} is {what}; expected the folder "
                 "as `mrsfi evolve` left it; restore the file, or begin a new campaign"
             )
             raise RecordError(message)

@@ -1,5 +1,6 @@
 """Layout of a campaign folder: every file and subfolder it may hold, named in one place."""
 
+import hashlib
 import os
 import shutil
 from collections.abc import Iterator
@@ -92,6 +93,12 @@ class CampaignFolder:
                 "Give the campaign another name, or move the old one away"
             )
             raise RecordError(message)
+
+
+def hashes(folder: Path) -> dict[str, str]:
+    """Return SHA-256 of a folder's files by name, in order, without its subfolders."""
+    files = sorted(path for path in folder.glob("*") if path.is_file())
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 def new_name(path: Path) -> str:

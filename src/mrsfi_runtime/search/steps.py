@@ -5,6 +5,7 @@ stays as it was. ``guided`` chooses among them; ``creep`` is a mutation of all t
 """
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from random import Random
 from types import MappingProxyType
 from typing import TypeAlias
@@ -19,26 +20,6 @@ Step: TypeAlias = Callable[[SearchSpace, Specification, Random], Specification]
 _SPREAD = 0.1  # standard deviation of a Gaussian step, as a share of the range
 _MOST_TAKEN = 3  # faults of a donor
 _IN_PLACE = 0.5  # chance of a jump to where another fault of the specification puts something
-
-
-def widened(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
-    """Stretch the window of one fault as far as the others let it."""
-    return _changed(space, specification, rng, _wide)
-
-
-def shifted(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
-    """Move the window and values of one fault by a Gaussian step."""
-    return _changed(space, specification, rng, _shifted)
-
-
-def redrawn(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
-    """Draw the window of one fault anew."""
-    return _changed(space, specification, rng, _redrawn)
-
-
-def jumped(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
-    """Let the values of one fault jump to a landmark, or to the place of another fault."""
-    return _changed(space, specification, rng, _jumped)
 
 
 def swapped(space: SearchSpace, specification: Specification, rng: Random) -> Specification:
@@ -93,10 +74,6 @@ def grafted(
     return space.ordered([*taken, *kept])
 
 
-STEPS: tuple[Step, ...] = (widened, shifted, redrawn, jumped, swapped, forced, dropped)
-"""All steps."""
-
-
 def filled(
     space: SearchSpace, specification: Specification, n_faults: int, rng: Random
 ) -> Specification:
@@ -132,15 +109,13 @@ def crept(
     return space.ordered(faults)
 
 
-MUTATIONS: Mapping[str, Mutation] = MappingProxyType({"redraw": mutated, "creep": crept})
-"""Mutations by their name in a campaign file."""
-
 _Change: TypeAlias = Callable[[SearchSpace, TimedFault, Specification, Random], TimedFault]
 
 
 def _changed(
-    space: SearchSpace, specification: Specification, rng: Random, change: _Change
+    change: _Change, space: SearchSpace, specification: Specification, rng: Random
 ) -> Specification:
+    """Change one fault."""
     if not specification:
         return specification
     place = rng.randrange(len(specification))
@@ -219,3 +194,22 @@ def _landmark(
 
 def _is_inside(values: tuple[float, ...], bounds: tuple[tuple[float, float], ...]) -> bool:
     return all(low <= v <= high for v, (low, high) in zip(values[:2], bounds[:2], strict=True))
+
+
+widened: Step = partial(_changed, _wide)
+"""Stretch the window of one fault as far as the others let it."""
+
+shifted: Step = partial(_changed, _shifted)
+"""Move the window and values of one fault by a Gaussian step."""
+
+redrawn: Step = partial(_changed, _redrawn)
+"""Draw the window of one fault anew."""
+
+jumped: Step = partial(_changed, _jumped)
+"""Let the values of one fault jump to a landmark, or to the place of another fault."""
+
+STEPS: tuple[Step, ...] = (widened, shifted, redrawn, jumped, swapped, forced, dropped)
+"""All steps."""
+
+MUTATIONS: Mapping[str, Mutation] = MappingProxyType({"redraw": mutated, "creep": crept})
+"""Mutations by their name in a campaign file."""

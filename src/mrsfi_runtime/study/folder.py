@@ -4,8 +4,6 @@ Every file appears under its name when it is whole, so that a comparison that wa
 with the runs that are finished.
 """
 
-import csv
-import io
 import json
 import os
 import shutil
@@ -16,8 +14,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from mrsfi_runtime.analysis.plots import save
-from mrsfi_runtime.analysis.tables import Rows
+from mrsfi_runtime.analysis.plots import rendered
+from mrsfi_runtime.analysis.tables import Rows, as_csv
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.study.comparison import Comparison, finite
 from mrsfi_runtime.study.plots import illustrate
@@ -109,16 +107,12 @@ class ComparisonFolder:
         """
         with _explained(self.path):
             for name, table in _TABLES.items():
-                _write(self.path / f"{name}.csv", _csv(table(comparison)))
-            self._write_figures(comparison)
-            _write(self.summary, _text(content))
-
-    def _write_figures(self, comparison: Comparison) -> None:
-        self.figures.mkdir(exist_ok=True)
-        with self.scratch() as new:
+                _write(self.path / f"{name}.csv", as_csv(table(comparison)))
+            self.figures.mkdir(exist_ok=True)
             for name, figure in illustrate(comparison):
-                for drawn in save(figure, new / name):
-                    drawn.replace(self.figures / drawn.name)
+                for suffix, drawn in rendered(figure).items():
+                    _write(self.figures / f"{name}{suffix}", drawn)
+            _write(self.summary, _text(content))
 
     @contextmanager
     def scratch(self) -> Iterator[Path]:
@@ -176,22 +170,16 @@ def _explained(path: Path) -> Iterator[None]:
         raise RecordError(message) from error
 
 
-def _text(content: Mapping[str, Any]) -> str:
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+def _text(content: Mapping[str, Any]) -> bytes:
+    return f"{json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)}\n".encode()
 
 
-def _csv(rows: Rows) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    return text.getvalue()
-
-
-def _write(path: Path, text: str) -> None:
+def _write(path: Path, content: bytes) -> None:
     """Write a file that appears under its name when it is whole, and on the disk."""
     new = path.with_name(f"{path.name}.new")
     try:
-        with new.open("w", encoding="utf-8", newline="") as file:
-            file.write(text)
+        with new.open("wb") as file:
+            file.write(content)
             file.flush()
             os.fsync(file.fileno())
         new.replace(path)

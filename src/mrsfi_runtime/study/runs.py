@@ -13,7 +13,7 @@ import mrsfi_runtime
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.lock import only_writer
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -62,21 +62,16 @@ def only_comparison(path: Path, models: Path, generated: Path) -> Iterator[Compa
 
 
 def _require_same_files(source: Path, copy: Path) -> None:
-    expected, found = _hashes(source), _hashes(copy)
+    """Refuse a copy that differs from its source, but for campaign files: runs tell of these."""
+    expected, found = hashes(source), hashes(copy)
     for name in sorted({*expected, *found}):
-        if expected.get(name) != found.get(name):
+        if expected.get(name) != found.get(name) and not name.endswith(".toml"):
             message = (
                 f"{copy / name}: the comparison's own copy differs from {source / name}; "
                 "expected the mission that its runs flew; compare in another folder with "
                 "--out, or remove this one"
             )
             raise RecordError(message)
-
-
-def _hashes(folder: Path) -> dict[str, str]:
-    """Return the hashes of a folder's files by name; what a campaign file says is in the runs."""
-    files = sorted(path for path in folder.iterdir() if path.is_file() and path.suffix != ".toml")
-    return {path.name: _hash([path]) for path in files}
 
 
 def _hash(files: Sequence[Path]) -> str:

@@ -13,6 +13,7 @@ from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
 from mrsfi_runtime.analysis.patterns import find_patterns
 from mrsfi_runtime.analysis.trend import GenerationFitness, Trend
 from tests.support.campaigns import mission, pool, random_specification
+from tests.support.drawing import save
 
 TREND = Trend(
     tuple(GenerationFitness(i, 10.0 * i, 5.0, 10.0 * i + 9, 0.0) for i in range(6)), 10.0, 0.0, 1, 0
@@ -106,7 +107,7 @@ def texts(svg: Path) -> list[str]:
 def drawn(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> "Drawn":
     """Name, figure and files of each kind of figure."""
     figure = FIGURES[request.param][0]()
-    return request.param, figure, plots.save(figure, tmp_path_factory.mktemp("drawn") / "figure")
+    return request.param, figure, save(figure, tmp_path_factory.mktemp("drawn") / "figure")
 
 
 Drawn = tuple[str, Figure, tuple[Path, Path]]
@@ -121,7 +122,7 @@ def test_a_figure_says_what_it_shows(drawn: Drawn) -> None:
 def test_the_same_input_gives_the_same_bytes_without_dates(drawn: Drawn, tmp_path: Path) -> None:
     name, _, first = drawn
 
-    second = plots.save(FIGURES[name][0](), tmp_path / "second")
+    second = save(FIGURES[name][0](), tmp_path / "second")
 
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
     assert not re.search(rb"dc:date|Matplotlib v", first[1].read_bytes())
@@ -140,7 +141,7 @@ def test_nothing_leaves_the_picture(drawn: Drawn) -> None:
 
 
 def test_a_png_has_the_size_of_its_figure(tmp_path: Path) -> None:
-    png, _ = plots.save(plots.best_fitness(TREND, "fitness"), tmp_path / "best")
+    png, _ = save(plots.best_fitness(TREND, "fitness"), tmp_path / "best")
 
     content = png.read_bytes()
 
@@ -152,7 +153,7 @@ def test_a_dollar_in_a_name_is_a_dollar(tmp_path: Path) -> None:
     waters = mission()
     robot = replace(waters.robots[0], name="a$x^2$<&")
 
-    _, svg = plots.save(
+    _, svg = save(
         plots.mission_map(replace(waters, robots=(robot, *waters.robots[1:]))), tmp_path / "map"
     )
 
@@ -179,7 +180,7 @@ def test_one_generation_and_one_point_can_be_drawn(tmp_path: Path) -> None:
         "front": plots.whole_front(zero, [(0, 0)], None),
         "types": plots.fault_types(find_patterns([()], [()], pool()), 1),
     }.items():
-        png, svg = plots.save(figure, tmp_path / name)
+        png, svg = save(figure, tmp_path / name)
         assert png.stat().st_size > 0
         assert texts(svg)
 
@@ -187,6 +188,6 @@ def test_one_generation_and_one_point_can_be_drawn(tmp_path: Path) -> None:
 def test_a_large_cloud_stays_a_small_file(tmp_path: Path) -> None:
     cloud = [(i % 101, i // 101) for i in range(9_000)]
 
-    _, svg = plots.save(plots.whole_front(FRONT, cloud, None), tmp_path / "front")
+    _, svg = save(plots.whole_front(FRONT, cloud, None), tmp_path / "front")
 
     assert svg.stat().st_size < 400_000

@@ -3,10 +3,10 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from mrsfi_runtime.analysis import plots
 from mrsfi_runtime.study import plots as study_plots
 from mrsfi_runtime.study.comparison import Comparison, compare
 from mrsfi_runtime.study.run_results import RunResult
+from tests.support.drawing import save
 
 
 def run(algorithm: str, seed: int, best: float, volume: float | None = 0.2) -> RunResult:
@@ -59,7 +59,7 @@ WORDS = {
 def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name: str, tmp_path: Path) -> None:
     figure = dict(study_plots.illustrate(compared()))[name]
 
-    _, svg = plots.save(figure, tmp_path / name)
+    _, svg = save(figure, tmp_path / name)
 
     assert WORDS[name] - texts(svg) == set()
     extent = figure.get_tightbbox()
@@ -73,7 +73,7 @@ def test_the_same_comparison_gives_the_same_bytes(tmp_path: Path) -> None:
         [
             path.read_bytes()
             for name, figure in study_plots.illustrate(compared())
-            for path in plots.save(figure, tmp_path / f"{name}{number}")
+            for path in save(figure, tmp_path / f"{name}{number}")
         ]
         for number in (1, 2)
     )
