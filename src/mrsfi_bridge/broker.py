@@ -1,6 +1,7 @@
 """Topics: who publishes, who subscribes, and what is delivered. Knows no sockets."""
 
 from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from mrsfi_bridge.encodings import PLAIN, Outgoing
@@ -13,27 +14,23 @@ Receive: TypeAlias = Callable[[Outgoing], None]
 """Takes a message for a subscriber."""
 
 
+@dataclass(slots=True)
 class Publication:
     """What a client publishes on a topic: whether its last message is kept, and which it is."""
 
-    __slots__ = ("is_latched", "last", "n_bytes")
-
-    def __init__(self, *, is_latched: bool) -> None:
-        self.is_latched = is_latched
-        self.last: Outgoing | None = None
-        self.n_bytes = 0
+    is_latched: bool
+    last: Outgoing | None = None
+    n_bytes: int = 0
 
 
+@dataclass(slots=True, eq=False)
 class Topic:
     """A topic in use."""
 
-    __slots__ = ("name", "publishers", "structure", "subscribers")
-
-    def __init__(self, name: str, structure: Structure) -> None:
-        self.name = name
-        self.structure = structure
-        self.publishers: dict[Hashable, Publication] = {}
-        self.subscribers: dict[Hashable, Receive] = {}
+    name: str
+    structure: Structure
+    publishers: dict[Hashable, Publication] = field(default_factory=dict)
+    subscribers: dict[Hashable, Receive] = field(default_factory=dict)
 
 
 class Broker:
@@ -50,6 +47,11 @@ class Broker:
         Topics at a time.
     max_latched_bytes
         What the last messages of latched topics may take together.
+
+    Attributes
+    ----------
+    topics
+        Topics in use, by name, in the order in which they came.
     """
 
     def __init__(self, types: TypeTable, max_topics: int, max_latched_bytes: int) -> None:
@@ -57,13 +59,8 @@ class Broker:
         self._max_topics = max_topics
         self._max_latched_bytes = max_latched_bytes
         self._n_latched_bytes = 0
-        self._topics: dict[str, Topic] = {}
+        self.topics: dict[str, Topic] = {}
         self._used: dict[Hashable, set[Topic]] = {}
-
-    @property
-    def topics(self) -> dict[str, Topic]:
-        """Topics in use, by name, in the order in which they came."""
-        return self._topics
 
     def advertise(
         self, client: Hashable, name: str, type_name: str, *, is_latched: bool = False
@@ -77,12 +74,12 @@ class Broker:
         """
         topic = self._topic(name, type_name)
         self._use(client, topic)
-        publication = topic.publishers.setdefault(client, Publication(is_latched=is_latched))
+        publication = topic.publishers.setdefault(client, Publication(is_latched))
         publication.is_latched = is_latched
 
     def unadvertise(self, client: Hashable, name: str) -> None:
         """End the publications of a client on a topic, and forget what they latched."""
-        topic = self._topics.get(name)
+        topic = self.topics.get(name)
         if topic is not None and self._stop_publishing(client, topic):
             self._release(client, topic)
 
@@ -95,7 +92,7 @@ class Broker:
             If the client does not advertise the topic, the message does not fit its type, or
             latched messages take too much.
         """
-        topic = self._topics.get(name)
+        topic = self.topics.get(name)
         publication = None if topic is None else topic.publishers.get(client)
         if topic is None or publication is None:
             raise ProtocolError(
@@ -130,7 +127,7 @@ class Broker:
 
     def unsubscribe(self, client: Hashable, name: str) -> None:
         """End the subscription of a client to a topic."""
-        topic = self._topics.get(name)
+        topic = self.topics.get(name)
         if topic is not None and topic.subscribers.pop(client, None) is not None:
             self._release(client, topic)
 
@@ -140,11 +137,6 @@ class Broker:
             self._stop_publishing(client, topic)
             topic.subscribers.pop(client, None)
             self._release(client, topic)
-
-    def topics_of(self, type_name: str) -> list[str]:
-        """Return the names of the topics of a type."""
-        topics = self._topics.values()
-        return [topic.name for topic in topics if topic.structure.name == type_name]
 
     def _latch(self, topic: Topic, publication: Publication, outgoing: Outgoing) -> None:
         """Keep a message for those who subscribe later."""
@@ -165,25 +157,22 @@ class Broker:
 
     def _topic(self, name: str, type_name: str | None) -> Topic:
         """Return the topic of a name, after checks that its type agrees."""
-        topic = self._topics.get(name)
-        if topic is None:
-            return self._new(name, type_name)
-        if type_name is not None:
-            wanted = self._types.message(type_name).name
-            if wanted != topic.structure.name:
-                raise ProtocolError(f"topic '{name}' carries {topic.structure.name}, not {wanted}")
-        return topic
-
-    def _new(self, name: str, type_name: str | None) -> Topic:
+        topic = self.topics.get(name)
+        if topic is not None:
+            wanted = topic.structure if type_name is None else self._types.message(type_name)
+            if wanted is not topic.structure:
+                found = topic.structure.name
+                raise ProtocolError(f"topic '{name}' carries {found}, not {wanted.name}")
+            return topic
         check_name(name, "topic")
         if type_name is None:
             raise ProtocolError(f"topic '{name}' has no type yet; name one")
-        if len(self._topics) >= self._max_topics:
+        if len(self.topics) >= self._max_topics:
             raise ProtocolError(f"topic '{name}': there are {self._max_topics} topics, the limit")
         return Topic(name, self._types.message(type_name))
 
     def _use(self, client: Hashable, topic: Topic) -> None:
-        self._topics[topic.name] = topic
+        self.topics[topic.name] = topic
         self._used.setdefault(client, set()).add(topic)
 
     def _release(self, client: Hashable, topic: Topic) -> None:
@@ -195,4 +184,4 @@ class Broker:
         if not used:
             del self._used[client]
         if not topic.publishers and not topic.subscribers:
-            self._topics.pop(topic.name, None)
+            self.topics.pop(topic.name, None)

@@ -188,7 +188,7 @@ async def _serve(settings: ServerSettings) -> None:
         await ended.wait()
     finally:
         await server.close()
-        counts = server.counts
+        counts = server.hub.counts
         LOGGER.info(
             "ended: %d clients, %d operations received, %d messages sent, %d dropped",
             counts.clients,

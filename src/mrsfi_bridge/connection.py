@@ -4,6 +4,7 @@ import asyncio
 import hmac
 import http
 import logging
+import re
 import socket
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol, cast
@@ -13,9 +14,9 @@ from websockets.frames import OP_BINARY, OP_CONT, OP_TEXT, CloseCode, Frame
 from websockets.http11 import Request
 from websockets.protocol import State
 from websockets.server import ServerProtocol
+from websockets.typing import Origin
 
 from mrsfi_bridge.encodings import text_frames
-from mrsfi_bridge.origins import accepted_origins
 from mrsfi_bridge.session import LOGGER, Hub, Session
 from mrsfi_bridge.settings import ServerSettings
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
 _WIRE = LOGGER.getChild("websocket")
 _WIRE.setLevel(logging.WARNING)
+_THIS_MACHINE = re.compile(r"https?://(?:localhost|127\.0\.0\.1|\[::1\])(?::\d+)?")
 _FEW_BYTES = 1 << 16
 """What may wait for or from a client before it is counted."""
 
@@ -69,7 +71,8 @@ class Connection(asyncio.Protocol):
         self._server = server
         self._limits = server.settings.limits
         self._protocol = ServerProtocol(
-            origins=accepted_origins(server.settings.origins),
+            # programs, pages of this machine, and those named
+            origins=[None, _THIS_MACHINE, *map(Origin, server.settings.origins)],
             max_size=self._limits.frame_bytes,
             logger=_WIRE,
         )

@@ -15,26 +15,16 @@ from mrsfi_bridge.settings import ServerSettings
 _JOIN_S = 10.0
 
 
-class FirstError:
-    """The first error that arose in the server's thread: ``error``, once ``event`` is set."""
+class FirstError(threading.Event):
+    """The first error that arose in the server's thread: ``error``, once it is set."""
 
-    def __init__(self) -> None:
-        self.event = threading.Event()
-        self.error: BaseException | None = None
-
-    def is_set(self) -> bool:
-        """Return whether there is an error."""
-        return self.event.is_set()
-
-    def wait(self, timeout_s: float | None = None) -> bool:
-        """Wait for an error; return whether there is one."""
-        return self.event.wait(timeout_s)
+    error: BaseException | None = None
 
     def note(self, error: BaseException) -> None:
         """Keep an error, unless there was one before."""
         if self.error is None:
             self.error = error
-        self.event.set()
+        self.set()
 
 
 class LocalClient:

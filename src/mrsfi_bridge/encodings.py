@@ -10,14 +10,13 @@ import base64
 import json
 import math
 import struct
-import time
 import zlib
 from itertools import count
 from typing import Any, NamedTuple
 
 from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
-from mrsfi_bridge.structures import Structure
+from mrsfi_bridge.structures import Structure, now
 from mrsfi_bridge.wire import cbor, packed, tagged
 
 COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
@@ -89,9 +88,8 @@ class Outgoing:
         if encoding.compression == "cbor":
             return _binary(topic, tagged(self.structure, self.message))
         if encoding.compression == "cbor-raw":
-            secs, nsecs = divmod(time.time_ns(), 1_000_000_000)
             content = packed(self.structure, self.message)
-            return _binary(topic, {"secs": secs, "nsecs": nsecs, "bytes": content})
+            return _binary(topic, {**now(), "bytes": content})
         return text_frames({"op": "publish", "topic": topic, "msg": self.message}, encoding)
 
 

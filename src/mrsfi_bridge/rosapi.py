@@ -5,7 +5,7 @@ done by the node ``/rosbridge_websocket``.
 """
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from typing import Any, TypeAlias
 
@@ -75,9 +75,8 @@ def _about_topics(hub: Hub) -> dict[str, Handler]:
         return {"type": "" if topic is None else topic.structure.name}
 
     def topics_for_type(request: Fields) -> Fields:
-        with suppress(ProtocolError):
-            return {"topics": hub.broker.topics_of(full_name(request["type"]))}
-        return {"topics": []}
+        types = {name: topic.structure.name for name, topic in topics.items()}
+        return {"topics": _of_type(request["type"], types)}
 
     def raw_types(request: Fields) -> Fields:
         texts = [_full_text(topic.structure) for topic in topics.values()]
@@ -97,6 +96,14 @@ def _about_topics(hub: Hub) -> dict[str, Handler]:
     }
 
 
+def _of_type(type_name: str, types: Mapping[str, str]) -> list[str]:
+    """Return the names of what has a type; none for what is no type."""
+    with suppress(ProtocolError):
+        wanted = full_name(type_name)
+        return [name for name, found in types.items() if found == wanted]
+    return []
+
+
 def _about_services(hub: Hub) -> dict[str, Handler]:
     services = hub.services.services
 
@@ -105,10 +112,7 @@ def _about_services(hub: Hub) -> dict[str, Handler]:
         return {"type": "" if service is None else service.type.name}
 
     def names_of(type_name: str) -> list[str]:
-        with suppress(ProtocolError):
-            wanted = full_name(type_name)
-            return [name for name, service in services.items() if service.type.name == wanted]
-        return []
+        return _of_type(type_name, {name: each.type.name for name, each in services.items()})
 
     def node(request: Fields) -> Fields:
         service = services.get(absolute(request["service"]))

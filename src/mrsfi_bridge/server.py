@@ -1,7 +1,6 @@
 """The server: listens, keeps its clients within their limits, and shares out what they send."""
 
 import asyncio
-import socket
 from functools import partial
 
 from websockets.frames import CloseCode
@@ -11,7 +10,7 @@ from mrsfi_bridge.connection import Connection
 from mrsfi_bridge.errors import ListenError
 from mrsfi_bridge.rosapi import provide_rosapi
 from mrsfi_bridge.services import Services
-from mrsfi_bridge.session import LOGGER, Counts, Hub
+from mrsfi_bridge.session import LOGGER, Hub
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_bridge.uses import Budget
 
@@ -45,19 +44,8 @@ class BridgeServer:
         self._connections: set[Connection] = set()
         self._dirty: dict[Connection, None] = {}
         self._held: dict[Connection, int] = {}
-        self._n_held = 0
-        self._is_flush_due = False
+        self.n_held_bytes = 0  # wait for and from clients, but for less than 64 KiB of each
         self._checks: asyncio.TimerHandle | None = None
-
-    @property
-    def counts(self) -> Counts:
-        """What the server did since it started."""
-        return self.hub.counts
-
-    @property
-    def n_held_bytes(self) -> int:
-        """Bytes that wait for and from clients, but for less than 64 KiB of each."""
-        return self._n_held
 
     async def start(self) -> None:
         """Listen.
@@ -75,13 +63,8 @@ class BridgeServer:
         except OSError as error:
             message = f"{host}:{port}: cannot listen: {error.strerror}; choose another port"
             raise ListenError(message) from error
-        bound = self._server.sockets[0].getsockname()
-        name = (
-            f"[{host}]"
-            if self._server.sockets[0].family is socket.AF_INET6 and ":" in host
-            else host
-        )
-        self.url = f"ws://{name}:{bound[1]}"
+        name = f"[{host}]" if ":" in host else host  # an address of IPv6
+        self.url = f"ws://{name}:{self._server.sockets[0].getsockname()[1]}"
         self._checks = self._loop.call_later(_CHECKS_S, self._check)
         LOGGER.info("listening on %s", self.url)
 
@@ -119,10 +102,9 @@ class BridgeServer:
 
     def dirty(self, connection: Connection) -> None:
         """Note that a connection has something to write; it will before the loop goes on."""
+        if not self._dirty:
+            self._loop.call_soon(self.flush)
         self._dirty[connection] = None
-        if not self._is_flush_due:
-            self._is_flush_due = True
-            self._loop.call_soon(self._flush_soon)
 
     def flush(self) -> None:
         """Have all connections write what they have."""
@@ -133,23 +115,21 @@ class BridgeServer:
 
     def hold(self, connection: Connection, n_bytes: int) -> None:
         """Note what waits for and from a client; beyond the limit of all, who has most goes."""
-        self._n_held += n_bytes - self._held.pop(connection, 0)
+        self.n_held_bytes += n_bytes - self._held.pop(connection, 0)
         if n_bytes:
             self._held[connection] = n_bytes
-        if self._n_held > self.settings.limits.total_bytes:
+        if self.n_held_bytes > self.settings.limits.total_bytes:
             largest = max(self._held, key=self._held.__getitem__)
-            largest.abort(f"{self._n_held} bytes wait for and from all clients, most of them here")
-            self._n_held -= self._held.pop(largest)
+            largest.abort(
+                f"{self.n_held_bytes} bytes wait for and from all clients, most of them here"
+            )
+            self.n_held_bytes -= self._held.pop(largest)
 
     def gone(self, connection: Connection) -> None:
         """Forget a connection."""
         self._connections.discard(connection)
         self._dirty.pop(connection, None)
-        self._n_held -= self._held.pop(connection, 0)
-
-    def _flush_soon(self) -> None:
-        self._is_flush_due = False
-        self.flush()
+        self.n_held_bytes -= self._held.pop(connection, 0)
 
     def _check(self) -> None:
         now = self._loop.time()

@@ -1,8 +1,9 @@
 """Services: who provides them, which calls wait for an answer. Knows no sockets."""
 
+from asyncio import AbstractEventLoop, TimerHandle
 from collections.abc import Callable, Hashable
 from itertools import count
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.names import check_name
@@ -21,23 +22,6 @@ OWN: Hashable = "the server itself"
 """Provider of the services that nobody else may provide."""
 
 
-class Timer(Protocol):
-    """Something that happens later, unless it is cancelled."""
-
-    def cancel(self) -> None:
-        """Prevent it."""
-
-
-class Scheduler(Protocol):
-    """A clock that calls back; an asyncio loop is one."""
-
-    def time(self) -> float:
-        """Return the time in seconds since any start."""
-
-    def call_later(self, delay: float, callback: Callable[[], object], /) -> Timer:
-        """Call back after some seconds."""
-
-
 class Service(NamedTuple):
     """A service and its provider."""
 
@@ -54,7 +38,7 @@ class Call(NamedTuple):
     owner: Hashable
     caller: Hashable
     reply: Reply
-    timer: Timer
+    timer: TimerHandle
 
 
 class Services:
@@ -70,12 +54,17 @@ class Services:
         Time that a provider has.
     max_services, max_calls
         Services at a time, and calls of one client under way.
+
+    Attributes
+    ----------
+    services
+        Services by name, in the order in which they came.
     """
 
     def __init__(
         self,
         types: TypeTable,
-        scheduler: Scheduler,
+        scheduler: AbstractEventLoop,
         timeout_s: float,
         max_services: int,
         max_calls: int,
@@ -85,15 +74,10 @@ class Services:
         self._timeout_s = timeout_s
         self._max_services = max_services
         self._max_calls = max_calls
-        self._services: dict[str, Service] = {}
+        self.services: dict[str, Service] = {}
         self._calls: dict[str, Call] = {}
         self._n_calls: dict[Hashable, int] = {}
         self._numbers = count(1)
-
-    @property
-    def services(self) -> dict[str, Service]:
-        """Services by name, in the order in which they came."""
-        return self._services
 
     def advertise(self, owner: Hashable, name: str, type_name: str, ask: Ask) -> bool:
         """Let a client provide a service, in the place of a provider before it.
@@ -110,15 +94,15 @@ class Services:
         """
         check_name(name, "service")
         service_type = self._types.service(type_name)
-        known = self._services.get(name)
-        if known is None and len(self._services) >= self._max_services:
+        known = self.services.get(name)
+        if known is None and len(self.services) >= self._max_services:
             raise ProtocolError(f"service '{name}': there are {self._max_services}, the limit")
         if known is not None and known.owner == OWN != owner:
             raise ProtocolError(f"service '{name}' is the server's own; choose another name")
         is_taken = known is not None and known.owner != owner
         if known is not None and is_taken:
             self._abandon(known.owner, name)
-        self._services[name] = Service(service_type, owner, ask)
+        self.services[name] = Service(service_type, owner, ask)
         return is_taken
 
     def unadvertise(self, owner: Hashable, name: str) -> None:
@@ -129,10 +113,10 @@ class Services:
         ProtocolError
             If the client does not provide it.
         """
-        known = self._services.get(name)
+        known = self.services.get(name)
         if known is None or known.owner != owner:
             raise ProtocolError(f"service '{name}' is not one that you advertised")
-        del self._services[name]
+        del self.services[name]
         self._abandon(owner, name)
 
     def call(
@@ -153,7 +137,7 @@ class Services:
         timeout_s
             Time that the caller gives the provider, at most an hour; 0 leaves it to the server.
         """
-        service = self._services.get(name)
+        service = self.services.get(name)
         if service is None:
             reply(False, f"Service {name} does not exist")
             return
@@ -209,8 +193,8 @@ class Services:
 
     def leave(self, client: Hashable) -> None:
         """End the services and the calls of a client, and answer those who wait for it."""
-        for name in [name for name, known in self._services.items() if known.owner == client]:
-            del self._services[name]
+        for name in [name for name, known in self.services.items() if known.owner == client]:
+            del self.services[name]
         for call_id in [key for key, call in self._calls.items() if call.caller == client]:
             self._forget(call_id)
         for call_id in [key for key, call in self._calls.items() if call.owner == client]:

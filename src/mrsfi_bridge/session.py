@@ -1,6 +1,7 @@
 """One client of the server: what it asks for, and what it is told. Knows no sockets."""
 
 import logging
+from asyncio import AbstractEventLoop
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,7 +11,7 @@ from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.names import absolute
 from mrsfi_bridge.protocol import Fragments, Operation, check_operation, operations
-from mrsfi_bridge.services import Scheduler, Services
+from mrsfi_bridge.services import Services
 from mrsfi_bridge.settings import Limits
 from mrsfi_bridge.subscription import Subscription, Wish, settled, wanted_encoding, wish
 from mrsfi_bridge.type_table import TypeTable
@@ -56,7 +57,7 @@ class Hub:
 
     types: TypeTable
     limits: Limits
-    scheduler: Scheduler
+    scheduler: AbstractEventLoop
     broker: Broker
     services: Services
     waiting: Budget
@@ -175,7 +176,8 @@ class Session:
         self._wishes.check(topic, use_id)
         subscription = self._subscriptions.get(topic)
         if subscription is None:
-            subscription = self._new_subscription(topic)
+            hub = self._hub
+            subscription = Subscription(hub.scheduler, hub.waiting, self._deliver, topic)
         wishes = {**self._wishes.of(topic), use_id: wanted}
         subscription.wish = settled(wishes.values())
         self._hub.broker.subscribe(
@@ -183,9 +185,6 @@ class Session:
         )
         self._subscriptions[topic] = subscription
         self._wishes.add(topic, use_id, wanted)
-
-    def _new_subscription(self, topic: str) -> Subscription:
-        return Subscription(self._hub.scheduler, self._hub.waiting, self._deliver, topic)
 
     def _unsubscribe(self, operation: Operation) -> None:
         topic = operation["topic"]

@@ -1,12 +1,12 @@
 """How a client receives a topic: how often, how many may wait, and in which encoding."""
 
+from asyncio import AbstractEventLoop, TimerHandle
 from collections import deque
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 from mrsfi_bridge.encodings import COMPRESSIONS, PLAIN, Encoding, Outgoing
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.services import Scheduler, Timer
 from mrsfi_bridge.uses import Budget
 
 _LONGEST_QUEUE = 10_000
@@ -99,7 +99,11 @@ class Subscription:
     __slots__ = ("_budget", "_last", "_queue", "_scheduler", "_send", "_timer", "_topic", "wish")
 
     def __init__(
-        self, scheduler: Scheduler, budget: Budget, send: Callable[[bytes], None], topic: str
+        self,
+        scheduler: AbstractEventLoop,
+        budget: Budget,
+        send: Callable[[bytes], None],
+        topic: str,
     ) -> None:
         self._scheduler = scheduler
         self._budget = budget
@@ -108,7 +112,7 @@ class Subscription:
         self.wish = Wish()
         self._queue: deque[bytes] = deque()
         self._last = float("-inf")
-        self._timer: Timer | None = None
+        self._timer: TimerHandle | None = None
 
     def receive(self, outgoing: Outgoing) -> None:
         """Send a message now, later or never, as the client asked."""

@@ -54,10 +54,10 @@ class TypeTable:
         SettingsError
             If its definition is wrong.
         """
-        known = self._structures.get(name)
-        if known is None:
-            known = self._structures[name] = self._message(full_name(name))
-        return known
+        name = full_name(name)
+        if name not in self._structures:
+            self._structures[name] = self._read(name)
+        return self._structures[name]
 
     def service(self, name: str) -> ServiceType:
         """Return request and response of a service type.
@@ -69,10 +69,14 @@ class TypeTable:
         SettingsError
             If its definition is wrong.
         """
-        known = self._services.get(name)
-        if known is None:
-            known = self._services[name] = self._service(full_name(name))
-        return known
+        name = full_name(name)
+        if name not in self._services:
+            path = self._find(name, "srv")
+            request, response = parse_service(name, _text(path), path)
+            self._services[name] = ServiceType(
+                name, Structure(request, self.message), Structure(response, self.message)
+            )
+        return self._services[name]
 
     def check(self) -> int:
         """Read every definition of the user's folders and return their number.
@@ -89,38 +93,24 @@ class TypeTable:
                 message = f"{folder}: no definitions; expected {folder}/PACKAGE/msg/TYPE.msg"
                 raise SettingsError(message)
             for kind, name in names:
-                self._check_one(folder, kind, name)
+                try:
+                    _ = self.message(name) if kind == "msg" else self.service(name)
+                except ProtocolError as error:
+                    message = f"{folder}: {name}: {error}"
+                    raise SettingsError(message) from error
             n_read += len(names)
         return n_read
 
-    def _check_one(self, folder: Path, kind: str, name: str) -> None:
-        try:
-            _ = self.message(name) if kind == "msg" else self.service(name)
-        except ProtocolError as error:
-            message = f"{folder}: {name}: {error}"
-            raise SettingsError(message) from error
-
-    def _message(self, name: str) -> Structure:
-        if name in self._structures:
-            return self._structures[name]
+    def _read(self, name: str) -> Structure:
         if name in self._open:
             message = f"type {name} contains itself: {' in '.join((name, *reversed(self._open)))}"
             raise SettingsError(message)
         path = self._find(name, "msg")
         self._open.append(name)
         try:
-            structure = Structure(parse_message(name, _text(path), path), self.message)
+            return Structure(parse_message(name, _text(path), path), self.message)
         finally:
             self._open.pop()
-        self._structures[name] = structure
-        return structure
-
-    def _service(self, name: str) -> ServiceType:
-        path = self._find(name, "srv")
-        request, response = parse_service(name, _text(path), path)
-        return ServiceType(
-            name, Structure(request, self.message), Structure(response, self.message)
-        )
 
     def _find(self, name: str, kind: str) -> Path:
         package, _, type_name = name.partition("/")

@@ -24,11 +24,6 @@ class Uses(Generic[V]):
     def __contains__(self, name: str) -> bool:
         return name in self._uses
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Topics in use."""
-        return tuple(self._uses)
-
     def of(self, name: str) -> dict[str | int | None, V]:
         """Return the uses of a topic by identifier."""
         return self._uses.get(name, {})

@@ -6,8 +6,8 @@ earlier one.
 """
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from sqlite3 import Connection
@@ -122,7 +122,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             "manifest": encoding.canonical(manifest.as_json()),
         }
         connection = database.create(path, meta)
-        with _closed_on_error(connection):
+        with database.closed_on_error(connection):
             return cls(path, connection)
 
     @classmethod
@@ -136,7 +136,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """
         path = CampaignFolder(folder).database
         connection = database.open_existing(path)
-        with _closed_on_error(connection):
+        with database.closed_on_error(connection):
             return cls(path, connection)
 
     def close(self) -> None:
@@ -163,25 +163,28 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         RecordError
             If the file cannot be written. In both cases nothing of this append is stored.
         """
-        rows = [_row(evaluation) for evaluation in evaluations]
-        failed = [_failure_row(failure) for failure in failures]
-        closed = [_generation_row(generation) for generation in generations]
+        rows = {
+            "evaluation": [_row(evaluation) for evaluation in evaluations],
+            "failure": [_failure_row(failure) for failure in failures],
+            "generation": [_generation_row(generation) for generation in generations],
+        }
         with database.transaction(self.path, self._connection) as connection:
-            _require_next("evaluation", rows, self._count())
-            _require_next("generation", closed, self.n_generations)
-            connection.executemany(database.INSERT_EVALUATION, rows)
-            connection.executemany(database.INSERT_FAILURE, failed)
-            connection.executemany(database.INSERT_GENERATION, closed)
+            _require_next("evaluation", rows["evaluation"], self.n_evaluations)
+            _require_next("generation", rows["generation"], self.n_generations)
+            for table, new in rows.items():
+                if new:
+                    marks = ", ".join("?" * len(new[0]))
+                    connection.executemany(f"INSERT INTO {table} VALUES ({marks})", new)
 
     @property
     def n_evaluations(self) -> int:
         """How many evaluations are stored."""
-        return self._count()
+        return self._count("evaluation")
 
     def evaluations(self, first: int = 0, n_most: int | None = None) -> tuple[Evaluation, ...]:
         """Return evaluations in index order: all, or at most so many from one index on."""
         rows = self._select(
-            f"{database.SELECT_EVALUATION} WHERE idx >= ? ORDER BY idx LIMIT ?",
+            "SELECT * FROM evaluation WHERE idx >= ? ORDER BY idx LIMIT ?",
             (first, -1 if n_most is None else n_most),  # SQLite takes -1 for no limit
         )
         return tuple(self._decoded(_evaluation, row) for row in rows)
@@ -194,9 +197,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         RecordError
             If the campaign has none of that index.
         """
-        rows = self._select(f"{database.SELECT_EVALUATION} WHERE idx = ?", (int(index),))
+        rows = self._select("SELECT * FROM evaluation WHERE idx = ?", (int(index),))
         if not rows:
-            n_found = self._count()
+            n_found = self.n_evaluations
             expected = f"0 to {n_found - 1}" if n_found else "no number: it holds none yet"
             message = f"{self.path}: found no evaluation {index}; expected {expected}"
             raise RecordError(message)
@@ -204,23 +207,22 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     def generations(self) -> tuple[Generation, ...]:
         """Return all finished generations in order."""
-        rows = self._select(f"{database.SELECT_GENERATION} ORDER BY idx")
+        rows = self._select("SELECT * FROM generation ORDER BY idx")
         return tuple(self._decoded(_generation, row) for row in rows)
 
     def generation(self, index: int) -> Generation | None:
         """Return one finished generation, or nothing if it is not finished."""
-        rows = self._select(f"{database.SELECT_GENERATION} WHERE idx = ?", (int(index),))
+        rows = self._select("SELECT * FROM generation WHERE idx = ?", (int(index),))
         return self._decoded(_generation, rows[0]) if rows else None
 
     @property
     def n_generations(self) -> int:
         """How many finished generations are stored."""
-        ((n_generations,),) = self._select("SELECT count(*) FROM generation")
-        return int(n_generations)
+        return self._count("generation")
 
     def failures(self) -> tuple[FailedEvaluation, ...]:
         """Return the failed evaluations in the order in which they were asked for."""
-        rows = self._select(f"{database.SELECT_FAILURE} ORDER BY idx")
+        rows = self._select("SELECT * FROM failure ORDER BY idx")
         return tuple(self._decoded(_failure, row) for row in rows)
 
     def digest(self) -> str:
@@ -235,9 +237,9 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             digest.update(b"\n")
         return digest.hexdigest()
 
-    def _count(self) -> int:
-        ((n_evaluations,),) = self._select("SELECT count(*) FROM evaluation")
-        return int(n_evaluations)
+    def _count(self, table: str) -> int:
+        ((n_rows,),) = self._select(f"SELECT count(*) FROM {table}")
+        return int(n_rows)
 
     def _select(self, query: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
         with database.translated(self.path):
@@ -248,15 +250,6 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             return decode(stored)
         except (ValueError, TypeError) as error:
             raise RecordError(database.damaged(self.path, str(error))) from error
-
-
-@contextmanager
-def _closed_on_error(connection: Connection) -> Iterator[None]:
-    try:
-        yield
-    except BaseException:
-        connection.close()
-        raise
 
 
 def _row(evaluation: Evaluation) -> tuple[Any, ...]:
@@ -274,7 +267,7 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
 
 def _evaluation(row: tuple[Any, ...]) -> Evaluation:
     index, generation, specification, fitness, fault_ticks, *texts, digest = row
-    counts = dict(zip(encoding.COUNTS, encoding.several_counts_from_text(texts), strict=True))
+    counts = dict(zip(encoding.COUNTS, encoding.counts_from_texts(texts), strict=True))
     return Evaluation(
         index=index,
         generation=generation,
@@ -304,12 +297,8 @@ def _generation_row(generation: Generation) -> tuple[Any, ...]:
 
 def _generation(row: tuple[Any, ...]) -> Generation:
     index, statistics, population, random_state = row
-    return Generation(
-        index=index,
-        statistics=encoding.object_from_text(statistics),
-        population=encoding.counts_from_text(population),
-        random_state=random_state,
-    )
+    (individuals,) = encoding.counts_from_texts([population])
+    return Generation(index, encoding.object_from_text(statistics), individuals, random_state)
 
 
 def _failure_row(failure: FailedEvaluation) -> tuple[Any, ...]:

@@ -28,13 +28,7 @@ _TABLES = (
     "CREATE TABLE generation (idx, statistics, population, random_state, PRIMARY KEY (idx))",
 )
 
-INSERT_EVALUATION = f"INSERT INTO evaluation VALUES ({', '.join('?' * (6 + len(COUNTS)))})"
-INSERT_FAILURE = "INSERT INTO failure VALUES (?, ?, ?, ?)"
-INSERT_GENERATION = "INSERT INTO generation VALUES (?, ?, ?, ?)"
-SELECT_EVALUATION = f"SELECT {_EVALUATION} FROM evaluation"
 SELECT_DIGESTED = f"SELECT specification, {_COUNTS}, digest, fitness FROM evaluation"
-SELECT_FAILURE = "SELECT idx, generation, specification, traceback FROM failure"
-SELECT_GENERATION = "SELECT idx, statistics, population, random_state FROM generation"
 
 
 def create(path: Path, meta: Mapping[str, str]) -> sqlite3.Connection:
@@ -90,13 +84,19 @@ def open_existing(path: Path) -> sqlite3.Connection:
         raise RecordError(message)
     with translated(path):
         connection = _connect(path, "rw")
-    try:
-        with translated(path):
+        with closed_on_error(connection):
             _require_campaign(path, connection)
+    return connection
+
+
+@contextmanager
+def closed_on_error(connection: sqlite3.Connection) -> Iterator[None]:
+    """Close a connection if the body fails."""
+    try:
+        yield
     except BaseException:
         connection.close()
         raise
-    return connection
 
 
 @contextmanager
@@ -161,11 +161,8 @@ def damaged(path: Path, found: str) -> str:
 def _connect(path: Path, mode: str) -> sqlite3.Connection:
     uri = f"{path.absolute().as_uri()}?mode={mode}"
     connection = sqlite3.connect(uri, uri=True, timeout=_WAIT, isolation_level=None)
-    try:
+    with closed_on_error(connection):
         connection.execute("PRAGMA synchronous = EXTRA")  # a commit outlives the loss of power
-    except BaseException:
-        connection.close()
-        raise
     return connection
 
 

@@ -75,16 +75,7 @@ def counts_text(counts: Sequence[int]) -> str:
     return canonical([int(count) for count in counts])
 
 
-def counts_from_text(text: str) -> tuple[int, ...]:
-    """Return the integers of a JSON list; a ValueError if it holds anything else."""
-    counts = _list(text)
-    if not set(map(type, counts)) <= {int}:
-        message = f"found {text[:60]}; expected a list of integers"
-        raise ValueError(message)
-    return tuple(counts)
-
-
-def several_counts_from_text(texts: Sequence[str]) -> tuple[tuple[int, ...], ...]:
+def counts_from_texts(texts: Sequence[str]) -> tuple[tuple[int, ...], ...]:
     """Return the integers of several JSON lists, read at once, which is quicker than one by one.
 
     Raises

@@ -26,7 +26,8 @@ with database.transaction(store.path, store._connection) as connection:
     connection.execute("PRAGMA cache_size = 1")
     row = connection.execute("SELECT * FROM evaluation WHERE idx = 29").fetchone()
     rows = [(i, row[1], row[2] * 2000, *row[3:]) for i in range(30, 60)]
-    connection.executemany(database.INSERT_EVALUATION, rows)
+    marks = ", ".join("?" * len(row))
+    connection.executemany("INSERT INTO evaluation VALUES (" + marks + ")", rows)
     os.kill(os.getpid(), signal.SIGKILL)
 """
 
