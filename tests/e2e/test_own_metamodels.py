@@ -8,7 +8,16 @@ import pytest
 
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE
 from tests.support.cli import MISSION, ROOT, edit, mrsfi_process, workspace
-from tests.support.own_metamodels import add_classes, add_feature, attribute, subclass
+from tests.support.own_metamodels import (
+    add_classes,
+    add_fault_type,
+    add_faults,
+    add_feature,
+    attribute,
+    meaning,
+    parameter,
+    subclass,
+)
 
 
 @pytest.fixture
@@ -125,3 +134,29 @@ def test_team_adds_a_fault_type_that_says_nothing(project: Path) -> None:
     assert re.search(
         r"metamodels/faults.ecore:[0-9]+: eClassifiers 'Jam' says no mode", done.stderr
     )
+
+
+def test_team_writes_an_effect_of_its_own_in_two_files(project: Path) -> None:
+    content = meaning(mode="OWN", property="SPEED") + parameter("OFFSET", range="SPEED")
+    add_fault_type(project / "metamodels" / FAULTS_FILE, "StuckSpeed", "RobotFault", content)
+    stuck = '<stuckSpeed OFFSET="0.5"><affectedRobot href="mission.xmi#r3"/></stuckSpeed>'
+    add_faults(project / "models" / MISSION / "faults.xmi", {"stuck": stuck})
+    effects = project / "generated" / MISSION / "fault_effects.py"
+    end = "    # protected region StuckSpeed.apply end\n"
+    body = (
+        "    if fault.age == 0:\n"
+        "        fault.memory[0] = ci.robots[fault.target].speed\n"
+        "    ci.robots[fault.target].speed = fault.memory[0] + fault.values[STUCK_SPEED_OFFSET]\n"
+    )
+    small = ("--population", "2", "--generations", "1", "--out", "runs/own")
+
+    for command, expected in (("generate", 4), ("validate", 6), ("simulate", 6), ("evolve", 6)):
+        done = mrsfi_process(command, MISSION, cwd=project, expected=expected)
+        assert "region 'StuckSpeed.apply'" in done.stdout + done.stderr
+    edit(effects, end, body + end)
+    mrsfi_process("generate", MISSION, cwd=project)
+    mrsfi_process("validate", MISSION, cwd=project)
+    mrsfi_process("evolve", MISSION, *small, cwd=project)
+
+    (kept,) = (project / "runs" / "own").rglob("fault_effects.py")
+    assert kept.read_bytes() == effects.read_bytes()
