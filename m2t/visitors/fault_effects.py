@@ -1,13 +1,13 @@
-"""Visitor of ``fault_effects.py``: a region for every fault type of a team's own effect."""
+"""Visitor of ``fault_effects.py``: a region for each own effect of a type that the pool uses."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
 
-from m2t.metamodels import load_metamodels
 from m2t.naming import snake_case
 from m2t.visitors.base import ModelVisitor
+from m2t.visitors.fault_loader import types_in_use
 from mrsfi_runtime.errors import GenerationError
 from mrsfi_runtime.model.fault_types import OF_ROBOT, OF_SENSOR, FaultType, Mode
 
@@ -33,14 +33,14 @@ class EffectView:
 
 
 class FaultEffectsVisitor(ModelVisitor):
-    """Collect the fault types of mode OWN, whatever the mission."""
+    """Collect the fault types of mode OWN of which the pool has a fault."""
 
     template = "fault_effects.py.j2"
     target = PurePosixPath("fault_effects.py")
 
-    def context(self, models: "LoadedModels") -> Mapping[str, Any]:  # noqa: ARG002 - the same for all
+    def context(self, models: "LoadedModels") -> Mapping[str, Any]:
         """Return the template context."""
-        types = load_metamodels().fault_types.values()
+        types = types_in_use(() if models.faults is None else models.faults.faults)
         effects = tuple(_effect(kind) for kind in types if kind.mode is Mode.OWN)
         names = [name for effect in effects for name in (effect.function, *effect.constants)]
         for name in names:

@@ -1,6 +1,6 @@
 """Visitor of ``fault_loader.py``: the fault pool, or any fault specification."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
 
@@ -34,10 +34,7 @@ class FaultLoaderVisitor(ModelVisitor):
             pool = Call("FaultPool", (("id", ""), ("faults", ())))
         else:
             pool = self.visit(models.faults)
-        used = {_fault_type(fault).eClass.name for fault in faults}
-        types = tuple(
-            _type(kind) for kind in load_metamodels().fault_types.values() if kind.name in used
-        )
+        types = tuple(_type(kind) for kind in types_in_use(faults))
         return {"imports": functions((pool, *types)), "result": pool, "types": types}
 
     def visit_FaultSpecification(self, specification: Any) -> Call:
@@ -74,6 +71,12 @@ class FaultLoaderVisitor(ModelVisitor):
                 *_given("own", _own(fault, fault_type, kind, reference)),
             ),
         )
+
+
+def types_in_use(faults: Iterable[Any]) -> tuple[FaultType, ...]:
+    """Return the types of some faults, in the order of the metamodel."""
+    used = {_fault_type(fault).eClass.name for fault in faults}
+    return tuple(kind for kind in load_metamodels().fault_types.values() if kind.name in used)
 
 
 def _given(name: str, value: tuple[Expression, ...] | Table) -> tuple[tuple[str, Expression], ...]:

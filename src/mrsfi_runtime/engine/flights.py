@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Self, TypeAlias
 
-from mrsfi_runtime.errors import EvaluationError, MrsfiError
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError
 from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker, Observer
 from mrsfi_runtime.hosting.own_effects import guarded
 from mrsfi_runtime.hosting.sides import SimInterface
@@ -16,6 +16,7 @@ from mrsfi_runtime.kernel.injections import Plan, plan
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import MissionCode, failed
+from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
@@ -94,7 +95,8 @@ class Engine(Evaluator):
         Raises
         ------
         SpecificationError
-            If a fault is unknown, or conflicting faults overlap.
+            If a fault is unknown, conflicting faults overlap, or the mission has no region for the
+            effect of one.
         EvaluationError
             If the code of a region fails.
         TransportError
@@ -102,6 +104,7 @@ class Engine(Evaluator):
             is late.
         """
         pool = self.code.pool if pool is None else pool
+        _require_effects(self.code.pool, pool)
         require_no_overlap(self.code.mission, pool, specification)
         return self._evaluate(specification, pool, observer)
 
@@ -157,6 +160,21 @@ class PlainEngine(Engine):
             what = f"mission '{code.mission.name}' failed at tick {tick}"
             raise failed(error, code.directory, what) from error
         return _outcome(flight, laid_out)
+
+
+def _require_effects(known: FaultPool, pool: FaultPool) -> None:
+    """Refuse faults whose effects are regions that this mission has not."""
+    if pool is known:
+        return
+    regions = {fault.type for fault in known}
+    for fault in pool:
+        if fault.kind.mode is Mode.OWN and fault.type not in regions:
+            message = (
+                f"fault '{fault.id}' is of type {fault.type}, whose effect is a region that "
+                "fault_effects.py has only where the mission's pool has a fault of the type; add "
+                "one to its faults.xmi and run `mrsfi generate`"
+            )
+            raise SpecificationError(message)
 
 
 def _outcome(flight: Flight, laid_out: Plan) -> Outcome:
