@@ -19,11 +19,14 @@ from websockets.asyncio.server import serve
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.settings import ServerSettings
+from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import TransportClosed, TransportError, UsageError
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from mrsfi_runtime.transport.topics import Service, Topic
+from tests.support.rosbridge import FLIGHT_SEED, code_of, specification
+from tests.support.two_sides import TwoSides
 
 CLIENT = os.environ.get("MRSFI_TEST_CLIENT", "asyncio")
 OTHER = {"asyncio": "twisted", "twisted": "asyncio"}
@@ -31,7 +34,34 @@ SPEED = Topic("/r1/speed", "std_msgs/Float64")
 ENERGY = Topic("/r1/energy", "std_msgs/Float64")
 NUMBERS = Topic("/mission/go", "std_msgs/Int64MultiArray")
 RESET = Service("/mission/reset", "std_srvs/Trigger")
-NAMES = ("local", "embedded", "rosbridge", "embedded and rosbridge", "rosbridge and embedded")
+
+
+@contextmanager
+def on_one_bus():
+    """Yield two ends that are the same."""
+    bus = LocalBus()
+    yield bus, bus
+
+
+@contextmanager
+def on_a_server(first, second):
+    """Yield two ends, made of a server that both join."""
+    with EmbeddedBridge() as bridge:
+        yield first(bridge), second(bridge)
+
+
+def of_socket(bridge):
+    return RosbridgeTransport(bridge.url, CLIENT)
+
+
+TRANSPORTS = {
+    "local": on_one_bus,
+    "embedded": lambda: on_a_server(EmbeddedTransport, EmbeddedTransport),
+    "rosbridge": lambda: on_a_server(of_socket, of_socket),
+    "embedded and rosbridge": lambda: on_a_server(EmbeddedTransport, of_socket),
+    "rosbridge and embedded": lambda: on_a_server(of_socket, EmbeddedTransport),
+}
+"""What yields two ends of one bus, by name: a transport of yours is a line here."""
 
 
 class Ends:
@@ -53,19 +83,9 @@ class Ends:
             done.get(timeout=10)
 
 
-@pytest.fixture(params=NAMES)
+@pytest.fixture(params=TRANSPORTS)
 def ends(request):
-    if request.param == "local":
-        bus = LocalBus()
-        yield Ends(bus, bus)
-        return
-    with EmbeddedBridge() as bridge:
-        kinds = {
-            "embedded": lambda: EmbeddedTransport(bridge),
-            "rosbridge": lambda: RosbridgeTransport(bridge.url, CLIENT),
-        }
-        names = request.param.split(" and ")
-        first, second = kinds[names[0]](), kinds[names[-1]]()
+    with TRANSPORTS[request.param]() as (first, second):
         yield Ends(first, second)
         first.close()
         second.close()
@@ -175,6 +195,15 @@ def test_what_was_published_before_closing_arrives(ends):
     ends.first.close()
 
     assert ends.take(20) == [float(value) for value in range(20)]
+
+
+def test_a_mission_flies_over_it_as_in_one_process(ends):
+    code = code_of("uuv_sampling", 40)
+    faults = specification(code, FLIGHT_SEED)
+
+    found = TwoSides(code, 1, ends.first, ends.second).evaluate(faults)
+
+    assert found == ReferenceEngine(code, 1).evaluate(faults)
 
 
 def test_closing_twice_does_no_harm(ends):

@@ -1,0 +1,31 @@
+"""The recipes of the README's "Extend": as few files as it says, and alike on both engines."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.recipes.performed import RECIPES, perform
+from tests.recipes.tree import ENGINES
+from tests.tiers import slow
+
+N_EDITED = {
+    "fault type": 1,
+    "own effect": 2,
+    "goal task": 2,
+    "fitness function": 1,
+    "algorithm": 1,
+    "transport": 2,
+}
+
+
+@slow
+@pytest.mark.parametrize("name", RECIPES)
+def test_a_recipe_edits_few_files_and_flies_alike_on_both_engines(
+    name: str, tmp_path: Path
+) -> None:
+    done = perform(name, tmp_path / "tree")
+
+    assert len(done.edited) == N_EDITED[name], done.edited
+    for what, digests in done.digests.items():
+        assert {*ENGINES} <= {*digests}, what
+        assert len({*digests.values()}) == 1, (what, digests)

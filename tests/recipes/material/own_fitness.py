@@ -1,0 +1,8 @@
+"""A fitness function of a team's own."""
+
+from mrsfi_runtime.search.fitness import Findings
+
+
+def masked(findings: Findings) -> float:
+    """Return the ticks at which a goal was violated and nobody knew."""
+    return float(sum(findings.outcome.masked))

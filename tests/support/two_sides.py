@@ -1,0 +1,25 @@
+"""A mission whose two sides meet over two ends of any transport, in this process."""
+
+from mrsfi_runtime.engine.flights import PlainEngine
+from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
+from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker
+from mrsfi_runtime.hosting.simulation_host import SimulationHost
+from mrsfi_runtime.hosting.waiting import Patience
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.transport.topics import Transport
+
+
+class TwoSides(PlainEngine):
+    """Flies with simulation and collective intelligence at an end each; closes neither."""
+
+    def __init__(self, code: MissionCode, seed: int, first: Transport, second: Transport) -> None:
+        super().__init__(code, seed)
+        patience = Patience()
+        self._simulation = SimulationHost(second, code.simulation, code.mission, patience)
+        self._lockstep = BusLockstep(first, code.mission, code.interface, code.truth, patience)
+
+    def close(self) -> None:
+        """Do nothing: the ends belong to others."""
+
+    def _fly(self, make_flight: FlightMaker) -> Flight:
+        return self._lockstep.fly(self.seed, make_flight)
