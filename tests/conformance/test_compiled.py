@@ -231,6 +231,23 @@ def test_threads_and_chunks_change_nothing():
     assert all(result == results[0] for result in results)
 
 
+def test_what_is_compiled_is_checked_once_whatever_the_number_of_mission_seeds(monkeypatch):
+    code = paper_code(60)
+    checked = []
+    attempt = ReferenceEngine.attempt
+
+    def counted(engine, specification, seed):
+        checked.append(seed)
+        return attempt(engine, specification, seed)
+
+    with COMPILED.open(code, SEED) as engine:
+        monkeypatch.setattr(ReferenceEngine, "attempt", counted)
+        for seed in (1, 2, 3):
+            list(engine.evaluate_many([(), ()], seed))
+
+    assert checked == [1, 1]
+
+
 def test_a_region_that_compiles_to_something_else_stops_the_search(tmp_path):
     code = edited(tmp_path, "return (ci.mission.tick + 2) * 9000000000000000000 > 0")
 

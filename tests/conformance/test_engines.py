@@ -66,6 +66,21 @@ def test_the_same_specification_gives_the_same_outcome_in_any_order(engine):
     assert outcomes[0] == outcomes[2] != outcomes[1]
 
 
+def test_one_engine_flies_in_the_weather_of_any_mission_seed(engine):
+    specification = specifications(engine.code, 1)[0]
+    seeds = (SEED, 1, 2, 1)
+
+    alone = [engine.evaluate(specification, seed) for seed in seeds]
+    together = list(
+        zip(*(engine.evaluate_many([specification], seed) for seed in seeds), strict=True)
+    )
+
+    expected = [ReferenceEngine(engine.code, seed).evaluate(specification) for seed in seeds]
+    assert alone == expected
+    assert together == [tuple(expected)]
+    assert engine.evaluate(specification) == expected[0] != expected[1]
+
+
 def test_an_observer_sees_every_tick_once(engine):
     seen = []
 

@@ -1,5 +1,6 @@
 """Evaluation in several processes."""
 
+from multiprocessing import active_children
 from pathlib import Path
 from shutil import copytree
 
@@ -40,6 +41,23 @@ def test_any_number_of_workers_gives_the_same_results_in_order():
     assert results[0] == results[1]
     engine = ReferenceEngine(load_code(GENERATED), 1)
     assert results[0] == [engine.evaluate(specification) for specification in SPECIFICATIONS]
+
+
+def test_the_same_workers_serve_several_mission_seeds():
+    code = load_code(GENERATED)
+
+    with WorkerPool(code, 1, 2) as pool:
+        results = list(
+            zip(*(pool.evaluate_many(SPECIFICATIONS[:3], seed) for seed in (1, 2)), strict=True)
+        )
+        workers = {child.pid for child in active_children()}
+
+    engine = ReferenceEngine(code, 1)
+    assert len(workers) == 2
+    assert results == [
+        tuple(engine.evaluate(specification, seed) for seed in (1, 2))
+        for specification in SPECIFICATIONS[:3]
+    ]
 
 
 @pytest.mark.parametrize("n_workers", [1, 2])

@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import click
@@ -103,11 +104,9 @@ class _Processes:
     def evaluators(
         self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
     ) -> list[EvaluateMany]:
-        number = self._number(engine)
-        return [
-            self.stack.enter_context(WorkerPool(code, seed, number, engine)).evaluate_many
-            for seed in mission_seeds
-        ]
+        pool = WorkerPool(code, mission_seeds[0], self._number(engine), engine)
+        self.stack.enter_context(pool)
+        return [partial(pool.evaluate_many, seed=seed) for seed in mission_seeds]
 
     def _number(self, engine: EngineSettings) -> int:
         return self.number or (1 if engine.url else _N_PROCESSORS)
@@ -127,9 +126,8 @@ class _Elsewhere:
     ) -> list[EvaluateMany]:
         from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
 
-        return [
-            ClusterPool(self.cluster, code, seed, engine).evaluate_many for seed in mission_seeds
-        ]
+        pool = ClusterPool(self.cluster, code, mission_seeds[0], engine)
+        return [partial(pool.evaluate_many, seed=seed) for seed in mission_seeds]
 
 
 worker_options = options_as(

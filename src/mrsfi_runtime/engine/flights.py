@@ -34,7 +34,7 @@ Evaluated: TypeAlias = Outcome | Failure
 
 
 class Evaluator(ABC):
-    """Evaluates fault specifications of one mission, all in the same weather.
+    """Evaluates fault specifications of one mission.
 
     Used as a context manager, it closes itself.
     """
@@ -51,8 +51,18 @@ class Evaluator(ABC):
         self.close()
 
     @abstractmethod
-    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order, as they come."""
+    def evaluate_many(
+        self, specifications: Sequence[Specification], seed: int | None = None
+    ) -> Iterator[Evaluated]:
+        """Evaluate specifications, and yield the results in the same order, as they come.
+
+        Parameters
+        ----------
+        specifications
+            All of them meet the same weather.
+        seed
+            Mission seed; the evaluator's own if left out.
+        """
 
     @abstractmethod
     def close(self) -> None:
@@ -67,7 +77,7 @@ class Engine(Evaluator):
     code
         Generated code of the mission.
     seed
-        Mission seed: two specifications of one engine meet the same weather.
+        Mission seed of what is evaluated without naming one: its weather.
     """
 
     def __init__(self, code: MissionCode, seed: int) -> None:
@@ -77,6 +87,7 @@ class Engine(Evaluator):
     def evaluate(
         self,
         specification: Specification,
+        seed: int | None = None,
         *,
         pool: FaultPool | None = None,
         observer: Observer | None = None,
@@ -87,6 +98,8 @@ class Engine(Evaluator):
         ----------
         specification
             Timed faults; an empty one flies without faults.
+        seed
+            Mission seed; the engine's own if left out.
         pool
             Where its faults come from; the mission's own pool if left out.
         observer
@@ -106,22 +119,25 @@ class Engine(Evaluator):
         pool = self.code.pool if pool is None else pool
         _require_effects(self.code.pool, pool)
         require_no_overlap(self.code.mission, pool, specification)
-        return self._evaluate(specification, pool, observer)
+        seed = self.seed if seed is None else seed
+        return self._evaluate(specification, seed, pool, observer)
 
-    def attempt(self, specification: Specification) -> Evaluated:
+    def attempt(self, specification: Specification, seed: int | None = None) -> Evaluated:
         """Evaluate a specification; the failure of a region is a result too."""
         try:
-            return self.evaluate(specification)
+            return self.evaluate(specification, seed)
         except EvaluationError:
             return Failure(traceback.format_exc())
 
-    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+    def evaluate_many(
+        self, specifications: Sequence[Specification], seed: int | None = None
+    ) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order, as they come."""
-        return map(self.attempt, specifications)
+        return (self.attempt(specification, seed) for specification in specifications)
 
     @abstractmethod
     def _evaluate(
-        self, specification: Specification, pool: FaultPool, observer: Observer | None
+        self, specification: Specification, seed: int, pool: FaultPool, observer: Observer | None
     ) -> Outcome:
         """Fly under a specification without overlaps."""
 
@@ -130,11 +146,11 @@ class PlainEngine(Engine):
     """Flies on plain Python objects: any Python is allowed in a region, and a debugger works."""
 
     @abstractmethod
-    def _fly(self, make_flight: FlightMaker) -> Flight:
+    def _fly(self, make_flight: FlightMaker, seed: int) -> Flight:
         """Return the flight that ``make_flight`` makes, after its last tick."""
 
     def _evaluate(
-        self, specification: Specification, pool: FaultPool, observer: Observer | None
+        self, specification: Specification, seed: int, pool: FaultPool, observer: Observer | None
     ) -> Outcome:
         code = self.code
         laid_out = plan(code.mission, pool, specification)
@@ -145,14 +161,12 @@ class PlainEngine(Engine):
             functions = functions._replace(apply=guarded(functions.apply, own))
 
         def make_flight(interface: SimInterface, world: State) -> Flight:
-            flight = Flight(
-                functions, code.mission, self.seed, interface, world, laid_out, observer
-            )
+            flight = Flight(functions, code.mission, seed, interface, world, laid_out, observer)
             made.append(flight)
             return flight
 
         try:
-            flight = self._fly(make_flight)
+            flight = self._fly(make_flight, seed)
         except MrsfiError:
             raise
         except Exception as error:

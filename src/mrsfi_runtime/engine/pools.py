@@ -6,7 +6,7 @@ results.
 
 import os
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -30,7 +30,7 @@ class WorkerPool(Evaluator):
     code
         Generated code of the mission; processes load it from its folder.
     seed
-        Mission seed.
+        Mission seed of what is evaluated without naming one.
     n_workers
         Number of processes, or threads; 1 evaluates in this process.
     settings
@@ -53,7 +53,8 @@ class WorkerPool(Evaluator):
         settings.require_workers(n_workers)
         is_here = n_workers == 1 or settings.name == COMPILED
         self._engine = settings.open(code, seed, n_workers) if is_here else None
-        self._evaluate_chunk = partial(_evaluate_chunk, code.directory, seed, settings)
+        self._seed = seed
+        self._open_engine = partial(_worker_engine, code.directory, seed, settings)
         self._n_workers = n_workers
         self._executor = ProcessPoolExecutor(
             n_workers,
@@ -67,7 +68,9 @@ class WorkerPool(Evaluator):
             self._engine.close()
         self._executor.shutdown(wait=True, cancel_futures=True)
 
-    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+    def evaluate_many(
+        self, specifications: Sequence[Specification], seed: int | None = None
+    ) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order, as they come.
 
         Raises
@@ -75,13 +78,16 @@ class WorkerPool(Evaluator):
         EvaluationError
             If a worker process died.
         """
+        seed = self._seed if seed is None else seed
         if self._engine is not None:
-            yield from self._engine.evaluate_many(specifications)
+            yield from self._engine.evaluate_many(specifications, seed)
             return
         chunks = _chunks(specifications, 4 * self._n_workers)
         try:
             with interrupts_held():
-                results = self._executor.map(self._evaluate_chunk, chunks)
+                results = self._executor.map(
+                    partial(_evaluate_chunk, self._open_engine, seed), chunks
+                )
             for chunk in results:
                 yield from chunk
         except BrokenProcessPool as error:
@@ -126,7 +132,6 @@ def _worker_engine(directory: Path, seed: int, settings: EngineSettings) -> Engi
 
 
 def _evaluate_chunk(
-    directory: Path, seed: int, settings: EngineSettings, specifications: Sequence[Specification]
+    open_engine: Callable[[], Engine], seed: int, specifications: Sequence[Specification]
 ) -> list[Evaluated]:
-    engine = _worker_engine(directory, seed, settings)
-    return list(engine.evaluate_many(specifications))
+    return list(open_engine().evaluate_many(specifications, seed))

@@ -25,8 +25,8 @@ class ReferenceEngine(PlainEngine):
     def close(self) -> None:
         """Do nothing: the engine holds nothing but memory."""
 
-    def _fly(self, make_flight: FlightMaker) -> Flight:
-        self._simulation.reset(self.seed)
+    def _fly(self, make_flight: FlightMaker, seed: int) -> Flight:
+        self._simulation.reset(seed)
         flight = make_flight(self._interface, self._simulation.world)
         fly(self._simulation, flight, self.code.mission.duration)
         return flight

@@ -164,7 +164,8 @@ class RosbridgeEngine(PlainEngine):
         patience: Patience | None = None,
     ) -> None:
         super().__init__(code, seed)
-        _require_sense(seed, url, has_simulation=has_simulation)
+        _require_sense(url, has_simulation=has_simulation)
+        _require_seed(seed)
         patience = Patience() if patience is None else patience
         self._simulation: SimulationProcess | None = None
         with ExitStack() as opened:
@@ -191,9 +192,10 @@ class RosbridgeEngine(PlainEngine):
         """Close the connection and end the simulation process."""
         self._opened.close()
 
-    def _fly(self, make_flight: FlightMaker) -> Flight:
+    def _fly(self, make_flight: FlightMaker, seed: int) -> Flight:
+        _require_seed(seed)
         try:
-            return self._lockstep.fly(self.seed, make_flight)
+            return self._lockstep.fly(seed, make_flight)
         except TransportTimeout as error:
             if not self._may_be_deaf or self._lockstep.tick:
                 raise
@@ -207,10 +209,13 @@ class RosbridgeEngine(PlainEngine):
             raise TransportClosed(message) from error
 
 
-def _require_sense(seed: int, url: str | None, *, has_simulation: bool) -> None:
+def _require_sense(url: str | None, *, has_simulation: bool) -> None:
     if not has_simulation and url is None:
         message = "--side ci needs --url: the server on which the simulation is found"
         raise UsageError(message)
+
+
+def _require_seed(seed: int) -> None:
     if seed > _GREATEST_SEED:
         message = f"mission seed {seed}: too great for a ROS message; expected at most 2^63 - 1"
         raise UsageError(message)

@@ -37,8 +37,8 @@ class BusEngine(PlainEngine):
     def close(self):
         pass
 
-    def _fly(self, make_flight):
-        return self.lockstep.fly(self.seed, make_flight)
+    def _fly(self, make_flight, seed):
+        return self.lockstep.fly(seed, make_flight)
 
 
 def specification(code, seed):

@@ -20,7 +20,7 @@ _N_AHEAD = 2  # chunks for each worker, so that the next is there when one is do
 
 
 class ClusterPool(Evaluator):
-    """The workers of a cluster, with the engines of one mission seed.
+    """The workers of a cluster, with an engine each.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class ClusterPool(Evaluator):
     code
         Generated code of the mission, whose folder every worker gets once.
     seed
-        Mission seed.
+        Mission seed of what is evaluated without naming one.
     settings
         Which engine evaluates; every worker has its own.
 
@@ -54,7 +54,9 @@ class ClusterPool(Evaluator):
     def close(self) -> None:
         """Do nothing: workers keep their engines for the next pool of the cluster."""
 
-    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+    def evaluate_many(
+        self, specifications: Sequence[Specification], seed: int | None = None
+    ) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order, as they come.
 
         Raises
@@ -64,6 +66,7 @@ class ClusterPool(Evaluator):
         TransportError
             If the scheduler is lost, or no worker is left.
         """
+        seed = self._seed if seed is None else seed
         n_workers = self._cluster.n_workers()
         first = 0
         waiting: deque[Task] = deque()
@@ -71,7 +74,8 @@ class ClusterPool(Evaluator):
             while waiting or first < len(specifications):
                 while first < len(specifications) and _n_open(waiting) < _N_AHEAD * n_workers:
                     size = self._pace.chunk_size(len(specifications), n_workers)
-                    waiting.append(self._begin(specifications[first : first + size]))
+                    chunk = Chunk(seed, self._settings, tuple(specifications[first : first + size]))
+                    waiting.append(self._cluster.begin(Order(self._plugin, chunk)))
                     first += size
                 while waiting and waiting[0].is_done:
                     evaluated = waiting.popleft().result()
@@ -81,10 +85,6 @@ class ClusterPool(Evaluator):
                     self._cluster.wait(waiting)
         finally:
             self._cluster.give_up(waiting)
-
-    def _begin(self, specifications: Sequence[Specification]) -> Task:
-        chunk = Chunk(self._seed, self._settings, tuple(specifications))
-        return self._cluster.begin(Order(self._plugin, chunk))
 
 
 def _n_open(tasks: deque[Task]) -> int:

@@ -19,7 +19,7 @@ from mrsfi_runtime.model.faults import Specification
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """Specifications that are evaluated in one go, and the engine that is to do it."""
+    """Specifications that are evaluated in one go on a mission seed, and the engine for it."""
 
     seed: int
     settings: EngineSettings
@@ -63,7 +63,7 @@ def evaluate(plugin: str, chunk: Chunk) -> EvaluatedChunk:
 
 
 class MissionPlugin(WorkerPlugin):
-    """Keeps the code of a mission on a worker, and its engines, one for each mission seed.
+    """Keeps the code of a mission on a worker, and its engines, one for each of their settings.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class MissionPlugin(WorkerPlugin):
         self._address = str(worker.address)
         self._folder = Path(worker.local_directory) / self.name
         self._n_threads = int(worker.state.nthreads)
-        self._engines: dict[tuple[int, EngineSettings], Engine] = {}
+        self._engines: dict[EngineSettings, Engine] = {}
         self._lock = Lock()
         self._require_same_environment()
         try:
@@ -123,7 +123,7 @@ class MissionPlugin(WorkerPlugin):
             try:
                 engine = self._engine(chunk)
                 start = perf_counter()
-                results = tuple(engine.evaluate_many(chunk.specifications))
+                results = tuple(engine.evaluate_many(chunk.specifications, chunk.seed))
                 seconds = perf_counter() - start
             except MrsfiError as error:
                 raise type(error)(self._told(str(error))) from error
@@ -139,7 +139,7 @@ class MissionPlugin(WorkerPlugin):
             raise TransportError(message)
 
     def _engine(self, chunk: Chunk) -> Engine:
-        key = chunk.seed, chunk.settings
+        key = chunk.settings
         if key not in self._engines:
             try:
                 code = load_code(self._folder)

@@ -7,6 +7,8 @@ Source paper, section III-G and Figure 4, without the bus between the two sides.
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -34,6 +36,7 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import plan_rows
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
 
@@ -52,7 +55,7 @@ class CompiledEngine(Engine):
     code
         Generated code of the mission.
     seed
-        Mission seed: two specifications of one engine meet the same weather.
+        Mission seed of what is evaluated without naming one: its weather.
     n_threads
         Threads that share a chunk. Compiled code needs no interpreter, so they truly run side
         by side.
@@ -70,9 +73,8 @@ class CompiledEngine(Engine):
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
         super().__init__(code, seed)
         state = initial_state(code.mission, seed)
-        self._fresh: Records = np.zeros(3, state_type(state))
-        write_state(self._fresh[0], state)
-        self._fresh[1:] = self._fresh[0]
+        state_layout = state_type(state)
+        self._fresh = cache(partial(_fresh_states, code.mission, state_layout))
         self._moment_type = moment_type(state)
         self._result_type = result_type(state)
         self._recorded_type = recorded_type(state)
@@ -80,25 +82,27 @@ class CompiledEngine(Engine):
         self._is_checked = False
         self._n_threads = n_threads
         self._threads = ThreadPoolExecutor(n_threads)
-        self._fly_many = CompiledFlight(code, self._fresh.dtype)
-        self._fly(self._batch([()], code.pool), 0, 1)
+        self._fly_many = CompiledFlight(code, state_layout)
+        self._fly(self._batch([()], code.pool), self._fresh(seed), 0, 1)
 
     def close(self) -> None:
         """End the threads."""
         self._threads.shutdown()
 
     def _evaluate(
-        self, specification: Specification, pool: FaultPool, observer: Observer | None
+        self, specification: Specification, seed: int, pool: FaultPool, observer: Observer | None
     ) -> Outcome:
         batch = self._batch([specification], pool)
         moments = np.zeros(self.code.mission.duration if observer else 0, self._moment_type)
-        if self._fly(batch, 0, 1, moments):
-            return self._reference.evaluate(specification, pool=pool, observer=observer)
+        if self._fly(batch, self._fresh(seed), 0, 1, moments):
+            return self._reference.evaluate(specification, seed, pool=pool, observer=observer)
         if observer is not None:
-            self._tell(observer, moments)
+            self._tell(observer, seed, moments)
         return batch.outcome(0)
 
-    def evaluate_many(self, specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+    def evaluate_many(
+        self, specifications: Sequence[Specification], seed: int | None = None
+    ) -> Iterator[Evaluated]:
         """Evaluate specifications, and yield the results in the same order.
 
         Raises
@@ -106,17 +110,20 @@ class CompiledEngine(Engine):
         EvaluationError
             If one of the very first is another than on the reference engine.
         """
+        seed = self.seed if seed is None else seed
         for first in range(0, len(specifications), CHUNK):
             chunk = specifications[first : first + CHUNK]
-            outcomes = self._evaluate_chunk(chunk)
+            outcomes = self._evaluate_chunk(chunk, seed)
             if not self._is_checked:
-                self._check(chunk[:N_CHECKED], outcomes)
+                self._check(chunk[:N_CHECKED], seed, outcomes)
             yield from outcomes
 
-    def _check(self, specifications: Sequence[Specification], found: Sequence[Evaluated]) -> None:
+    def _check(
+        self, specifications: Sequence[Specification], seed: int, found: Sequence[Evaluated]
+    ) -> None:
         """Refuse to go on if the reference engine finds anything else."""
         for specification, outcome in zip(specifications, found, strict=False):
-            expected = self._reference.attempt(specification)
+            expected = self._reference.attempt(specification, seed)
             if isinstance(expected, Outcome) and expected != outcome:
                 message = (
                     f"{self.code.directory}: compiled, the mission has outcome {outcome}; the "
@@ -126,19 +133,22 @@ class CompiledEngine(Engine):
                 raise EvaluationError(message)
         self._is_checked = True
 
-    def _evaluate_chunk(self, specifications: Sequence[Specification]) -> list[Evaluated]:
+    def _evaluate_chunk(
+        self, specifications: Sequence[Specification], seed: int
+    ) -> list[Evaluated]:
         n = len(specifications)
         for specification in specifications:
             require_no_overlap(self.code.mission, self.code.pool, specification)
         batch = self._batch(specifications, self.code.pool)
+        fresh = self._fresh(seed)
         size = -(-n // self._n_threads)
         firsts = range(0, n, size)
         failed = self._threads.map(
-            lambda first: self._fly(batch, first, min(first + size, n)), firsts
+            lambda first: self._fly(batch, fresh, first, min(first + size, n)), firsts
         )
         again = {k for some in failed for k in some}
         return [
-            self._reference.attempt(specification) if k in again else batch.outcome(k)
+            self._reference.attempt(specification, seed) if k in again else batch.outcome(k)
             for k, specification in enumerate(specifications)
         ]
 
@@ -148,7 +158,7 @@ class CompiledEngine(Engine):
         return Batch(plans, self._result_type, self._recorded_type)
 
     def _fly(
-        self, batch: Batch, first: int, last: int, moments: Records | None = None
+        self, batch: Batch, fresh: Records, first: int, last: int, moments: Records | None = None
     ) -> list[int]:
         """Fly some specifications of a batch, and return which of them failed.
 
@@ -157,11 +167,11 @@ class CompiledEngine(Engine):
         failed = []
         everyone = list(range(first, last))
         at = np.zeros(1, np.int64)
-        states = self._fresh.copy()
+        states = fresh.copy()
         plans = np.zeros(1, plan_type(batch.room))
         moments = np.zeros(0, self._moment_type) if moments is None else moments
         arrays = Arrays(
-            words(self._fresh),
+            words(fresh),
             words(states),
             states,
             plans,
@@ -181,12 +191,12 @@ class CompiledEngine(Engine):
                 first = int(at[0]) + 1
             else:
                 first = last
-        return failed if np.array_equal(tables(states), tables(self._fresh)) else everyone
+        return failed if np.array_equal(tables(states), tables(fresh)) else everyone
 
-    def _tell(self, observer: Observer, moments: Records) -> None:
+    def _tell(self, observer: Observer, seed: int, moments: Records) -> None:
         """Let an observer see recorded ticks."""
-        world = initial_state(self.code.mission, self.seed)
-        belief = initial_state(self.code.mission, self.seed)
+        world = initial_state(self.code.mission, seed)
+        belief = initial_state(self.code.mission, seed)
         worlds = read_words(moments["world"], self._recorded_type)
         beliefs = read_words(moments["belief"], self._recorded_type)
         for tick, moment in enumerate(moments):
@@ -195,3 +205,11 @@ class CompiledEngine(Engine):
             read_recorded(belief, beliefs[tick])
             true, believed = moment["is_true"].tolist(), moment["is_believed"].tolist()
             observer(world, belief, [*map(bool, true)], [*map(bool, believed)])
+
+
+def _fresh_states(mission: Mission, layout: np.dtype[Any], seed: int) -> Records:
+    """Return truth, belief and inbox before the first tick."""
+    states: Records = np.zeros(3, layout)
+    write_state(states[0], initial_state(mission, seed))
+    states[1:] = states[0]
+    return states
