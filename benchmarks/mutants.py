@@ -26,6 +26,7 @@ from copy import deepcopy
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from threading import Lock, local
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 PRODUCT = ("m2t", "src")
@@ -176,15 +177,15 @@ class Copy:
         Where the copy is made.
     left_out
         Tests that do not take part.
-    limit
-        Seconds that a tier may take; a mutant that takes longer is killed by the clock.
+    limits
+        Seconds that each tier may take; a mutant that takes longer is killed by the clock.
     """
 
-    def __init__(self, folder: Path, left_out: list[str], limit: float) -> None:
+    def __init__(self, folder: Path, left_out: list[str], limits: dict[str, float]) -> None:
         self.root = folder / "tree"
         self._cache = folder.parent / "compiled"
         self._left_out = left_out
-        self._limit = limit
+        self._limits = limits
         listed = subprocess.run(
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=ROOT, check=True, capture_output=True, text=True,
@@ -224,15 +225,24 @@ class Copy:
             command, cwd=self.root, env=environment, text=True, start_new_session=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         ) as process:  # fmt: skip
+            _RUNNING.add(process.pid)
             try:
-                output, _ = process.communicate(timeout=self._limit)
+                output, _ = process.communicate(timeout=self._limits.get(tier))
             except subprocess.TimeoutExpired:
-                return [f"took more than {self._limit:.0f} s"]
+                return [f"took more than {self._limits[tier]:.0f} s"]
             finally:
+                _RUNNING.discard(process.pid)
                 _end(process.pid)
+        if process.returncode == -signal.SIGKILL:
+            message = "the tests were killed from outside: nothing is known of the mutant"
+            raise RuntimeError(message)
         lines = [line.split(" - ")[0] for line in output.splitlines()]
         named = [line.split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]
         return named or ([] if process.returncode == 0 else [output[-300:]])
+
+
+_RUNNING: set[int] = set()
+"""Process groups of the tests that run now."""
 
 
 def _end(group: int) -> None:
@@ -264,21 +274,23 @@ class Record:
         found = (line for line in self.lines if line.get("mutant") == asdict(mutant))
         return next(found, None)
 
-    def left_out(self, tier: str) -> list[str] | None:
-        """Return which tests of a tier fail without a mutation, if that is known."""
-        found = (line["left_out"] for line in self.lines if line.get("unmutated") == tier)
-        return next(found, None)
+    def unmutated(self, tier: str) -> dict[str, Any] | None:
+        """Return how a tier ends without a mutation, if that is known."""
+        return next((line for line in self.lines if line.get("unmutated") == tier), None)
 
 
 def measure(arguments: argparse.Namespace, record: Record, folder: Path) -> list[Mutant]:
     """Judge as many mutants as are wanted, some at a time."""
-    left_out: list[str] = []
-    plain = Copy(folder / "plain", [], arguments.limit)
+    plain = Copy(folder / "plain", [], {})
     for tier in arguments.tiers:
-        if record.left_out(tier) is None:
+        if record.unmutated(tier) is None:
             print(f"running {tier} without a mutation", flush=True)
-            record.add(unmutated=tier, left_out=plain.failed(tier))
-        left_out += record.left_out(tier) or []
+            begun = time.monotonic()
+            failed = plain.failed(tier)
+            record.add(unmutated=tier, left_out=failed, seconds=time.monotonic() - begun)
+    known = {tier: record.unmutated(tier) or {} for tier in arguments.tiers}
+    left_out = [test for found in known.values() for test in found["left_out"]]
+    limits = {tier: 60 + arguments.patience * found["seconds"] for tier, found in known.items()}
     print(f"left out, because they fail unmutated: {left_out or 'none'}", flush=True)
     wanted = drawn(arguments.seed, arguments.only)[: arguments.n]
     mine = local()
@@ -287,13 +299,19 @@ def measure(arguments: argparse.Namespace, record: Record, folder: Path) -> list
         if record.verdict(mutant) is None:
             if not hasattr(mine, "copy"):
                 place = Path(tempfile.mkdtemp(dir=folder))
-                mine.copy = Copy(place, left_out, arguments.limit)
+                mine.copy = Copy(place, left_out, limits)
             found = mine.copy.judge(mutant, arguments.tiers)
             record.add(mutant=asdict(mutant), **found)
             print(f"{found['killed_by'] or 'SURVIVED':8} {mutant}  {found['test']}", flush=True)
 
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        list(pool.map(judge, wanted))
+        try:
+            list(pool.map(judge, wanted))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for group in tuple(_RUNNING):
+                _end(group)
+            raise
     return wanted
 
 
@@ -318,10 +336,13 @@ def main() -> None:
     parser.add_argument("--tiers", default=",".join(TIERS), help="cheapest first")
     parser.add_argument("--only", default="", help="text in the path of what is mutated")
     parser.add_argument("--jobs", type=int, default=2, help="how many at a time")
-    parser.add_argument("--limit", type=float, default=3600.0, help="seconds a tier may take")
+    parser.add_argument(
+        "--patience", type=float, default=3.0, help="how much longer a mutant may take than none"
+    )
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "mutants.jsonl")
     arguments = parser.parse_args()
     arguments.tiers = arguments.tiers.split(",")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # ends what runs, as Ctrl-C does
     record = Record(arguments.out)
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         wanted = measure(arguments, record, Path(folder))
