@@ -113,14 +113,13 @@ def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
     Parameters
     ----------
     packages
-        The packages, pyecore objects; each may refer to those before it.
+        The packages, as ``m2t.metamodels`` loads them; each refers to those before it only.
 
     Raises
     ------
     ModelError
-        If a package holds something that static classes cannot express.
+        If a package holds a name that Python or the classes themselves use.
     """
-    _require_order(packages)
     generator = ClassGenerator()
     with TemporaryDirectory() as folder:
         generator.generate_shared(Path(folder))
@@ -159,20 +158,6 @@ def stale_files(folder: Path, files: Mapping[str, str]) -> tuple[str, ...]:
         for name, text in files.items()
         if not (folder / name).is_file() or (folder / name).read_bytes() != text.encode("utf-8")
     )
-
-
-def _require_order(packages: tuple[Any, ...]) -> None:
-    """Refuse a package that refers to one that comes later: neither module would load."""
-    known = {".elements"}
-    for package in packages:
-        modules = {module for module, _ in package_view(package).imports}
-        if not modules <= known:
-            unknown = min(modules - known).removeprefix(".")
-            raise GenerationError(
-                f"package '{package.name}' refers to '{unknown}', which is none of the packages "
-                "before it; expected references in one direction only; reorder them"
-            )
-        known.add(f".{package.name}")
 
 
 def _docstring(text: str) -> str:

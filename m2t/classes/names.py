@@ -1,14 +1,12 @@
 """Names in the static classes: those of the metamodel, as far as Python allows them."""
 
 import keyword
-import re
 from typing import Any
 
 from pyecore.ecore import EEnum, EObject
 
 from mrsfi_runtime.errors import ModelError
 
-_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 _BODY_NAMES = frozenset(
     {"ClassVar", "EList", "Iterable", "annotated", "ecore", "bool", "float", "int", "str"}
 )
@@ -44,21 +42,10 @@ def python_name(name: str) -> str:
 
 def global_name(element: Any) -> str:
     """Return the name of a class, an enumeration or a package, which becomes a global name."""
-    name = identifier_of(element)
+    name = str(element.name)
     if name in _MODULE_NAMES or keyword.iskeyword(name):
         raise reserved(f"'{name}'")
     return name
-
-
-def identifier_of(element: Any) -> str:
-    """Return the name of an element, unless it is none in Python."""
-    name = element.name
-    if name is None or not _IDENTIFIER.fullmatch(name):
-        raise ModelError(
-            f"name {ascii(name)[:60]} of the metamodel cannot be a name in Python; expected ASCII "
-            "letters, digits and '_', with a letter at the start; rename it"
-        )
-    return str(name)
 
 
 def reserved(what: str) -> ModelError:

@@ -1,7 +1,7 @@
 """What the templates of the static classes need to know about a metamodel.
 
-Everything is read in the order of the ``.ecore`` file. What the classes could not express is
-refused: an incomplete class would write incomplete models.
+Everything is read in the order of the ``.ecore`` file. Loading the metamodels has refused what
+classes could not express: an incomplete class would write incomplete models.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -13,7 +13,6 @@ from pyecore.ecore import EClass, EEnum
 
 from m2t.classes.names import (
     global_name,
-    identifier_of,
     python_name,
     require_feature_names,
     require_literal_name,
@@ -21,7 +20,6 @@ from m2t.classes.names import (
 )
 from m2t.environment import literal
 from m2t.metamodels import Slot, lineage, slots
-from mrsfi_runtime.errors import ModelError
 
 _GENMODEL = "http://www.eclipse.org/emf/2002/GenModel"
 _PYTHON_TYPES: Mapping[str, str] = MappingProxyType(
@@ -127,16 +125,16 @@ def package_view(package: Any) -> PackageView:
     Parameters
     ----------
     package
-        Package of a metamodel, a pyecore object.
+        Package of a metamodel, a pyecore object, as ``m2t.metamodels`` loads it.
 
     Raises
     ------
     ModelError
-        If the package holds something that static classes cannot express, or a name that
-        Python or the classes themselves use.
+        If the package holds a name that Python or the classes themselves use.
     """
-    _require_supported(package)
     own = list(package.eClassifiers)
+    for element in (package, *own):
+        global_name(element)
     metaclasses = _bases_first(entry for entry in own if isinstance(entry, EClass))
     enumerations = tuple(_enumeration(entry) for entry in own if isinstance(entry, EEnum))
     classes = tuple(_class(metaclass) for metaclass in metaclasses)
@@ -250,11 +248,6 @@ def _type(slot: Slot) -> tuple[str, str]:
         return "EReference", global_name(slot.type)
     if isinstance(slot.type, EEnum):
         return "EAttribute", global_name(slot.type)
-    if slot.type.name not in _PYTHON_TYPES:
-        raise ModelError(
-            f"attribute '{slot.name}' has type {slot.type.name}; static classes know "
-            f"{', '.join(_PYTHON_TYPES)} and enumerations; use one of these"
-        )
     return "EAttribute", _PYTHON_TYPES[slot.type.name]
 
 
@@ -324,37 +317,4 @@ def _annotated(element: Any) -> tuple[str, str | None, tuple[tuple[str, Details]
             if not details:
                 continue
         others.append((annotation.source, tuple(details.items())))
-    return identifier_of(element), documentation, tuple(others)
-
-
-def _require_supported(package: Any) -> None:
-    """Refuse what the classes cannot express."""
-    if list(package.eSubpackages):
-        raise ModelError(f"package '{package.name}' has subpackages; expected none; use two files")
-    global_name(package)
-    for classifier in package.eClassifiers:
-        global_name(classifier)
-        if isinstance(classifier, EClass):
-            _require_plain(classifier)
-        elif not isinstance(classifier, EEnum):
-            raise ModelError(
-                f"data type '{classifier.name}' is not known to static classes; expected classes "
-                "and enumerations only; use a type of Ecore"
-            )
-
-
-def _require_plain(metaclass: Any) -> None:
-    unknown = [
-        *(f"operation '{entry.name}'" for entry in metaclass.eOperations),
-        *(f"type parameter '{entry.name}'" for entry in metaclass.eTypeParameters),
-        *(
-            f"derived or volatile feature '{entry.name}'"
-            for entry in metaclass.eStructuralFeatures
-            if entry.derived or entry.volatile
-        ),
-    ]
-    if unknown:
-        raise ModelError(
-            f"class '{metaclass.name}' has {unknown[0]}, which static classes cannot express; "
-            "expected plain features; delete it"
-        )
+    return str(element.name), documentation, tuple(others)

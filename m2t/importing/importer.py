@@ -1,11 +1,9 @@
 """Import a model that was published for the paper's prototype as a mission folder."""
 
-import shutil
-import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from m2t.diagnostics import Diagnostic, Report
@@ -19,7 +17,7 @@ from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metamodels import load_metamodels
 from m2t.read.nodes import Node, read_xml
 from m2t.validate import validate_folder, validate_specification
-from m2t.write.xmi import dumps
+from m2t.write.xmi import dumps, write_atomically
 from mrsfi_runtime.errors import ModelError, UsageError
 
 
@@ -172,57 +170,25 @@ def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
 
 
 def _write(models: Mapping[str, Any], folder: Path, origins: "_Origins") -> tuple[str, ...]:
-    """Write everything beside the folder, validate it there, and put it in place."""
-    with _staged(folder) as stage:
-        mission = models[MISSION_XMI]
+    """Validate the models where nobody looks, then write each file as a whole."""
+    mission = models[MISSION_XMI]
+    with TemporaryDirectory() as place:
+        stage = Path(place)
         for name, root in models.items():
             hrefs = {} if root is mission else {mission: MISSION_XMI}
             (stage / name).write_bytes(dumps(root, hrefs=hrefs))
         origins.require_valid(stage, models)
-        cases = campaign_files(mission)
-        fresh = {name: text for name, text in cases.items() if not (stage / name).exists()}
-        for name, content in fresh.items():
-            (stage / name).write_bytes(content)
-    return (*models, *fresh)
-
-
-@contextmanager
-def _staged(folder: Path) -> Iterator[Path]:
-    """Give a copy of a folder to write to, which takes its place if all goes well."""
-    target = folder.resolve()
-    room: Path | None = None
-    is_first = not target.parent.exists()
+        contents = {name: (stage / name).read_bytes() for name in models}
+    cases = campaign_files(mission)
+    contents |= {name: text for name, text in cases.items() if not (folder / name).exists()}
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        room = Path(tempfile.mkdtemp(dir=target.parent, prefix=f".{target.name}."))
-        stage = room / "new"
-        if target.exists():
-            shutil.copytree(target, stage, symlinks=True)
-        else:
-            stage.mkdir()
-        yield stage
-        _replace(target, stage, room / "old")
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in contents.items():
+            write_atomically(folder / name, content)
     except OSError as error:
         message = f"{folder}: cannot be written: {error.strerror or error}; name another with --out"
         raise UsageError(message) from error
-    finally:
-        if room is not None:
-            shutil.rmtree(room, ignore_errors=True)
-        if is_first:
-            with suppress(OSError):  # holds the result, unless something went wrong
-                target.parent.rmdir()
-
-
-def _replace(target: Path, stage: Path, old: Path) -> None:
-    """Put a folder in place of another; if that fails, the other one is back."""
-    try:
-        if target.exists():
-            target.rename(old)
-        stage.rename(target)
-    except BaseException:
-        if old.exists() and not target.exists():
-            old.rename(target)
-        raise
+    return tuple(contents)
 
 
 def _counts(mission: Any, specifications: list[Any]) -> dict[str, int]:

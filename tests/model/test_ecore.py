@@ -136,6 +136,9 @@ def test_metamodels_with_comments_load(tmp_path: Path) -> None:
     assert dumps_metamodel(both.mission) == (metamodel_folder() / MISSION_FILE).read_bytes()
 
 
+OWN = "is an unknown element of"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "place", "message"),
     [
@@ -157,6 +160,22 @@ def test_metamodels_with_comments_load(tmp_path: Path) -> None:
         ('name="servers"', 'name="eContents"', '"eContents"', "a name that every element uses"),
         ('"robots" low', '"robots" ordered="false" low', '"robots"', "values would change places"),
         ('name="center"', 'name="center" volatile="true"', '"center"', "do not keep its values"),
+        ('name="center"', 'name="center" derived="true"', '"center"', "do not keep its values"),
+        (
+            'name="center"',
+            'name="the center"',
+            '"the center"',
+            "has name 'the center', which is no",
+        ),
+        ('xsi:type="ecore:EEnum"', 'xsi:type="ecore:EDataType"', 'EDataType"', "'ecore:EDataType'"),
+        (
+            '"#//Sensor"',
+            '"ecore:EClass faults.ecore#//Fault"',
+            "faults.ecore",
+            "which is no EClass",
+        ),
+        ("<eStructuralFeatures", '<eOperations name="f"/><eStructuralFeatures', "eOperations", OWN),
+        ("<eClassifiers", '<eSubpackages name="p"/><eClassifiers', "eSubpackages", OWN),
     ],
 )
 def test_broken_metamodel_is_refused_at_its_line(
