@@ -8,13 +8,13 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 from urllib.parse import unquote
 
-from m2t.check.split_models import find_part
-from m2t.diagnostics import Defect, Report, shown
+from m2t.check.references import find
+from m2t.check.structure import check_structure
+from m2t.diagnostics import Report, shown
 from m2t.metamodels import Slot, concrete_classes, lineage, load_metamodels, slots
-from m2t.namespaces import XSI
 from m2t.read.addresses import local_path
-from m2t.read.model_files import ModelFiles
-from m2t.read.nodes import Node, read_xml
+from m2t.read.model_files import ModelFile, ModelFiles
+from m2t.read.nodes import Node
 from m2t.write.xmi import java_double
 from mrsfi_runtime.errors import ModelError
 
@@ -95,70 +95,43 @@ def read_models(path: Path) -> dict[str, Outline]:
         raise ModelError(message)
     report = Report()
     files = ModelFiles(report)
-    roots = [root for each in paths for root in _roots(each, files, report)]
-    for root in roots:
-        _insert_parts(root, _root_class(root), files)
-    outliner = _Outliner(files, roots)
-    return {root.tag: outliner.root(root) for root in roots}
+    roots: list[Node] = []
+    for each in paths:
+        file = files.read(each)
+        if file is None or not file.roots:
+            report.require_no_errors()
+        else:
+            roots.extend(_roots(file, files))
+    outliner = _Outliner(files)
+    return {root.metaclass.name: outliner.root(root) for root in roots}
 
 
-def _roots(path: Path, files: ModelFiles, report: Report) -> list[Node]:
-    """Return the missions and fault specifications of a file."""
-    file = files.read(path)
-    if file is None:
-        report.require_no_errors()
-    roots = [] if file is None else [root for root in file.roots if _root_class(root) is not None]
-    xml = None if roots else read_xml(path, Report())
-    if xml is not None:
+def _roots(file: ModelFile, files: ModelFiles) -> list[Node]:
+    """Return the mission and the fault specification of a file, with all their parts in place."""
+    known = load_metamodels()
+    kinds = [kind for kind in (known.mission_class, known.faults_class) if file.roots_of(kind)]
+    if not kinds:
+        root = file.roots[0]
         message = (
-            f"{path}:{xml.root.line}: the root is {shown(xml.root.tag)} of namespace "
-            f"{shown(xml.root.namespace)}; expected a mission or a fault specification of mrsfi; "
+            f"{file.path}:{root.line}: the root is {shown(root.tag)} of namespace "
+            f"{shown(root.namespace)}; expected a mission or a fault specification of mrsfi; "
             "give the right file [RootElement]"
         )
         raise ModelError(message)
-    return roots
-
-
-def _root_class(root: Node) -> Any:
-    known = load_metamodels()
-    for metaclass in (known.mission_class, known.faults_class):
-        if (root.namespace, root.tag) == (metaclass.ePackage.nsURI, metaclass.name):
-            return metaclass
-    return None
-
-
-def _insert_parts(node: Node, metaclass: Any, files: ModelFiles) -> None:
-    """Put the roots of other files in the places that they stand for; keep those not found."""
-    known = slots(metaclass)
-    for position, child in enumerate(node.children):
-        slot = known.get(child.tag)
-        if slot is None or not slot.is_contained:
-            continue
-        inserted, kind = child, slot.type
-        if "href" in child.attributes:
-            try:
-                inserted, kind = find_part(child, kind, metaclass.ePackage, files)
-            except Defect:
-                continue
-            inserted.qualified[XSI, "type"] = kind.name
-            node.children[position] = inserted
-        _insert_parts(inserted, kind, files)
+    trees = [check_structure(file, kind, files, Report()) for kind in kinds]
+    return [tree.root for tree in trees if tree is not None]
 
 
 class _Outliner:
     """Makes the outlines of models; names what references lead to by ID wherever there is one."""
 
-    def __init__(self, files: ModelFiles, roots: Sequence[Node]) -> None:
+    def __init__(self, files: ModelFiles) -> None:
         self._files = files
         self._counts: Counter[tuple[str, str]]
-        self._by_xmi_id: dict[str, Node] = {}
-        for node in (node for root in roots for node in root.walk()):
-            if node.xmi_id is not None:
-                self._by_xmi_id.setdefault(node.xmi_id, node)
 
     def root(self, node: Node) -> Outline:
         """Return the outline of a root; there is one of a kind, whatever its ID."""
-        metaclass = _root_class(node)
+        metaclass = node.metaclass
         self._counts = Counter()
         identity = _plain(node.attributes.get("ID", ""))
         outline = Outline(metaclass.name, identity, (metaclass.name, "", 0))
@@ -232,16 +205,16 @@ class _Outliner:
         """Return the ID of what a reference of a node means, else the reference itself."""
         address, _, fragment = text.rpartition("#")
         fragment = unquote(fragment)
-        found = self._by_xmi_id.get(fragment)
-        if found is None and fragment.startswith("/"):
-            path = local_path(node.path.parent, address) if address else node.path
-            file = None if path is None else self._files.at(path)
-            found = None if file is None else file.at_path(fragment)
+        path = local_path(node.path.parent, address) if address else node.path
+        file = None if path is None else self._files.at(path)
+        found = None if file is None else find(file, fragment)
         return fragment if found is None else found.attributes.get("ID", fragment)
 
 
 def _kind(node: Node) -> str:
-    """Return the name of the class that xsi:type gives; empty without one."""
+    """Return the name of an element's class; of an unknown one, what its xsi:type says."""
+    if node.metaclass is not None:
+        return str(node.metaclass.name)
     return (node.xsi_type or "").rpartition(":")[2]
 
 

@@ -171,7 +171,7 @@ OWN = "is an unknown element of"
         (
             '"#//Sensor"',
             '"ecore:EClass faults.ecore#//Fault"',
-            "faults.ecore",
+            'name="sensors"',
             "which is no EClass",
         ),
         ("<eStructuralFeatures", '<eOperations name="f"/><eStructuralFeatures', "eOperations", OWN),
