@@ -22,7 +22,8 @@ from types import MappingProxyType
 from mrsfi_runtime.errors import ProtectedRegionError
 
 _MARKER = re.compile(
-    r"[ \t]*# protected region (?P<id>[^\s]+) (?:(?P<state>on|off) begin|end)[ \t]*"
+    r"^[ \t]*# protected region (?P<id>[^\s]+) (?:(?P<state>on|off) begin|end)[ \t]*(?:\n|\Z)",
+    re.MULTILINE,
 )
 _ALMOST_MARKER = re.compile(r"\s*#+\s*protected\s+region\b.*\b(begin|end)\s*", re.IGNORECASE)
 
@@ -119,84 +120,69 @@ def parse(text: str, name: str) -> GeneratedFile:
     ProtectedRegionError
         With file and line, if markers are unbalanced, nested, doubled or misspelt.
     """
-    return _Parser(name).parse(text)
+    _require_spelling(text, name)
+    markers = [*_MARKER.finditer(text)]
+    parts: list[str | Region] = []
+    seen: dict[str, int] = {}
+    at = 0
+    for begin, end in zip_longest(markers[::2], markers[1::2]):
+        line = _line(begin)
+        wrong = _what_is_wrong(begin, end, seen)
+        if wrong is not None:
+            raise ProtectedRegionError(f"{name}:{wrong}")
+        seen[begin["id"]] = line
+        body = text[begin.end() : end.start()]
+        region = Region(begin["id"], begin["state"] == "on", begin[0], body, end[0], line)
+        parts += [text[at : begin.start()], region]
+        at = end.end()
+    parts.append(text[at:])
+    return GeneratedFile(name, tuple(part for part in parts if part))
 
 
-class _Parser:
-    """Collects parts line by line; ``opened`` is the begin marker that waits for its end."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.parts: list[str | Region] = []
-        self.lines: list[str] = []
-        self.seen: dict[str, int] = {}
-        self.opened: tuple[re.Match[str], str, int] | None = None
-
-    def parse(self, text: str) -> GeneratedFile:
-        for number, line in enumerate(text_lines(text), start=1):
-            content = line.removesuffix("\n")
-            marker = _MARKER.fullmatch(content)
-            if marker is None:
-                if _ALMOST_MARKER.fullmatch(content):
-                    raise self.error(
-                        number,
-                        f"found the marker {content.strip()!r}; expected "
-                        "'# protected region ID on begin' or '# protected region ID end'; "
-                        "mend it or word the comment differently",
-                    )
-                self.lines.append(line)
-            elif marker["state"]:
-                self.begin(marker, line, number)
-            else:
-                self.end(marker, line, number)
-        if self.opened is not None:
-            marker, _, number = self.opened
-            raise self.error(
-                number, f"protected region '{marker['id']}' has no end; put its end marker back"
+def _require_spelling(text: str, name: str) -> None:
+    """Refuse lines that look like markers and are none."""
+    for number, line in enumerate(text_lines(text), start=1):
+        content = line.removesuffix("\n")
+        if _ALMOST_MARKER.fullmatch(content) and not _MARKER.fullmatch(line):
+            raise ProtectedRegionError(
+                f"{name}:{number}: found the marker {content.strip()!r}; expected "
+                "'# protected region ID on begin' or '# protected region ID end'; "
+                "mend it or word the comment differently"
             )
-        self.close_skeleton()
-        return GeneratedFile(self.name, tuple(self.parts))
 
-    def begin(self, marker: re.Match[str], line: str, number: int) -> None:
-        region = marker["id"]
-        if self.opened is not None:
-            raise self.error(
-                number,
-                f"protected region '{region}' begins inside '{self.opened[0]['id']}' of line "
-                f"{self.opened[2]}; put the missing end marker back",
-            )
-        if region in self.seen:
-            raise self.error(
-                number,
-                f"protected region '{region}' stands here for the second time, first in line "
-                f"{self.seen[region]}; keep one of the two",
-            )
-        self.close_skeleton()
-        self.seen[region] = number
-        self.opened = (marker, line, number)
 
-    def end(self, marker: re.Match[str], line: str, number: int) -> None:
-        if self.opened is None or self.opened[0]["id"] != marker["id"]:
-            expected = f"the end of '{self.opened[0]['id']}'" if self.opened else "no end"
-            raise self.error(
-                number,
-                f"protected region '{marker['id']}' ends here, {expected} was expected; "
-                "put the missing marker back",
-            )
-        opening, begin, first = self.opened
-        body = "".join(self.lines)
-        is_on = opening["state"] == "on"
-        self.parts.append(Region(marker["id"], is_on, begin, body, line, first))
-        self.lines = []
-        self.opened = None
+def _what_is_wrong(
+    begin: re.Match[str], end: re.Match[str] | None, seen: Mapping[str, int]
+) -> str | None:
+    """Return line and defect of two markers that make no region; ``seen`` has those before."""
+    region, line = begin["id"], _line(begin)
+    if not begin["state"]:
+        return _unexpected_end(begin, "no end")
+    if region in seen:
+        return (
+            f"{line}: protected region '{region}' stands here for the second time, first in line "
+            f"{seen[region]}; keep one of the two"
+        )
+    if end is None:
+        return f"{line}: protected region '{region}' has no end; put its end marker back"
+    if end["state"]:
+        return (
+            f"{_line(end)}: protected region '{end['id']}' begins inside '{region}' of line "
+            f"{line}; put the missing end marker back"
+        )
+    return None if end["id"] == region else _unexpected_end(end, f"the end of '{region}'")
 
-    def close_skeleton(self) -> None:
-        if self.lines:
-            self.parts.append("".join(self.lines))
-            self.lines = []
 
-    def error(self, number: int, message: str) -> ProtectedRegionError:
-        return ProtectedRegionError(f"{self.name}:{number}: {message}")
+def _unexpected_end(end: re.Match[str], expected: str) -> str:
+    return (
+        f"{_line(end)}: protected region '{end['id']}' ends here, {expected} was expected; "
+        "put the missing marker back"
+    )
+
+
+def _line(marker: re.Match[str]) -> int:
+    """Return the number of the line that a marker stands in."""
+    return marker.string.count("\n", 0, marker.start()) + 1
 
 
 def text_lines(text: str) -> list[str]:
