@@ -19,7 +19,6 @@ from m2t.fixes import mend
 from m2t.generate import plan
 from m2t.load import inspect_folder, load_mission_folder
 from m2t.saving import saved
-from m2t.validate import validate_folder
 
 SIZES = (10, 30, 100, 300, 1_000, 2_000)
 FAULTS_PER_ROBOT = 10
@@ -114,7 +113,7 @@ def main() -> None:
             folder = Path(name) / str(n_robots)
             write_mission(folder, n_robots)
             load, models = _measured(lambda folder=folder: load_mission_folder(folder))
-            validate, found = _measured(lambda folder=folder: validate_folder(folder))
+            validate, found = _measured(lambda folder=folder: inspect_folder(folder).diagnostics)
             save, contents = _measured(lambda models=models: saved(models))
             _write_broken(Path(name) / "broken", n_robots)
             inspection = inspect_folder(Path(name) / "broken")

@@ -29,3 +29,23 @@ def contained(element: Any) -> Iterator[Any]:
         if slot.is_contained:
             for child in values(element, slot):
                 yield from contained(child)
+
+
+def copied(element: Any, *, with_ids: bool = True) -> Any:
+    """Return a copy of an element and all that it contains; references stay as they are.
+
+    Parameters
+    ----------
+    element
+        The element.
+    with_ids
+        Whether the copies have the IDs of their originals, else none.
+    """
+    copy = element.eClass()
+    for slot in slots(element.eClass).values():
+        is_given = slot.many or element.eIsSet(slot.feature)
+        if is_given and (with_ids or not slot.is_id):
+            for value in values(element, slot):
+                held = copied(value, with_ids=with_ids) if slot.is_contained else value
+                put(copy, slot, held)
+    return copy

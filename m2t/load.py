@@ -102,7 +102,7 @@ def load_mission_folder(folder: Path) -> LoadedModels:
     Returns
     -------
     LoadedModels
-        Models without an error; warnings are left to ``m2t.validate``.
+        Models without an error; warnings are left to ``inspect_folder``.
 
     Raises
     ------
@@ -134,7 +134,13 @@ def load_specification(path: Path) -> LoadedModels:
 
 
 def inspect_folder(folder: Path) -> Inspection:
-    """Load a mission folder and return everything that was found on the way."""
+    """Load a mission folder and return everything that was found on the way, mission first.
+
+    Notes
+    -----
+    Constraints of sense are checked on a file whose structure is sound: what they would say
+    about missing parts helps nobody.
+    """
     loading = _Loading()
     mission_path, faults_path = folder / MISSION_XMI, folder / FAULTS_XMI
     mission = loading.read_mission(mission_path)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from m2t.constraints.faults import fault_types
-from m2t.elements import put, values
+from m2t.elements import copied
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.metamodels import load_metamodels, slots
 from m2t.saving import addresses
@@ -72,23 +72,13 @@ def write_specification(
                 f"fault '{fault_id}' has window {start} ... {finish}; expected 0 <= start <= finish"
             )
         copies[fault_id] += 1
-        fault = _copy(pool[fault_id])
+        fault = copied(pool[fault_id])
         fault.ID = f"{fault_id}.{copies[fault_id]}"
         fault.start, fault.finish = start, finish
         _set_values(fault, given)
         specification.faults.append(fault)
     hrefs = addresses(models, path.parent)
     write_atomically(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
-
-
-def _copy(element: Any) -> Any:
-    """Return a copy of an element and all that it contains; references stay as they are."""
-    copy = element.eClass()
-    for slot in slots(element.eClass).values():
-        if slot.many or element.eIsSet(slot.feature):
-            for value in values(element, slot):
-                put(copy, slot, _copy(value) if slot.is_contained else value)
-    return copy
 
 
 def _set_values(fault: Any, given: Mapping[str, float]) -> None:

@@ -121,6 +121,18 @@ def check_claims(files: ModelFiles, report: Report) -> None:
                 report.add(root, "ContainedElement", finding)
 
 
+def report_count(node: Node, slot: Slot, count: int, report: Report) -> None:
+    """Report that an element has too few or too many of a feature."""
+    name = slot.name
+    if count < slot.lower_bound:
+        expected = f"at least {slot.lower_bound}" if slot.many else "one"
+        found = count or "no"
+        finding = f"has {found} {name}; expected {expected}; add what is missing"
+        report.add(node, "RequiredFeature", finding)
+    else:
+        report.add(node, "SingleValue", f"has {count} {name}; expected one; delete the others")
+
+
 def _report_wrong_root(file: ModelFile, metaclass: Any, report: Report) -> None:
     file.claimed.update(file.roots)
     for root in file.roots[:1]:
@@ -164,7 +176,7 @@ class _Checker:
         for slot in element.slots.values():
             count = element.given.get(slot.name, 0)
             if count < slot.lower_bound or (count > 1 and not slot.many):
-                self._report_count(node, slot, count)
+                report_count(node, slot, count, self._report)
 
     def _attribute(self, element: _Element, name: str, text: str) -> None:
         slot = element.slots.get(name)
@@ -299,17 +311,6 @@ class _Checker:
         if text:
             finding = f"holds the text {shown(text)}; expected attributes and elements; delete it"
             self._report.add(node, "NoText", finding)
-
-    def _report_count(self, node: Node, slot: Slot, count: int) -> None:
-        name = slot.name
-        if count < slot.lower_bound:
-            expected = f"at least {slot.lower_bound}" if slot.many else "one"
-            found = count or "no"
-            finding = f"has {found} {name}; expected {expected}; add what is missing"
-            self._report.add(node, "RequiredFeature", finding)
-        else:
-            finding = f"has {count} {name}; expected one; delete the others"
-            self._report.add(node, "SingleValue", finding)
 
     def _is_known_qualified(self, node: Node, namespace: str, name: str) -> bool:
         if node in self.tree.files.containing(node).claimed:

@@ -1,12 +1,15 @@
 """Import a model that was published for the paper's prototype as a mission folder."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
-from m2t.diagnostics import Diagnostic, Report
+from m2t.check.attribute_values import MAX_NAME_LENGTH
+from m2t.constraints.faults import check_faults
+from m2t.constraints.findings import Findings
+from m2t.constraints.mission import check_mission
+from m2t.diagnostics import Report
 from m2t.elements import contained
 from m2t.importing.campaign_files import campaign_files
 from m2t.importing.identities import give_ids
@@ -16,7 +19,6 @@ from m2t.importing.reading import PublishedReader
 from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metamodels import load_metamodels
 from m2t.read.nodes import Node, read_xml
-from m2t.validate import validate_folder, validate_specification
 from m2t.write.xmi import dumps, write_atomically
 from mrsfi_runtime.errors import ModelError, UsageError
 
@@ -88,14 +90,16 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
     reader.resolve()
     report.require_no_errors()
     if not mission.name:
-        mission.name = folder.name
+        mission.name = folder.name[:MAX_NAME_LENGTH]
         notes.add("default", reader.origins[mission], "name", f"is absent; set to {folder.name}")
     for root in (mission, *specifications):
         give_ids(root, reader, notes)
     if not specifications:
         specifications.append(_empty_pool(setup, reader, notes))
-    models = _models(mission, specifications)
-    files = _write(models, folder, _Origins(path, reader.origins, notes))
+    _require_sound(mission, specifications, reader, report)
+    for found in report:
+        notes.add_found(found)
+    files = _write(_models(mission, specifications), folder)
     return Imported(
         folder=folder,
         files=files,
@@ -169,16 +173,26 @@ def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
     return models
 
 
-def _write(models: Mapping[str, Any], folder: Path, origins: "_Origins") -> tuple[str, ...]:
-    """Validate the models where nobody looks, then write each file as a whole."""
+def _require_sound(mission: Any, pools: list[Any], reader: PublishedReader, report: Report) -> None:
+    """Refuse models that would not load: what is wrong is told by line of the published file."""
+    for root in (mission, *pools):
+        for element in contained(root):
+            reader.require_all(element)
+    report.require_no_errors()
+    findings = Findings(reader.origins, report)
+    check_mission(mission, findings)
+    for root in pools:
+        check_faults(root, mission.duration, findings)
+    report.require_no_errors()
+
+
+def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:
+    """Write each file as a whole; campaign files only where there are none."""
     mission = models[MISSION_XMI]
-    with TemporaryDirectory() as place:
-        stage = Path(place)
-        for name, root in models.items():
-            hrefs = {} if root is mission else {mission: MISSION_XMI}
-            (stage / name).write_bytes(dumps(root, hrefs=hrefs))
-        origins.require_valid(stage, models)
-        contents = {name: (stage / name).read_bytes() for name in models}
+    contents = {
+        name: dumps(root, hrefs={} if root is mission else {mission: MISSION_XMI})
+        for name, root in models.items()
+    }
     cases = campaign_files(mission)
     contents |= {name: text for name, text in cases.items() if not (folder / name).exists()}
     try:
@@ -200,43 +214,3 @@ def _counts(mission: Any, specifications: list[Any]) -> dict[str, int]:
         "messages": sum(len(goal.messages) for goal in mission.goals),
         "faults": sum(len(root.faults) for root in specifications),
     }
-
-
-@dataclass(frozen=True, slots=True)
-class _Origins:
-    """Leads from the result back to the published file."""
-
-    path: Path
-    nodes: Mapping[Any, Node]
-    notes: Notes
-
-    def require_valid(self, stage: Path, models: Mapping[str, Any]) -> None:
-        """Validate the result; errors are raised, warnings noted, both by line of the file."""
-        found = list(validate_folder(stage))
-        for name in models:
-            if name not in (MISSION_XMI, FAULTS_XMI):
-                of_file = stage / name
-                found += [each for each in validate_specification(of_file) if each.path == of_file]
-        lines = {stage / name: _lines(stage / name, root) for name, root in models.items()}
-        placed = [(each, self._origin(each, lines.get(each.path, {}))) for each in found]
-        errors = [
-            replace(each, path=self.path, line=origin.line)
-            for each, origin in placed
-            if each.severity == "error"
-        ]
-        if errors:
-            raise ModelError("\n".join(str(each) for each in errors))
-        for each, origin in placed:
-            self.notes.add("inconsistent", origin, each.constraint, each.message)
-
-    def _origin(self, found: Diagnostic, lines: Mapping[int, Any]) -> Node:
-        """Return the node that a finding about the result is about; the mission if none is."""
-        element = lines.get(found.line)
-        return next(iter(self.nodes.values())) if element is None else self.nodes[element]
-
-
-def _lines(path: Path, root: Any) -> dict[int, Any]:
-    """Return the object that each line of a written file begins."""
-    xml = read_xml(path, Report())
-    nodes = () if xml is None else (n for n in xml.root.walk() if "href" not in n.attributes)
-    return {node.line: element for node, element in zip(nodes, contained(root), strict=False)}

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from m2t.diagnostics import Diagnostic
 from m2t.read.nodes import Node
 
 Kind: TypeAlias = Literal["renamed", "dropped", "default", "inconsistent"]
@@ -45,6 +46,11 @@ class Notes:
     def add(self, kind: Kind, node: Node, feature: str, message: str) -> None:
         """Add a note about an element of the published file."""
         self._notes.append(Note(kind, node.line, node.description, feature, message))
+
+    def add_found(self, found: Diagnostic) -> None:
+        """Add what a constraint warns of."""
+        note = Note("inconsistent", found.line, found.element, found.constraint, found.message)
+        self._notes.append(note)
 
     def __iter__(self) -> Iterator[Note]:
         """Yield the notes in the order of the file, by kind."""

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from m2t.check.attribute_values import require_value
+from m2t.check.structure import report_count
 from m2t.diagnostics import Defect, Report, shown
-from m2t.elements import put, values
+from m2t.elements import contained, copied, put, values
 from m2t.importing.notes import Notes
 from m2t.importing.published import (
     BACK_REFERENCES,
@@ -98,8 +99,7 @@ class PublishedReader:
 
     Notes
     -----
-    Missing and surplus parts are left to the validation of the result; what cannot be carried
-    over is reported here.
+    What cannot be carried over is reported as it is read, what is missing by ``require_all``.
     """
 
     def __init__(self, root: Node, duration: int, report: Report, notes: Notes) -> None:
@@ -158,12 +158,22 @@ class PublishedReader:
             found = [self._target(pending, target) for target in pending.targets]
             targets = [target for target in found if target is not None]
             if len(targets) > 1 and not pending.slot.many:
-                self._add_error(pending, "SingleValue", f"has {len(targets)} elements; expected 1")
+                report_count(pending.node, pending.slot, len(targets), self._report)
             elif pending.slot.is_contained:
                 for target in targets:
-                    put(pending.instance, pending.slot, self._copy(target, pending.node))
+                    copy = copied(target, with_ids=False)
+                    self.origins |= dict.fromkeys(contained(copy), pending.node)
+                    put(pending.instance, pending.slot, copy)
             else:
                 self._refer(pending, targets)
+
+    def require_all(self, element: Any) -> None:
+        """Report what the metamodel requires of an element and the file does not give."""
+        for slot in slots(element.eClass).values():
+            is_given = slot.many or element.eIsSet(slot.feature)
+            count = len(values(element, slot)) if is_given else 0
+            if count < slot.lower_bound:
+                report_count(self.origins[element], slot, count, self._report)
 
     def drop_rest(self, node: Node, used: Iterable[str]) -> None:
         """Note what of the root is not carried over."""
@@ -215,8 +225,7 @@ class PublishedReader:
             self._pending.append(_Pending(instance, slot, given.node, tuple(texts)))
             children = [child for child in children if "href" not in child.attributes]
         if len(children) > 1 and not slot.many:
-            finding = f"has {len(children)} {slot.name}; expected one; delete the others"
-            self._report.add(given.node, "SingleValue", finding)
+            report_count(given.node, slot, len(children), self._report)
         for child in children if slot.many else children[:1]:
             put(instance, slot, self.element(child, wanted))
 
@@ -289,14 +298,6 @@ class PublishedReader:
             self._notes.add("inconsistent", pending.node, pending.slot.name, message)
         for target in distinct:
             put(pending.instance, pending.slot, target)
-
-    def _copy(self, original: Any, node: Node) -> Any:
-        copy = original.eClass()
-        self.origins[copy] = node
-        for slot in slots(original.eClass).values():
-            for value in () if slot.is_id else values(original, slot):
-                put(copy, slot, self._copy(value, node) if slot.is_contained else value)
-        return copy
 
     def _add_error(self, pending: _Pending, constraint: str, finding: str) -> None:
         self._report.add(pending.node, constraint, f"{finding}; correct the reference")

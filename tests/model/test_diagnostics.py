@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from m2t.diagnostics import CONSTRAINTS
-from m2t.load import load_mission_folder
-from m2t.validate import validate_folder
+from m2t.load import inspect_folder, load_mission_folder
 from mrsfi_runtime.errors import ModelError
 from tests.support.broken.edits import BROKEN, Broken
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
@@ -22,7 +21,7 @@ def test_broken_model_is_reported_at_its_line(tmp_path: Path, broken: Broken) ->
     path = folder / broken.file
     edit(path, broken.old, broken.new)
 
-    diagnostics = validate_folder(folder)
+    diagnostics = inspect_folder(folder).diagnostics
 
     found = [entry for entry in diagnostics if entry.constraint == broken.constraint]
     assert found, [str(entry) for entry in diagnostics]
@@ -39,7 +38,7 @@ def test_errors_stop_loading_with_all_of_them(tmp_path: Path) -> None:
     edit(folder / MISSION, 'x="250.0" y="-250.0"', 'x="2000.0" y="1.0"')
     edit(folder / MISSION, 'sensor="s4"', 'sensor="s6"')
     edit(folder / FAULTS, 'DELAY="200.0"', 'DELAY="2.5"')
-    diagnostics = validate_folder(folder)
+    diagnostics = inspect_folder(folder).diagnostics
 
     with pytest.raises(ModelError) as caught:
         load_mission_folder(folder)
@@ -61,7 +60,7 @@ def test_warnings_do_not_stop_loading(tmp_path: Path) -> None:
 
 
 def test_missing_mission_is_reported(tmp_path: Path) -> None:
-    (found,) = validate_folder(tmp_path)
+    (found,) = inspect_folder(tmp_path).diagnostics
 
     assert found.constraint == "ReadableFile"
     assert str(found).startswith(
@@ -81,7 +80,7 @@ def test_all_defects_of_both_files_are_reported_at_once(tmp_path: Path) -> None:
     edit(folder / MISSION, 'type="DEPTH"', 'type="DEBTH"')
     edit(folder / FAULTS, "#m4", "#m44")
 
-    found = [(entry.path.name, entry.constraint) for entry in validate_folder(folder)]
+    found = [(entry.path.name, entry.constraint) for entry in inspect_folder(folder).diagnostics]
 
     assert found == [
         (MISSION, "NumberSyntax"),
@@ -91,4 +90,4 @@ def test_all_defects_of_both_files_are_reported_at_once(tmp_path: Path) -> None:
 
 
 def test_flawless_models_have_no_diagnostics(tmp_path: Path) -> None:
-    assert validate_folder(copy_models(tmp_path)) == ()
+    assert inspect_folder(copy_models(tmp_path)).diagnostics == ()

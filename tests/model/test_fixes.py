@@ -8,7 +8,6 @@ import pytest
 from m2t.diagnostics import CONSTRAINTS
 from m2t.fixes import FIXES, Mending, mend
 from m2t.load import inspect_folder, inspect_specification, load_mission_folder
-from m2t.validate import validate_folder
 from tests.support.broken.edits import BROKEN
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
 from tests.support.models.split import PARTS, write_split
@@ -110,7 +109,9 @@ def test_a_fix_changes_the_lines_that_are_wrong_and_no_other(tmp_path: Path, cas
     folder = copy_models(tmp_path)
     path = folder / case.file
     edit(path, case.old, case.new)
-    found = [entry for entry in validate_folder(folder) if entry.constraint == case.constraint]
+    found = [
+        entry for entry in inspect_folder(folder).diagnostics if entry.constraint == case.constraint
+    ]
 
     mending = _mended(folder)
 
@@ -122,7 +123,7 @@ def test_a_fix_changes_the_lines_that_are_wrong_and_no_other(tmp_path: Path, cas
     assert [line[1:].strip() for line in lines if line.startswith("-")] == list(case.removed)
     assert [line[1:].strip() for line in lines if line.startswith("+")] == list(case.added)
     path.write_bytes(mending.contents[path])
-    assert validate_folder(folder) == ()
+    assert inspect_folder(folder).diagnostics == ()
 
 
 def test_every_fix_is_tried() -> None:
@@ -138,7 +139,7 @@ def test_a_fix_mends_every_broken_model_of_its_constraint(tmp_path: Path, name: 
         for path, content in _mended(folder).contents.items():
             path.write_bytes(content)
 
-        assert name not in [found.constraint for found in validate_folder(folder)]
+        assert name not in [found.constraint for found in inspect_folder(folder).diagnostics]
 
 
 def test_flawless_models_have_nothing_to_fix(tmp_path: Path) -> None:

@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 from m2t.diagnostics import Diagnostic
-from m2t.load import load_mission_folder, load_specification
+from m2t.load import inspect_folder, inspect_specification, load_mission_folder, load_specification
 from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS
-from m2t.validate import validate_folder, validate_specification
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
 
@@ -48,7 +47,7 @@ def test_document_types_are_refused_before_their_content_is_read(tmp_path: Path,
     (tmp_path / "secret.txt").write_text("swordfish", encoding="utf-8")
     (tmp_path / MISSION).write_text(text, encoding="utf-8")
 
-    found = _only(validate_folder(tmp_path))
+    found = _only(inspect_folder(tmp_path).diagnostics)
 
     assert (found.constraint, found.line) == ("NoDocumentType", 2)
     assert "swordfish" not in str(found)
@@ -57,7 +56,7 @@ def test_document_types_are_refused_before_their_content_is_read(tmp_path: Path,
 def test_deep_nesting_is_refused(tmp_path: Path) -> None:
     (tmp_path / MISSION).write_text("<a>" * 100_000 + "</a>" * 100_000, encoding="utf-8")
 
-    found = _only(validate_folder(tmp_path))
+    found = _only(inspect_folder(tmp_path).diagnostics)
 
     assert found.constraint == "FileSize"
     assert "nests more than 100 elements" in found.message
@@ -66,7 +65,7 @@ def test_deep_nesting_is_refused(tmp_path: Path) -> None:
 def test_too_many_elements_are_refused(tmp_path: Path) -> None:
     (tmp_path / MISSION).write_text(f"<a>{'<b/>' * MAX_ELEMENTS}</a>", encoding="utf-8")
 
-    found = _only(validate_folder(tmp_path))
+    found = _only(inspect_folder(tmp_path).diagnostics)
 
     assert found.constraint == "FileSize"
     assert "has more than 500,000 elements" in found.message
@@ -76,7 +75,7 @@ def test_file_beyond_the_size_limit_is_refused(tmp_path: Path) -> None:
     with (tmp_path / MISSION).open("wb") as stream:
         stream.truncate(MAX_BYTES + 1)
 
-    found = _only(validate_folder(tmp_path))
+    found = _only(inspect_folder(tmp_path).diagnostics)
 
     assert found.constraint == "FileSize"
     assert "more than 67,108,864 bytes" in found.message
@@ -86,7 +85,7 @@ def test_name_of_ten_megabytes_is_a_short_error(tmp_path: Path) -> None:
     folder = copy_models(tmp_path)
     edit(folder / MISSION, 'name="LEN"', f'name="{"L" * 10_000_000}"')
 
-    found = _only(validate_folder(folder))
+    found = _only(inspect_folder(folder).diagnostics)
 
     assert found.constraint == "StringLength"
     assert "has a name of 10,000,000 characters" in found.message
@@ -98,7 +97,7 @@ def test_id_and_tag_of_a_megabyte_are_short_errors(tmp_path: Path) -> None:
     edit(folder / MISSION, 'ID="b1"', f'ID="{"b" * 1_000_000}"')
     edit(folder / MISSION, "<servers ", f"<{'t' * 1_000_000}/><servers ")
 
-    for found in validate_folder(folder):
+    for found in inspect_folder(folder).diagnostics:
         assert len(str(found)) < 1000 + len(str(folder))
 
 
@@ -125,8 +124,8 @@ def test_no_bytes_cause_anything_but_a_model_error(tmp_path: Path, content: byte
     (tmp_path / MISSION).write_bytes(content)
     (tmp_path / FAULTS).write_bytes(content)
 
-    assert validate_folder(tmp_path)
-    assert validate_specification(tmp_path / FAULTS)
+    assert inspect_folder(tmp_path).diagnostics
+    assert inspect_specification(tmp_path / FAULTS).diagnostics
     with pytest.raises(ModelError):
         load_mission_folder(tmp_path)
     with pytest.raises(ModelError):
@@ -161,7 +160,7 @@ def test_no_href_causes_anything_but_a_model_error(tmp_path: Path, href: str) ->
 def test_folder_in_place_of_a_model_is_an_error(tmp_path: Path) -> None:
     (tmp_path / MISSION).mkdir()
 
-    found = _only(validate_folder(tmp_path))
+    found = _only(inspect_folder(tmp_path).diagnostics)
 
     assert found.constraint == "ReadableFile"
 
@@ -178,7 +177,7 @@ def test_hostile_display_names_are_legal_texts(tmp_path: Path) -> None:
 
     models = load_mission_folder(folder)
 
-    assert validate_folder(folder) == ()
+    assert inspect_folder(folder).diagnostics == ()
     assert models.mission.robots[0].name == HOSTILE_NAME
     assert models.faults.faults[0].name == HOSTILE_NAME
 
@@ -187,7 +186,7 @@ def test_hostile_id_is_an_error_on_one_line(tmp_path: Path) -> None:
     folder = copy_models(tmp_path)
     edit(folder / MISSION, 'ID="b1"', f'ID="{HOSTILE_XML}"')
 
-    found = _only(validate_folder(folder))
+    found = _only(inspect_folder(folder).diagnostics)
 
     assert found.constraint == "IdSyntax"
     assert "\n" not in str(found)
@@ -196,6 +195,6 @@ def test_hostile_id_is_an_error_on_one_line(tmp_path: Path) -> None:
 def test_pipe_in_place_of_a_model_does_not_wait(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / MISSION)
 
-    found = _only(validate_folder(tmp_path))
+    found = _only(inspect_folder(tmp_path).diagnostics)
 
     assert found.constraint == "ReadableFile"

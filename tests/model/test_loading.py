@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.load import load_mission_folder, load_specification
-from m2t.validate import validate_folder
+from m2t.load import inspect_folder, load_mission_folder, load_specification
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
 
@@ -15,7 +14,7 @@ def test_comments_and_processing_instructions_are_dropped(tmp_path: Path) -> Non
     edit(folder / MISSION, "<servers ", "<!-- one --><?two three?>\n<servers ")
     edit(folder / FAULTS, "<activateSensor>", "<!-- inside --><activateSensor>")
 
-    assert validate_folder(folder) == ()
+    assert inspect_folder(folder).diagnostics == ()
 
 
 @pytest.mark.parametrize("target", ["s4", "//@robots.1/@sensors.1", "#s4", "_sensor"])
@@ -145,6 +144,6 @@ def test_lines_stay_right_in_long_files(tmp_path: Path) -> None:
     edit(folder / MISSION, "<servers ", "\n" * 70_000 + "<servers ")
     edit(folder / MISSION, 'sensor="s4"', 'sensor="s9"')
 
-    (found,) = validate_folder(folder)
+    (found,) = inspect_folder(folder).diagnostics
 
     assert found.line == line_of(folder / MISSION, 'sensor="s9"') > 70_000

@@ -4,9 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from m2t.load import load_specification
+from m2t.load import inspect_specification, load_specification
 from m2t.specification import SpecificationRow, write_specification
-from m2t.validate import validate_specification
 from mrsfi_runtime.errors import SpecificationError
 from tests.support.models.copies import FAULTS, copy_models, edit
 
@@ -64,7 +63,7 @@ def test_written_specification_loads_and_validates_again(tmp_path: Path) -> None
 
     models = load_specification(path)
 
-    assert validate_specification(path) == ()
+    assert inspect_specification(path).diagnostics == ()
     assert models.mission.name == "1000"
     assert [(fault.name, fault.start, fault.finish) for fault in models.faults.faults] == [
         ("f9", 0, 10),
@@ -99,7 +98,7 @@ def test_folder_names_with_spaces_are_referred_to(tmp_path: Path) -> None:
     write_specification(folder, ROWS, path, identifier="s")
 
     assert "../my%20missions%20%23%201/models/uuv/mission.xmi#o5" in path.read_text()
-    assert validate_specification(path) == ()
+    assert inspect_specification(path).diagnostics == ()
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,15 @@ from pathlib import Path
 import pytest
 
 from m2t.generate import VISITORS, generate
-from m2t.load import LoadedFile, LoadedModels, load_mission_folder, load_specification
+from m2t.load import (
+    LoadedFile,
+    LoadedModels,
+    inspect_folder,
+    load_mission_folder,
+    load_specification,
+)
 from m2t.saving import save, saved
 from m2t.specification import write_specification
-from m2t.validate import validate_folder
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
 from tests.support.models.split import PARTS, Parts, split_folder
@@ -29,7 +34,7 @@ def test_split_mission_is_the_mission_in_one_file(tmp_path: Path, parts: Parts) 
 
     models = load_mission_folder(folder)
 
-    assert validate_folder(folder) == ()
+    assert inspect_folder(folder).diagnostics == ()
     assert whole(models) == whole(original)
     assert len(models.files) > 2
 
@@ -95,7 +100,7 @@ def test_defect_of_a_part_is_reported_at_its_own_file_and_line(tmp_path: Path) -
     edit(part, 'type="DEPTH"', 'type="DEBTH"')
     edit(folder / "robots" / "robots.xmi", 'speed="5.0"', 'speed="-5.0"')
 
-    found = validate_folder(folder)
+    found = inspect_folder(folder).diagnostics
 
     assert [(entry.path.resolve(), entry.line, entry.constraint) for entry in found] == [
         (
@@ -112,7 +117,7 @@ def test_same_id_in_two_parts_is_reported(tmp_path: Path) -> None:
     folder = split_folder(tmp_path, PARTS["one_robot"])
     edit(folder / "parts" / "r2.xmi", 'ID="b3"', 'ID="b1"')
 
-    (found,) = validate_folder(folder)
+    (found,) = inspect_folder(folder).diagnostics
 
     assert (found.path.name, found.constraint) == ("r2.xmi", "UniqueId")
     assert "has the ID of batteries in line" in found.message
@@ -200,7 +205,7 @@ def test_platform_addresses_lead_into_the_project(tmp_path: Path) -> None:
     models = load_mission_folder(folder)
 
     assert [robot.ID for robot in models.mission.robots] == ["r1", "r2", "r3"]
-    assert validate_folder(folder) == ()
+    assert inspect_folder(folder).diagnostics == ()
 
 
 @pytest.mark.parametrize(
@@ -237,7 +242,9 @@ def test_part_that_cannot_be_used_is_an_error(
     (folder / "link.xmi").symlink_to(folder.parent / "outside.xmi")
     edit(folder / MISSION, "robots.xmi#r1", href)
 
-    found = [entry for entry in validate_folder(folder) if entry.constraint == constraint]
+    found = [
+        entry for entry in inspect_folder(folder).diagnostics if entry.constraint == constraint
+    ]
 
     assert found
     assert message in found[0].message
@@ -247,7 +254,7 @@ def test_circle_of_files_is_an_error(tmp_path: Path) -> None:
     folder = split_folder(tmp_path, PARTS["two_levels"])
     edit(folder / "robots" / "robots.xmi", "sensors/sensors.xmi#s1", "../mission.xmi#/")
 
-    found = [entry for entry in validate_folder(folder) if "circle" in entry.message]
+    found = [entry for entry in inspect_folder(folder).diagnostics if "circle" in entry.message]
 
     assert [(entry.path.name, entry.constraint) for entry in found] == [
         ("robots.xmi", "ContainedElement")
@@ -263,7 +270,7 @@ def test_root_that_no_model_contains_is_an_error(tmp_path: Path) -> None:
         '  <mission:Server ID="sv9" name="spare"/>\n</xmi:XMI>',
     )
 
-    (found,) = validate_folder(folder)
+    (found,) = inspect_folder(folder).diagnostics
 
     assert (found.path.name, found.constraint) == ("robots.xmi", "ContainedElement")
     assert "is a root of robots.xmi that no model contains" in found.message

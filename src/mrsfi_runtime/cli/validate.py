@@ -15,7 +15,6 @@ from m2t.load import (
     inspect_specification,
     load_mission_folder,
 )
-from m2t.validate import validate_folder, validate_specification
 from m2t.write.xmi import write_atomically
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.missions import (
@@ -83,11 +82,11 @@ def command(
     if is_fix:
         _fix(_inspect(mission, generated), is_agreed=is_agreed)
     if mission.endswith(".xmi"):
-        name, diagnostics, counts = mission, validate_specification(Path(mission)), ""
+        name, diagnostics, counts = mission, inspect_specification(Path(mission)).diagnostics, ""
         code: tuple[Diagnostic, ...] = ()
     else:
         folders = find_mission(mission, generated)
-        name, diagnostics = folders.name, validate_folder(folders.models)
+        name, diagnostics = folders.name, inspect_folder(folders.models).diagnostics
         code, counts = _of_code(folders, is_sound=not _n_errors(diagnostics))
     exit_code = ModelError.exit_code if _n_errors(diagnostics) else EvaluationError.exit_code
     diagnostics = (*diagnostics, *code)

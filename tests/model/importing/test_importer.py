@@ -8,9 +8,8 @@ import pytest
 
 from m2t.difference import difference
 from m2t.importing.importer import Imported, import_published
-from m2t.load import LoadedModels, load_mission_folder, load_specification
+from m2t.load import LoadedModels, inspect_folder, load_mission_folder, load_specification
 from m2t.metamodels import features, is_contained, is_reference
-from m2t.validate import validate_folder
 from tests.support.models.copies import MODELS, edit
 from tests.support.models.generation import ALL_TASKS, write_mission
 from tests.support.models.published import published, xmi_id
@@ -67,7 +66,7 @@ def test_the_files_equal_the_committed_ones(file: Path, folder: Path) -> None:
     for name in ("mission.xmi", "faults.xmi"):
         assert (folder / name).read_bytes() == (MODELS / name).read_bytes()
     assert difference(MODELS, folder) == ()
-    assert validate_folder(folder) == ()
+    assert inspect_folder(folder).diagnostics == ()
 
 
 def test_a_consistent_file_has_nothing_inconsistent_and_loses_back_references_only(
