@@ -1,7 +1,9 @@
 """What elements of models hold, feature by feature in the order of the metamodel."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
+
+from pyecore.ecore import EEnum
 
 from m2t.metamodels import Slot, slots
 
@@ -31,21 +33,27 @@ def contained(element: Any) -> Iterator[Any]:
                 yield from contained(child)
 
 
-def copied(element: Any, *, with_ids: bool = True) -> Any:
-    """Return a copy of an element and all that it contains; references stay as they are.
+def copies(roots: Iterable[Any], known: Callable[[Any], Any] = lambda kind: kind) -> dict[Any, Any]:
+    """Return copies of elements and all that they contain, by their originals.
 
     Parameters
     ----------
-    element
-        The element.
-    with_ids
-        Whether the copies have the IDs of their originals, else none.
+    roots
+        The elements; what they refer to beyond themselves stays the same.
+    known
+        Gives the class of the copies for a class, and the enumeration for an enumeration.
+
+    Notes
+    -----
+    All copies are made before any gets its values, which may refer to any of them. What is unset
+    stays unset.
     """
-    copy = element.eClass()
-    for slot in slots(element.eClass).values():
-        is_given = slot.many or element.eIsSet(slot.feature)
-        if is_given and (with_ids or not slot.is_id):
-            for value in values(element, slot):
-                held = copied(value, with_ids=with_ids) if slot.is_contained else value
-                put(copy, slot, held)
-    return copy
+    made = {element: known(element.eClass)() for root in roots for element in contained(root)}
+    for element, copy in made.items():
+        for slot in slots(element.eClass).values():
+            if slot.many or element.eIsSet(slot.feature):
+                for value in values(element, slot):
+                    is_literal = isinstance(slot.type, EEnum)
+                    same = known(slot.type).getEEnumLiteral(value.name) if is_literal else value
+                    put(copy, slot, made.get(same, same))
+    return made

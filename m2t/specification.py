@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from m2t.constraints.faults import fault_types
-from m2t.elements import copied
+from m2t.elements import copies
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.metamodels import load_metamodels, slots
 from m2t.saving import addresses
@@ -60,7 +60,7 @@ def write_specification(
     pool = {} if models.faults is None else {fault.ID: fault for fault in models.faults.faults}
     specification = load_metamodels().faults_class()
     specification.ID = identifier
-    copies: Counter[str] = Counter()
+    n_copies: Counter[str] = Counter()
     for fault_id, start, finish, given in rows:
         if fault_id not in pool:
             known = ", ".join(pool) or "none"
@@ -71,9 +71,9 @@ def write_specification(
             raise SpecificationError(
                 f"fault '{fault_id}' has window {start} ... {finish}; expected 0 <= start <= finish"
             )
-        copies[fault_id] += 1
-        fault = copied(pool[fault_id])
-        fault.ID = f"{fault_id}.{copies[fault_id]}"
+        n_copies[fault_id] += 1
+        fault = copies([pool[fault_id]])[pool[fault_id]]
+        fault.ID = f"{fault_id}.{n_copies[fault_id]}"
         fault.start, fault.finish = start, finish
         _set_values(fault, given)
         specification.faults.append(fault)

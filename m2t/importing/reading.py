@@ -8,7 +8,7 @@ from typing import Any
 from m2t.check.attribute_values import require_value
 from m2t.check.structure import report_count
 from m2t.diagnostics import Defect, Report, shown
-from m2t.elements import contained, copied, put, values
+from m2t.elements import copies, put, values
 from m2t.importing.notes import Notes
 from m2t.importing.published import (
     BACK_REFERENCES,
@@ -161,9 +161,9 @@ class PublishedReader:
                 report_count(pending.node, pending.slot, len(targets), self._report)
             elif pending.slot.is_contained:
                 for target in targets:
-                    copy = copied(target, with_ids=False)
-                    self.origins |= dict.fromkeys(contained(copy), pending.node)
-                    put(pending.instance, pending.slot, copy)
+                    made = copies([target])
+                    self.origins |= dict.fromkeys(made.values(), pending.node)
+                    put(pending.instance, pending.slot, made[target])
             else:
                 self._refer(pending, targets)
 
