@@ -20,8 +20,6 @@ from m2t.read.nodes import Node
 if TYPE_CHECKING:
     from mrsfi_runtime.model.fault_types import FaultType
 
-VALUE_TYPES = ("EString", "EInt", "EDouble", "EBoolean")
-
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 _SWITCH = re.compile(r"true|false")
 _COUNT = re.compile(r"-1|[0-9]{1,6}", re.ASCII)
@@ -30,13 +28,15 @@ _NUMBER = re.compile(r"-?[0-9]{1,15}(\.[0-9]{1,15})?", re.ASCII)
 _ANY = re.compile(r".*", re.DOTALL)
 _SOME = re.compile(r".+", re.DOTALL)
 
+VALUE_TYPES: Mapping[str, re.Pattern[str]] = MappingProxyType(
+    {"EString": _ANY, "EInt": _INTEGER, "EDouble": _NUMBER, "EBoolean": _SWITCH}
+)
+"""Types of attributes beside enumerations, and what their defaults look like."""
+
 _MAX_ANCESTORS = 50
 _TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))
 _STORED: Mapping[str, str] = MappingProxyType(
-    {
-        **dict.fromkeys(("volatile", "transient", "derived"), "false"),
-        "changeable": "true",
-    }
+    {**dict.fromkeys(("volatile", "transient", "derived"), "false"), "changeable": "true"}
 )
 _ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
 
@@ -74,11 +74,8 @@ _ATTRIBUTES: Mapping[str, Mapping[str, re.Pattern[str]]] = MappingProxyType(
 _REQUIRED: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "EPackage": ("name", "nsURI", "nsPrefix"),
-        "EClass": ("name",),
-        "EEnum": ("name",),
-        "EEnumLiteral": ("name",),
-        "EAttribute": ("name", "eType"),
-        "EReference": ("name", "eType"),
+        **dict.fromkeys(("EClass", "EEnum", "EEnumLiteral"), ("name",)),
+        **dict.fromkeys(("EAttribute", "EReference"), ("name", "eType")),
     }
 )
 _ANNOTATED = {"eAnnotations": ("EAnnotation",)}
@@ -321,11 +318,11 @@ class MetamodelCheck:
                 finding = "has an eOpposite, which models of missions do without; delete it"
                 self._report.add(node, "KnownFeature", finding)
             return
-        if target.startswith(_ECORE_TYPE):
-            self._value_type(node, target.removeprefix(_ECORE_TYPE))
-        else:
-            self._require(node, target, "EEnum")
-            self._default(node, _ANY, self._literals(node, target))
+        pattern = self._pattern(node, target)
+        text = node.attributes.get("defaultValueLiteral")
+        if pattern is not None and text is not None and not pattern.fullmatch(text):
+            finding = f"has the default {shown(text)}, which is no value of its type; correct it"
+            self._report.add(node, "NumberSyntax", finding)
 
     def _check_storage(self, node: Node) -> None:
         """Refuse features whose values no file keeps, keeps in no order, or Python cannot name."""
@@ -333,37 +330,27 @@ class MetamodelCheck:
             if node.attributes.get(name, usual) != usual:
                 finding = f"has {name}, with which files do not keep its values; delete {name}"
                 self._report.add(node, "KnownFeature", finding)
-        if (
-            node.attributes.get("ordered") == "false"
-            and node.attributes.get("upperBound", "1") != "1"
-        ):
+        is_many = node.attributes.get("upperBound", "1") != "1"
+        if is_many and node.attributes.get("ordered") == "false":
             finding = "has ordered, with which its values would change places; delete ordered"
             self._report.add(node, "KnownFeature", finding)
         if node.attributes.get("name") in _TAKEN_NAMES:
             finding = "has a name that every element uses itself; expected another; rename it"
             self._report.add(node, "ReservedId", finding)
 
-    def _value_type(self, node: Node, name: str) -> None:
-        if name not in VALUE_TYPES:
-            expected = ", ".join(VALUE_TYPES)
-            finding = f"has type {shown(name)}; expected {expected} or an enumeration; choose one"
-            self._report.add(node, "ReferenceType", finding)
-            return
-        patterns = {"EString": _ANY, "EInt": _INTEGER, "EDouble": _NUMBER, "EBoolean": _SWITCH}
-        pattern = patterns[name]
-        self._default(node, pattern, None)
-
-    def _default(self, node: Node, pattern: re.Pattern[str], names: list[str] | None) -> None:
-        text = node.attributes.get("defaultValueLiteral")
-        if text is None:
-            return
-        if not pattern.fullmatch(text) or (names is not None and text not in names):
-            finding = f"has the default {shown(text)}, which is no value of its type; correct it"
-            self._report.add(node, "NumberSyntax", finding)
-
-    def _literals(self, node: Node, target: str) -> list[str]:
+    def _pattern(self, node: Node, target: str) -> re.Pattern[str] | None:
+        """Return what the values of an attribute look like; ``None`` after a report."""
+        if target.startswith(_ECORE_TYPE):
+            name = target.removeprefix(_ECORE_TYPE)
+            if name not in VALUE_TYPES:
+                expected = f"{', '.join(VALUE_TYPES)} or an enumeration"
+                finding = f"has type {shown(name)}; expected {expected}; choose one"
+                self._report.add(node, "ReferenceType", finding)
+            return VALUE_TYPES.get(name)
+        self._require(node, target, "EEnum")
         found = self._target(node, target)
-        return [] if found is None else [x.attributes["name"] for x in _named(found, "eLiterals")]
+        literals = [] if found is None else _named(found, "eLiterals")
+        return re.compile("|".join(re.escape(each.attributes["name"]) for each in literals))
 
     def _require(self, node: Node, target: str, kind: str) -> None:
         found = self._target(node, target)
