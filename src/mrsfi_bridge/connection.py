@@ -7,7 +7,7 @@ import logging
 import re
 import socket
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, cast
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.frames import OP_BINARY, OP_CONT, OP_TEXT, CloseCode, Frame
@@ -17,13 +17,14 @@ from websockets.server import ServerProtocol
 from websockets.typing import Origin
 
 from mrsfi_bridge.encodings import text_frames
-from mrsfi_bridge.session import LOGGER, Hub, Session
-from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.session import LOGGER, Session
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from websockets.http11 import Response
+
+    from mrsfi_bridge.server import BridgeServer
 
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
 _WIRE = LOGGER.getChild("websocket")
@@ -31,31 +32,6 @@ _WIRE.setLevel(logging.WARNING)
 _THIS_MACHINE = re.compile(r"https?://(?:localhost|127\.0\.0\.1|\[::1\])(?::\d+)?")
 _FEW_BYTES = 1 << 16
 """What may wait for or from a client before it is counted."""
-
-
-class Server(Protocol):
-    """What a connection needs of its server."""
-
-    settings: ServerSettings
-    hub: Hub
-
-    def enter(self, connection: "Connection") -> bool:
-        """Take a new socket in; return whether there is room for it to shake hands."""
-
-    def admits_client(self) -> bool:
-        """Return whether there is room for another client."""
-
-    def dirty(self, connection: "Connection") -> None:
-        """Note that a connection has something to write."""
-
-    def flush(self) -> None:
-        """Have all connections write what they have."""
-
-    def hold(self, connection: "Connection", n_bytes: int) -> None:
-        """Note how much waits for and from a client."""
-
-    def gone(self, connection: "Connection") -> None:
-        """Forget a connection."""
 
 
 class Connection(asyncio.Protocol):
@@ -67,7 +43,7 @@ class Connection(asyncio.Protocol):
         What accepted it.
     """
 
-    def __init__(self, server: Server) -> None:
+    def __init__(self, server: "BridgeServer") -> None:
         self._server = server
         self._limits = server.settings.limits
         self._protocol = ServerProtocol(

@@ -78,7 +78,8 @@ class Parameters:
         if self._n_bytes + n_bytes > _TOTAL_BYTES:
             raise ProtocolError(f"{path}: all parameters take over {_TOTAL_BYTES} bytes, the limit")
         self.delete(path)
-        for above in _above(path):
+        above = path
+        while above := above.rpartition("/")[0]:  # a name with others below it is no leaf
             self._forget(above)
         self._leaves.update(leaves)
         self._n_bytes += n_bytes
@@ -95,12 +96,6 @@ class Parameters:
     def _below(self, path: str) -> Iterator[str]:
         prefix = path if path.endswith("/") else f"{path}/"
         return (leaf for leaf in self._leaves if leaf.startswith(prefix))
-
-
-def _above(path: str) -> Iterator[str]:
-    """Yield the names of which a name is a part."""
-    while path := path.rpartition("/")[0]:
-        yield path
 
 
 def _leaves(path: str, value: Any, n_levels: int) -> Iterator[tuple[str, str]]:

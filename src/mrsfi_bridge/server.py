@@ -38,7 +38,16 @@ class BridgeServer:
         settings.check()
         self.settings = settings
         self._loop = asyncio.get_running_loop()
-        self.hub = _hub(settings, self._loop)
+        types, limits = settings.types, settings.limits
+        self.hub = Hub(
+            types,
+            limits,
+            self._loop,
+            Broker(types, limits.topics, limits.latched_bytes),
+            Services(types, self._loop, limits.service_s, limits.services, limits.uses),
+            Budget(limits.total_bytes),
+        )
+        provide_rosapi(self.hub)
         self.url = ""
         self._server: asyncio.Server | None = None
         self._connections: set[Connection] = set()
@@ -136,13 +145,3 @@ class BridgeServer:
         for connection in tuple(self._connections):
             connection.check(now)
         self._checks = self._loop.call_later(_CHECKS_S, self._check)
-
-
-def _hub(settings: ServerSettings, loop: asyncio.AbstractEventLoop) -> Hub:
-    limits = settings.limits
-    broker = Broker(settings.types, limits.topics, limits.latched_bytes)
-    services = Services(settings.types, loop, limits.service_s, limits.services, limits.uses)
-    waiting = Budget(limits.total_bytes)
-    hub = Hub(settings.types, limits, loop, broker, services, waiting)
-    provide_rosapi(hub)
-    return hub

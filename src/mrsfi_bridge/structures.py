@@ -144,7 +144,7 @@ class Structure:
         if type_name == "string":
             return _text, str
         if type_name in TIMES:
-            return _moment(signed=type_name == "duration"), _zero
+            return _moment(signed=type_name == "duration"), lambda: {"secs": 0, "nsecs": 0}
         structure = find(type_name)
         self.nested[type_name] = structure
         return structure.convert, structure.default
@@ -154,10 +154,6 @@ def now() -> dict[str, int]:
     """Return the time of day as ROS has it."""
     secs, nsecs = divmod(time.time_ns(), 1_000_000_000)
     return {"secs": secs, "nsecs": nsecs}
-
-
-def _zero() -> dict[str, int]:
-    return {"secs": 0, "nsecs": 0}
 
 
 def _integer(type_name: str) -> Convert:

@@ -89,7 +89,7 @@ def _settings(settings: CampaignSettings) -> Iterator[tuple[str, str]]:
 def _top(summary: Summary) -> str:
     if not summary.top:
         return "No evaluation is recorded yet."
-    header = ("", "evaluation", "generation", "fitness", "fault-ticks", *summary.goals)
+    header = ("", "evaluation", "generation", "fitness", "fault-ticks", *summary.measure.goals)
     rows = [
         (
             f"[{rank}](critical/{rank:02d}.xmi)",

@@ -91,10 +91,15 @@ def mission_map(mission: Mission) -> Figure:
         near = figure.add_subplot(grid[:, 0])
         _draw_mission(near, mission, colours, is_labelled=True)
         x, y, half = working_window(mission)
-        near.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
-        near.set_anchor("N")
-        near.set(xlabel="x (distance units)", ylabel="y (distance units)")
-        near.set_title(f"Mission {mission.name}: working area")
+        near.set(
+            xlim=(x - half, x + half),
+            ylim=(y - half, y + half),
+            aspect="equal",
+            anchor="N",
+            xlabel="x (distance units)",
+            ylabel="y (distance units)",
+            title=f"Mission {mission.name}: working area",
+        )
 
         far = figure.add_subplot(grid[0, 1])
         _draw_mission(far, mission, colours, is_labelled=False)
@@ -103,9 +108,12 @@ def mission_map(mission: Mission) -> Figure:
             Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, ec=INK, lw=1.2)
         )
         reach = radius * 1.08
-        far.set(xlim=(centre.x - reach, centre.x + reach), aspect="equal")
-        far.set(ylim=(centre.y - reach, centre.y + reach))
-        far.set_anchor("NW")
+        far.set(
+            xlim=(centre.x - reach, centre.x + reach),
+            ylim=(centre.y - reach, centre.y + reach),
+            aspect="equal",
+            anchor="NW",
+        )
         far.grid(visible=False)
         far.set_title("Whole mission area", fontsize=11)
         far.xaxis.set_major_locator(whole_numbers(4))
@@ -204,11 +212,11 @@ def fault_types(patterns: Sequence[TypePattern], n_top: int) -> Figure:
         keys: list[Any] = [
             axes.barh(places, counts, height=0.66, color="#6fa8d0", label="occurrences")
         ]
-        for marker, colour, size, words, expected in (
+        for marker, colour, size, words, share in (
             ("|", ORANGE, 190, "expected from share in pool", "pool_expected"),
             ("D", INK, 20, "expected from share in campaign", "campaign_expected"),
         ):
-            values = [getattr(pattern, expected) for pattern in patterns]
+            values = [getattr(pattern, share) for pattern in patterns]
             keys.append(
                 axes.scatter(
                     values,
@@ -221,10 +229,8 @@ def fault_types(patterns: Sequence[TypePattern], n_top: int) -> Figure:
                     zorder=3,
                 )
             )
-        reach = max(
-            [1.0, *counts, *(p.pool_expected for p in patterns)]
-            + [p.campaign_expected for p in patterns]
-        )
+        expected = [share for p in patterns for share in (p.pool_expected, p.campaign_expected)]
+        reach = max([1.0, *counts, *expected])
         for count, place in zip(counts, places, strict=True):
             axes.text(
                 1.01,
@@ -234,12 +240,17 @@ def fault_types(patterns: Sequence[TypePattern], n_top: int) -> Figure:
                 va="center",
                 color=INK,
             )
-        axes.set(xlim=(0, reach * 1.04), ylim=(len(names) - 0.4, -0.6))
-        axes.set(xlabel="occurrences (timed faults)", yticks=places, yticklabels=names)
+        axes.set(
+            xlim=(0, reach * 1.04),
+            ylim=(len(names) - 0.4, -0.6),
+            xlabel="occurrences (timed faults)",
+            yticks=places,
+            yticklabels=names,
+            title=f"Fault types in the {n_top} most critical specifications",
+        )
         axes.xaxis.set_major_locator(whole_numbers())
         axes.tick_params(axis="y", length=0, labelcolor=INK)
         axes.grid(visible=False, axis="y")
-        axes.set_title(f"Fault types in the {n_top} most critical specifications")
         legend_below(figure, handles=keys)
     return figure
 
@@ -257,19 +268,15 @@ def drawing(size: tuple[float, float]) -> Iterator[Figure]:
 
 
 def _fitness_axes(figure: Figure, title: str, label: str) -> Axes:
-    axes = figure.add_subplot()
-    axes.set_title(title)
-    axes.set(xlabel="generation", ylabel=label)
+    axes = figure.add_subplot(title=title, xlabel="generation", ylabel=label)
     axes.xaxis.set_major_locator(whole_numbers())
     axes.margins(x=0.02)
     return axes
 
 
 def _goal_axes(figure: Figure, title: str, front: Front) -> Axes:
-    axes = figure.add_subplot()
-    axes.set_title(title)
     x, y = (f"{goal}: {front.counts} (ticks)" for goal in front.goals)
-    axes.set(xlabel=x, ylabel=y)
+    axes = figure.add_subplot(title=title, xlabel=x, ylabel=y)
     axes.xaxis.set_major_locator(whole_numbers())
     axes.yaxis.set_major_locator(whole_numbers())
     return axes

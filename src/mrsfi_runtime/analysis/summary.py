@@ -34,8 +34,6 @@ class Summary:
 
     Attributes
     ----------
-    goals
-        IDs of the mission's goals, in the order of an outcome's counts.
     measure
         The violations that fitness, front and pick are about.
     top
@@ -51,7 +49,6 @@ class Summary:
     mission: str
     settings: CampaignSettings
     measure: Measure
-    goals: tuple[str, ...]
     n_generations: int
     n_evaluations: int
     n_distinct: int
@@ -97,7 +94,6 @@ def summarise(
         mission=mission.name,
         settings=store.settings,
         measure=measure,
-        goals=mission.goal_ids,
         n_generations=len(generations),
         n_evaluations=len(evaluations),
         n_distinct=len(different),
@@ -167,7 +163,7 @@ def _ranked(summary: Summary, pool: FaultPool, evaluation: Evaluation) -> dict[s
         "fitness": score(evaluation),
         "fault_ticks": evaluation.fault_ticks,
         **{
-            kind: dict(zip(summary.goals, getattr(outcome, kind), strict=True))
+            kind: dict(zip(summary.measure.goals, getattr(outcome, kind), strict=True))
             for kind in ("believed", "true", "phantom", "masked")
         },
         "measured": summary.measure.by_goal(evaluation),

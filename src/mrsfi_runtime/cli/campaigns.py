@@ -90,15 +90,12 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
     """
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
-        yield OpenCampaign(folder, store, _own_code(folder))
-
-
-def _own_code(folder: CampaignFolder) -> MissionCode:
-    try:
-        return load_code(folder.generated)
-    except GenerationError as error:
-        message = (
-            f"{folder.path}: the campaign's own copy of the generated code is not whole: {error}; "
-            "expected the folder as `mrsfi evolve` left it"
-        )
-        raise RecordError(message) from error
+        try:
+            code = load_code(folder.generated)
+        except GenerationError as error:
+            message = (
+                f"{path}: the campaign's own copy of the generated code is not whole: {error}; "
+                "expected the folder as `mrsfi evolve` left it"
+            )
+            raise RecordError(message) from error
+        yield OpenCampaign(folder, store, code)

@@ -66,7 +66,7 @@ class EngineOptions:
             client=cast("Client", self.client or bus.client or CLIENTS[0]),
             has_simulation=side != CI,
             is_bundled=bus.is_bundled if self.bundle is None else self.bundle,
-            patience=self._patience(),
+            patience=Patience() if self.timeout is None else Patience(tick=self.timeout),
         )
 
     def _require_sense(self, name: str) -> None:
@@ -74,9 +74,6 @@ class EngineOptions:
         if name != ROSBRIDGE and given:
             message = f"--{given[0]} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
             raise UsageError(message)
-
-    def _patience(self) -> Patience:
-        return Patience() if self.timeout is None else Patience(tick=self.timeout)
 
 
 def recorded_engine(settings: EngineSettings) -> EngineRecord:

@@ -1,15 +1,15 @@
 """Fly one fault specification and write down what happened on the way."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
 
 import click
 
 from m2t.generate import fault_loader_text
 from m2t.load import load_specification
 from mrsfi_runtime.cli.console import tell, written_file
+from mrsfi_runtime.cli.options import F
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.state import State
@@ -19,8 +19,6 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.simulation_log import SimulationLog
 from mrsfi_runtime.record.trace import TraceTable
 
-F = TypeVar("F", bound=Callable[..., Any])
-
 
 def recording_options(command: F) -> F:
     """Give a command the options --log and --trace."""
@@ -28,10 +26,8 @@ def recording_options(command: F) -> F:
         ("--trace", "Write belief and truth of every tick to FILE as CSV."),
         ("--log", "Write the simulation log to FILE: every robot each tick, and events."),
     ):
-        option = click.option(
-            name, type=click.Path(path_type=Path, dir_okay=False), metavar="FILE", help=text
-        )
-        command = option(command)
+        kind = click.Path(path_type=Path, dir_okay=False)
+        command = click.option(name, type=kind, metavar="FILE", help=text)(command)
     return command
 
 

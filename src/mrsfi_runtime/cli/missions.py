@@ -1,9 +1,7 @@
 """Where the models and the generated code of a mission are."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
 
 import click
 
@@ -11,8 +9,6 @@ from m2t.generate import stale
 from mrsfi_runtime.engine.region_lint import require_sound_regions
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.mission import MissionCode, load_code
-
-F = TypeVar("F", bound=Callable[..., Any])
 
 _MODELS = Path("models")
 _MISSION_FILE = "mission.xmi"
@@ -53,19 +49,16 @@ class MissionFolders:
         return load_code(self.generated)
 
 
-def mission_argument(command: F) -> F:
-    """Give a command the argument MISSION."""
-    return click.argument("mission", metavar="MISSION")(command)
+mission_argument = click.argument("mission", metavar="MISSION")
+"""Gives a command the argument MISSION."""
 
-
-def generated_option(command: F) -> F:
-    """Give a command the option --generated."""
-    return click.option(
-        "--generated",
-        type=click.Path(path_type=Path, file_okay=False),
-        metavar="DIR",
-        help="Folder of the generated code [default: generated/NAME beside models/].",
-    )(command)
+generated_option = click.option(
+    "--generated",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Folder of the generated code [default: generated/NAME beside models/].",
+)
+"""Gives a command the option --generated."""
 
 
 def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:

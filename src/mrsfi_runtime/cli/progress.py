@@ -16,7 +16,7 @@ _LINES = 100
 
 @contextmanager
 def search_progress(
-    settings: CampaignSettings, begun: float = 0.0, clock: Callable[[], float] = monotonic
+    settings: CampaignSettings, begun: float = 0.0
 ) -> Iterator[Callable[[CampaignProgress], None]]:
     """Yield the function to call after each generation.
 
@@ -24,12 +24,10 @@ def search_progress(
     ----------
     begun
         Share of the search that was done by an earlier run.
-    clock
-        Seconds since any moment.
     """
     console = progress_console()
     if not console.is_terminal:
-        yield PlainLines(settings, clock, begun)
+        yield PlainLines(settings, monotonic, begun)
         return
     columns = (
         TextColumn("generation {task.fields[generation]}"),
@@ -39,7 +37,6 @@ def search_progress(
     )
     with Progress(*columns, console=console) as bar:
         task = bar.add_task("", total=1.0, generation="0", best=0.0, mean=0.0)
-
         bar.update(task, completed=begun)
 
         def advance(state: CampaignProgress) -> None:

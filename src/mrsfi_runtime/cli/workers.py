@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import click
 
@@ -56,7 +56,7 @@ class WorkerOptions:
             raise UsageError(message)
 
     @contextmanager
-    def reached(self) -> Iterator["Workers"]:
+    def reached(self) -> Iterator["Processes | ClusterWorkers"]:
         """Reach the cluster, if there is to be one, and yield workers while the body runs.
 
         Raises
@@ -66,18 +66,25 @@ class WorkerOptions:
         """
         with ExitStack() as stack:
             if self.dask is None:
-                yield _Processes(stack, self.workers)
+                yield Processes(stack, self.workers)
                 return
             from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
 
-            yield _Elsewhere(stack.enter_context(Cluster(self.dask, self.workers or _N_PROCESSORS)))
+            yield ClusterWorkers(
+                stack.enter_context(Cluster(self.dask, self.workers or _N_PROCESSORS))
+            )
 
 
-class Workers(Protocol):
-    """Those who evaluate."""
+@dataclass(frozen=True, slots=True)
+class Processes:
+    """Processes or threads of this machine."""
+
+    stack: ExitStack
+    number: int | None
 
     def told(self, engine: EngineSettings) -> str:
         """Return who they are, for a message."""
+        return f"{self._number(engine)} workers"
 
     def evaluators(
         self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
@@ -89,21 +96,6 @@ class Workers(Protocol):
         MrsfiError
             If the engine cannot be opened.
         """
-
-
-@dataclass(frozen=True, slots=True)
-class _Processes:
-    """Processes or threads of this machine."""
-
-    stack: ExitStack
-    number: int | None
-
-    def told(self, engine: EngineSettings) -> str:
-        return f"{self._number(engine)} workers"
-
-    def evaluators(
-        self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
-    ) -> list[EvaluateMany]:
         pool = WorkerPool(code, mission_seeds[0], self._number(engine), engine)
         self.stack.enter_context(pool)
         return [partial(pool.evaluate_many, seed=seed) for seed in mission_seeds]
@@ -113,17 +105,25 @@ class _Processes:
 
 
 @dataclass(frozen=True, slots=True)
-class _Elsewhere:
+class ClusterWorkers:
     """The workers of a cluster."""
 
     cluster: "Cluster"
 
     def told(self, engine: EngineSettings) -> str:  # noqa: ARG002 - any engine has all of them
+        """Return who they are, for a message."""
         return f"{self.cluster.n_workers()} workers of {self.cluster.address}"
 
     def evaluators(
         self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
     ) -> list[EvaluateMany]:
+        """Return a function for each mission seed that evaluates.
+
+        Raises
+        ------
+        MrsfiError
+            If the engine cannot be opened.
+        """
         from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
 
         pool = ClusterPool(self.cluster, code, mission_seeds[0], engine)

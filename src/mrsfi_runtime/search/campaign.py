@@ -30,7 +30,7 @@ from mrsfi_runtime.search.fitness import (
     require_finite,
 )
 from mrsfi_runtime.search.fronts import Goals, enter_front
-from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
+from mrsfi_runtime.search.loop import GenerationSummary
 from mrsfi_runtime.search.resumable_record import (
     WORST_FITNESS,
     EvaluateMany,
@@ -77,7 +77,6 @@ class CampaignProgress:
 def require_settings(
     settings: CampaignSettings,
     mission: Mission,
-    algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
     fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
 ) -> None:
     """Refuse settings that name what does not exist.
@@ -88,7 +87,7 @@ def require_settings(
         If an algorithm, a selection, an operator, the fitness function or a goal is unknown.
     """
     tables: dict[str, Mapping[str, object]] = {
-        "algorithm": algorithms,
+        "algorithm": ALGORITHMS,
         "selection": SELECTIONS,
         "crossover_operator": CROSSOVERS,
         "mutation_operator": MUTATIONS,
@@ -115,7 +114,6 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     on_generation: Callable[[CampaignProgress], None] = lambda _: None,
     *,
     replicas: Sequence[EvaluateMany] = (),
-    algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
     fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
     clock: Callable[[], float] = monotonic,
 ) -> None:
@@ -146,11 +144,11 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     RecordError
         If the record does not follow from the settings, or cannot be written.
     """
-    require_settings(settings, mission, algorithms, fitness_functions)
+    require_settings(settings, mission, fitness_functions)
     if len(replicas) != settings.replications - 1:
         message = f"found {len(replicas)} replicas; expected {settings.replications - 1}"
         raise ValueError(message)
-    algorithm = begin_search(SearchSpace.of(mission, pool), settings, algorithms)
+    algorithm = begin_search(SearchSpace.of(mission, pool), settings)
     record = ResumableRecord(store, settings.source, clock)
     judge = Judge(settings, mission, fitness_functions)
     evaluators = (evaluate_many, *replicas)

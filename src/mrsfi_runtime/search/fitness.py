@@ -134,16 +134,13 @@ class Judge:
 
     def score(self, outcome: Outcome) -> Score:
         """Return the fitness and the goal vector of one outcome."""
-        findings = Findings(outcome, self._violations(outcome), self._goals, self._duration)
+        violations = getattr(outcome, self._measure)
+        findings = Findings(outcome, violations, self._goals, self._duration)
         return Score(self._fitness(findings), self.goals(outcome))
 
     def goals(self, outcome: Outcome) -> tuple[int, ...]:
         """Return the goal vector of one outcome."""
-        return goal_vector(self._violations(outcome), self._goals)
-
-    def _violations(self, outcome: Outcome) -> tuple[int, ...]:
-        violations: tuple[int, ...] = getattr(outcome, self._measure)
-        return violations
+        return goal_vector(getattr(outcome, self._measure), self._goals)
 
 
 def require_finite(specification: Specification, score: Score) -> None:

@@ -146,8 +146,10 @@ class _Guide:
         specification = parent.specification
         if rng.random() < _CROSSOVER:
             donor = self._donor(parent).specification
-            mixed = rng.choice((_exchanged, grafted))
-            specification = mixed(space, specification, donor, rng)
+            if rng.choice(("exchange", "graft")) == "graft":
+                specification = grafted(space, specification, donor, rng)
+            else:
+                specification, _ = crossed(space, specification, donor, rng)
         if len(specification) < self._n_faults and rng.random() < _HALF:
             specification = filled(space, specification, len(specification) + 1, rng)
         steps: list[Step] = []
@@ -157,12 +159,6 @@ class _Guide:
             steps.append(step)
             specification = step(space, specification, rng)
         return specification[: self._n_faults], steps
-
-
-def _exchanged(
-    space: SearchSpace, specification: Specification, donor: Specification, rng: Random
-) -> Specification:
-    return crossed(space, specification, donor, rng)[0]
 
 
 def _fitness(individual: Individual) -> float:

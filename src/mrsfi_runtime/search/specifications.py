@@ -63,9 +63,4 @@ def _cut_one_short(placed: list[TimedFault], rng: Random) -> bool:
 
 def fault_ticks(specification: Specification, duration: int) -> int:
     """Return at how many ticks of a mission faults are active, summed over timed faults."""
-    n_ticks = 0
-    for timed in specification:
-        end = min(timed.finish + 1, duration)
-        if end > timed.start:
-            n_ticks += end - timed.start
-    return n_ticks
+    return sum(max(0, min(timed.finish + 1, duration) - timed.start) for timed in specification)

@@ -96,7 +96,9 @@ def told_by_line(where: str) -> Iterator[None]:
     except MrsfiError:
         raise
     except Exception as error:
-        message = f"{where} failed at {_place(error)}: {_reason(error)}; correct it there"
+        message = (
+            f"{where} failed at {_place(error)}: {type(error).__name__}: {error}; correct it there"
+        )
         raise UsageError(message) from error
 
 
@@ -130,7 +132,3 @@ def _place(error: Exception) -> str:
     written = [frame for frame in frames if not frame.filename.startswith(_NOT_WRITTEN_HERE)]
     frame = (written or frames)[-1]
     return f"{frame.filename}:{frame.lineno}"
-
-
-def _reason(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}"

@@ -1,6 +1,6 @@
 """Draws comparisons of searches, in the style of ``plots``."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -8,8 +8,7 @@ from matplotlib.ticker import StrMethodFormatter
 
 from mrsfi_runtime.analysis.plots import INK, PAPER, SERIES, drawing, legend_below, whole_numbers
 from mrsfi_runtime.study.comparison import Comparison, Criterion
-from mrsfi_runtime.study.rank_tests import Quartiles, quartiles
-from mrsfi_runtime.study.run_results import RunResult
+from mrsfi_runtime.study.rank_tests import quartiles
 
 _N_PLACES = 200  # at which the course of a search is drawn
 
@@ -27,8 +26,8 @@ def results(comparison: Comparison) -> Figure:
     shown = [m for m in comparison.criteria if m.name in ("fitness", "hypervolume")]
     with drawing((5.2 * len(shown), 1.7 + 0.55 * len(comparison.algorithms))) as figure:
         for number, criterion in enumerate(shown):
-            axes = figure.add_subplot(1, len(shown), number + 1)
-            axes.set_title(criterion.title.capitalize())
+            title = criterion.title.capitalize()
+            axes = figure.add_subplot(1, len(shown), number + 1, title=title)
             _draw_runs(axes, comparison, criterion)
             axes.set_yticks(
                 range(len(comparison.algorithms)),
@@ -58,23 +57,19 @@ def course(comparison: Comparison) -> Figure:
     step = max(1, n_evaluations // _N_PLACES)
     places = [*range(1, n_evaluations, step), n_evaluations]
     with drawing((8.4, 4.8)) as figure:
-        axes = figure.add_subplot()
+        axes = figure.add_subplot(xlabel="evaluations", ylabel="best fitness so far")
         axes.set_title("Best fitness so far: median and quartiles of the runs")
-        axes.set(xlabel="evaluations", ylabel="best fitness so far")
         axes.xaxis.set_major_locator(whole_numbers())
         axes.margins(x=0.02)
         for row, name in enumerate(comparison.algorithms):
-            found = [_after(comparison.of(name), place) for place in places]
+            runs = comparison.of(name)
+            found = [quartiles([run.best_after(place) for run in runs]) for place in places]
             lower, upper = [at.lower for at in found], [at.upper for at in found]
             axes.fill_between(places, lower, upper, color=_colour(row), alpha=0.16, lw=0)
             medians = [at.median for at in found]
             axes.plot(places, medians, color=_colour(row), lw=1.8, label=name)
         legend_below(figure)
     return figure
-
-
-def _after(runs: Sequence[RunResult], n_evaluations: int) -> Quartiles:
-    return quartiles([run.best_after(n_evaluations) for run in runs])
 
 
 def goals(comparison: Comparison) -> Figure:
@@ -85,9 +80,12 @@ def goals(comparison: Comparison) -> Figure:
     shown = [m for m in comparison.criteria if m.name.startswith("at_once")]
     edge = 2.0 * max(run.n_evaluations for run in comparison.runs)
     with drawing((8.4, 4.8)) as figure:
-        axes = figure.add_subplot()
-        axes.set_title("Evaluations to break several goals by one specification")
-        axes.set(xlabel="goals broken at once", ylabel="evaluations (top: never)", yscale="log")
+        axes = figure.add_subplot(
+            title="Evaluations to break several goals by one specification",
+            xlabel="goals broken at once",
+            ylabel="evaluations (top: never)",
+            yscale="log",
+        )
         n_algorithms = len(comparison.algorithms)
         for row, name in enumerate(comparison.algorithms):
             shift = 0.5 * ((row + 0.5) / n_algorithms - 0.5)

@@ -60,8 +60,7 @@ class RankTest:
 def quartiles(values: Sequence[float]) -> Quartiles:
     """Return the quartiles of at least one value, between neighbours by straight line."""
     ordered = sorted(values)
-    lower, median, upper = (_quantile(ordered, share) for share in (0.25, 0.5, 0.75))
-    return Quartiles(lower, median, upper)
+    return Quartiles(*(_quantile(ordered, share) for share in (0.25, 0.5, 0.75)))
 
 
 def _quantile(ordered: Sequence[float], share: float) -> float:

@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import accumulate
 from math import inf
+from operator import or_
 from typing import Any, Self
 
 from moocore import hypervolume
@@ -122,7 +124,7 @@ def measure_run(
         n_failures=n_failures,
         improvements=_improvements(evaluations),
         at_once=_first_reaching(map(len, broken), len(mission.goals)),
-        together=_first_reaching(_united_sizes(broken), len(mission.goals)),
+        together=_first_reaching(map(len, accumulate(broken, or_)), len(mission.goals)),
         hypervolume=front_volume(front, len(columns), mission.duration),
         front_size=len(front),
         seconds=seconds,
@@ -149,14 +151,6 @@ def front_volume(front: Sequence[tuple[float, ...]], n_goals: int, duration: int
         return 0.0
     shares = [[(count + 1) / (duration + 1) for count in point] for point in front]
     return float(hypervolume(shares, ref=[0.0] * n_goals, maximise=True))
-
-
-def _united_sizes(broken: Iterable[frozenset[int]]) -> Iterable[int]:
-    """Yield how many goals were broken by any evaluation so far."""
-    united: frozenset[int] = frozenset()
-    for goals in broken:
-        united |= goals
-        yield len(united)
 
 
 def _first_reaching(sizes: Iterable[int], n_goals: int) -> tuple[int | None, ...]:
