@@ -311,7 +311,7 @@ class FaultTypeReader:
                 self._add(kind, "RequiredFeature", finding)
 
     def _require_all_read(self, root: Node) -> None:
-        """Refuse annotations of ours that say something of what is no fault type or parameter."""
+        """Refuse annotations of ours at what is no fault type or parameter, or that say nothing."""
         for node in _below(root):
             source = node.attributes.get("source", "")
             if source.startswith(OURS) and (source != MEANING or node.parent not in self._said):
@@ -320,6 +320,9 @@ class FaultTypeReader:
                     "parameter of one, and no other source of ours; correct or delete it"
                 )
                 self._add(node, "KnownFeature", finding)
+            elif source == MEANING and not node.children:
+                finding = "says nothing; expected details with a key and a value; delete it"
+                self._add(node, "RequiredFeature", finding)
 
     def _add(self, node: Node, constraint: str, finding: str) -> None:
         """Add a defect once, however many classes inherit it."""
