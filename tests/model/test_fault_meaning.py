@@ -93,6 +93,11 @@ def test_a_type_may_inherit_its_meaning_from_an_abstract_class(faults: Path) -> 
 
 
 WRONG = {
+    "an empty annotation": (
+        "RobotFault",
+        meaning(mode="STOP", property="MOTION") + meaning(),
+        "'Odd' says nothing; expected details with a key and a value; delete it",
+    ),
     "no annotation": ("RobotFault", "", "'Odd' says no mode; expected an annotation of source"),
     "unknown mode": (
         "RobotFault",
