@@ -21,5 +21,5 @@ class TwoSides(PlainEngine):
     def close(self) -> None:
         """Do nothing: the ends belong to others."""
 
-    def _fly(self, make_flight: FlightMaker) -> Flight:
-        return self._lockstep.fly(self.seed, make_flight)
+    def _fly(self, make_flight: FlightMaker, seed: int) -> Flight:
+        return self._lockstep.fly(seed, make_flight)
