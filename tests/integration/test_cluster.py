@@ -229,7 +229,7 @@ def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(
     tmp_path: Path, specifications
 ) -> None:
     package = Path(copytree(ROOT / "src" / "mrsfi_runtime", tmp_path / "other" / "mrsfi_runtime"))
-    with (package / "kernel" / "tick.py").open("a", encoding="utf-8") as file:
+    with (package / "kernel" / "flight.py").open("a", encoding="utf-8") as file:
         file.write("# another one\n")
     other = {"PYTHONPATH": str(tmp_path / "other")}
     expected = r"the worker at \S+ would not give the same results: it has mrsfi \S.* \(source "

@@ -36,7 +36,9 @@ def test_a_campaign_finds_what_it_found_at_first(tmp_path, case):
 
     def evaluate_many(specifications):
         batch = engine._batch(specifications, code.pool)
-        assert engine._fly(batch, 0, len(specifications)) == []
+        assert (
+            engine._fly(batch, engine._fresh(settings.mission_seed), 0, len(specifications)) == []
+        )
         for k in range(len(specifications)):
             read_recorded(world, batch.worlds[k])
             read_recorded(belief, batch.beliefs[k])

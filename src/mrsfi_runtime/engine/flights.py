@@ -205,7 +205,9 @@ def _outcome(flight: Flight, laid_out: Plan) -> Outcome:
     return digested(counts, state_bytes(flight.world), state_bytes(flight.belief))
 
 
-def digested(counts: Sequence[Sequence[int]], world: bytes, belief: bytes) -> Outcome:
+def digested(
+    counts: Sequence[Sequence[int]], world: bytes | memoryview, belief: bytes | memoryview
+) -> Outcome:
     """Return an outcome with its digest.
 
     Parameters

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from mrsfi_runtime.engine.compiled.layout import (
+    PlanSize,
     Records,
-    Room,
     packed,
     read_words,
     record_type,
@@ -41,7 +41,7 @@ class Batch:
         ``injections``, where its commands end, where its tallies begin and end, and its ``own``.
     results
         One record a specification.
-    room
+    plan_size
         What a compiled plan must have room for.
     """
 
@@ -77,7 +77,7 @@ class Batch:
         self.tallies: Records = np.zeros(n_tallies, _TALLY)
         self.tallies["last_applied"] = self.tallies["last_changed"] = -1
         self.results: Records = np.zeros(len(plans), result_type)
-        self.room = Room().for_plans(plans)
+        self.plan_size = PlanSize().for_plans(plans)
 
     def outcome(self, k: int) -> Outcome:
         """Return what the flight of one specification found."""
@@ -99,6 +99,5 @@ class Batch:
         return read_words(self.results["belief"], self._recorded_type)
 
     @cached_property
-    def _packed(self) -> tuple[list[bytes], list[bytes]]:
-        kind = self._recorded_type
-        return packed(self.results["world"], kind), packed(self.results["belief"], kind)
+    def _packed(self) -> tuple[list[memoryview], list[memoryview]]:
+        return packed(self.worlds), packed(self.beliefs)

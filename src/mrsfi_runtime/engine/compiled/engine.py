@@ -168,7 +168,7 @@ class CompiledEngine(Engine):
         everyone = list(range(first, last))
         at = np.zeros(1, np.int64)
         states = fresh.copy()
-        plans = np.zeros(1, plan_type(batch.room))
+        plans = np.zeros(1, plan_type(batch.plan_size))
         moments = np.zeros(0, self._moment_type) if moments is None else moments
         arrays = Arrays(
             words(fresh),

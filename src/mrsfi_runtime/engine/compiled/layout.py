@@ -30,7 +30,7 @@ _KINDS: Mapping[Any, Any] = {int: "<i8", float: "<f8", MutableSequence[float]: (
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class PlanSize:
     """How much a compiled plan has room for; a larger specification is compiled for anew.
 
     ``faults`` counts timed faults, ``injections`` those of one list with the sentinel behind
@@ -42,9 +42,9 @@ class Room:
     held: int = 65_536
     own: int = 8
 
-    def for_plans(self, plans: Sequence[PlanRows]) -> "Room":
+    def for_plans(self, plans: Sequence[PlanRows]) -> "PlanSize":
         """Return room for all of some plans, in few sizes."""
-        return Room(
+        return PlanSize(
             _grown(self.faults, max(one.n_faults for one in plans)),
             _grown(self.injections, 1 + max(max(map(len, one.lists)) for one in plans)),
             _grown(self.held, max(one.n_held for one in plans)),
@@ -118,7 +118,7 @@ def write_state(row: Any, state: Any) -> None:
 
 
 @lru_cache(maxsize=16)
-def plan_type(room: Room) -> np.dtype[Any]:
+def plan_type(room: PlanSize) -> np.dtype[Any]:
     """Return the layout of a plan."""
     injection = record_type(InjectionState)
     return np.dtype(
@@ -157,35 +157,23 @@ def result_type(state: State) -> np.dtype[Any]:
 
 def read_words(values: Records, kind: np.dtype[Any]) -> Records:
     """Return states of ``recorded_type`` that were copied as words, shape ``(n, n_words)``."""
-    return np.ascontiguousarray(values).view(kind).reshape(len(values))
+    states: Records = values.view(kind)[:, 0]
+    return states
 
 
-def packed(words: Records, kind: np.dtype[Any]) -> list[bytes]:
-    """Return what ``kernel.packing.state_bytes`` returns of states; as ``read_words``."""
-    places, is_float = _columns(kind)
-    taken = words[:, places]
-    rows = np.where(is_float, taken.view(np.float64), taken) + 0.0
-    memories = read_words(words, kind)["goals"]["memory"].reshape(len(words), -1) + 0.0
-    return [
-        row.tobytes() + (memory.tobytes() if memory.any() else b"")
-        for row, memory in zip(rows, memories, strict=True)
-    ]
-
-
-@lru_cache(maxsize=16)
-def _columns(kind: Any) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.bool_]]:
-    """Return which word of a recorded state each packed value is, and whether that is a float."""
-    places: list[int] = []
-    is_float: list[bool] = []
-    for name, columns in COLUMNS.items():
-        records, begin = kind.fields[name][:2]
-        record, (length,) = records.subdtype
-        for first in range(begin, begin + length * record.itemsize, record.itemsize):
-            for column in columns:
-                number, offset = record.fields[column][:2]
-                places.append((first + offset) // 8)
-                is_float.append(number.kind == "f")
-    return np.array(places), np.array(is_float)
+def packed(states: Records) -> list[memoryview]:
+    """Return what ``kernel.packing.state_bytes`` returns of states, as recorded."""
+    memories = states["goals"]["memory"].reshape(len(states), -1)
+    sizes = [states[name].shape[1] * len(columns) for name, columns in COLUMNS.items()]
+    *begins, end = np.cumsum([0, *sizes]).tolist()
+    rows = np.empty((len(states), end + memories.shape[1]))
+    for begin, (name, columns) in zip(begins, COLUMNS.items(), strict=True):
+        for place, column in enumerate(columns, begin):
+            values = states[name][column]
+            rows[:, place : begin + values.shape[1] * len(columns) : len(columns)] = values
+    rows[:, end:] = memories
+    rows += 0.0
+    return [(row if row[end:].any() else row[:end]).data for row in rows]
 
 
 def read_recorded(state: State, recorded: Any) -> None:
