@@ -132,7 +132,7 @@ def goal_task(tree: Tree) -> Digests:
     _generate(tree, expected=4)
     with tree.by_hand():
         _fill(tree / f"{GENERATED}/collective_intelligence.py", LOITER)
-    return _flown_with_faults(tree)
+    return _flown_with_faults(tree, goal="g7")
 
 
 _STRAY = (
@@ -210,8 +210,8 @@ def _generate(tree: Tree, expected: int = 0) -> None:
     tree.python("-m", "m2t.classes", "generated/metamodel")
 
 
-def _flown_with_faults(tree: Tree) -> Digests:
-    """Fly the specification, which must act, and search; validate before."""
+def _flown_with_faults(tree: Tree, goal: str = "") -> Digests:
+    """Fly the specification, which must act, and violate a goal if one is named, and search."""
     tree.mrsfi("validate", MISSION)
     tree.mrsfi("generate", MISSION, "--check")
     flown = {}
@@ -219,6 +219,9 @@ def _flown_with_faults(tree: Tree) -> Digests:
         found = tree.mrsfi_json("simulate", MISSION, "--faults", SPECIFICATION, "--engine", engine)
         if not all(fault["changed"] for fault in found["faults"]):
             message = f"the fault changes nothing: {found['faults']}"
+            raise RuntimeError(message)
+        if goal and not any(each["believed"] for each in found["goals"] if each["id"] == goal):
+            message = f"goal {goal} is never violated: {found['goals']}"
             raise RuntimeError(message)
         flown[engine] = found["digest"]
     return {"flight": flown, "search": _searched(tree)}
