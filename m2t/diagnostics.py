@@ -110,7 +110,7 @@ _OF_FAULTS = frozenset(
 )
 
 
-def _constraints(severity: Severity, meanings: Mapping[str, str]) -> dict[str, Constraint]:
+def _constraints(severity: Severity, **meanings: str) -> dict[str, Constraint]:
     return {
         name: Constraint(severity, meaning, _evl(name), _REASONS.get(name, ""))
         for name, meaning in meanings.items()
@@ -123,17 +123,10 @@ def _evl(name: str) -> str:
     return "faults.evl" if name in _OF_FAULTS else "mission.evl"
 
 
-def _errors(**meanings: str) -> dict[str, Constraint]:
-    return _constraints("error", meanings)
-
-
-def _warnings(**meanings: str) -> dict[str, Constraint]:
-    return _constraints("warning", meanings)
-
-
 CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
     {
-        **_errors(
+        **_constraints(
+            "error",
             ReadableFile="the file exists and can be read",
             FileSize="the file stays within the limits on bytes, elements and nesting",
             WellFormedXml="the file is well-formed XML",
@@ -186,7 +179,8 @@ CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
             WindowComplete="a fault has both start and finish, or neither",
             WindowOrdered="a fault does not finish before it starts",
         ),
-        **_warnings(
+        **_constraints(
+            "warning",
             IdWithoutSpaces="IDs hold no spaces, so that an attribute can refer to them",
             AreaInsideMission="areas lie inside the mission area",
             RobotInsideMission="robots start inside the mission area",

@@ -312,7 +312,7 @@ class FaultTypeReader:
 
     def _require_all_read(self, root: Node) -> None:
         """Refuse annotations of ours at what is no fault type or parameter, or that say nothing."""
-        for node in _below(root):
+        for node in root.walk():
             source = node.attributes.get("source", "")
             if source.startswith(OURS) and (source != MEANING or node.parent not in self._said):
                 finding = (
@@ -372,9 +372,3 @@ def _contained(root: Node, class_name: str) -> Iterator[Node]:
             for feature in node.children:
                 if feature.attributes.get("containment") == "true":
                     yield feature
-
-
-def _below(root: Node) -> Iterator[Node]:
-    yield root
-    for child in root.children:
-        yield from _below(child)

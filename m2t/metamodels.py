@@ -14,7 +14,6 @@ from pyecore.resources import URI, ResourceSet
 from m2t.diagnostics import Report
 from m2t.metamodel_check import MetamodelCheck
 from m2t.metamodel_contract import BOUNDS, CONTRACT, MEANING
-from m2t.namespaces import ECORE, XMI, XSI
 from m2t.read.nodes import Node, read_xml
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.fault_types import FaultType, Range
@@ -125,11 +124,9 @@ class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
 
 def _package(root: Node, path: Path, resources: Any) -> Any:
     """Let pyecore load a checked metamodel, without comments, which it cannot read."""
-    prefixes = {"xmi": XMI, "xsi": XSI, "ecore": ECORE}
-    element = etree.Element(f"{{{ECORE}}}EPackage", nsmap=prefixes)
-    _fill(root, element)
-    content = etree.tostring(element, encoding="UTF-8", xml_declaration=True)
+    parser = etree.XMLParser(remove_comments=True, remove_pis=True, resolve_entities=False)
     try:
+        content = etree.tostring(etree.parse(path, parser))
         resource = resources.get_resource(_CheckedFile(path.name, content))
         package = resource.contents[0]
         for classifier in package.eClassifiers:
@@ -142,15 +139,6 @@ def _package(root: Node, path: Path, resources: Any) -> Any:
     resources.resources[path.name] = resource
     resources.metamodel_registry[package.nsURI] = package
     return package
-
-
-def _fill(node: Node, element: etree._Element) -> None:
-    for name, text in node.attributes.items():
-        element.set(name, text)
-    if node.xsi_type is not None:
-        element.set(f"{{{XSI}}}type", f"ecore:{node.xsi_type.rpartition(':')[2]}")
-    for child in node.children:
-        _fill(child, etree.SubElement(element, child.tag))
 
 
 @cache
