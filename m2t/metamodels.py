@@ -195,8 +195,8 @@ def slots(metaclass: Any) -> Mapping[str, Slot]:
             _resolved(feature.eType),
             bool(feature.many),
             int(feature.lowerBound),
-            is_contained(feature),
-            is_reference(feature),
+            isinstance(feature, EReference) and bool(feature.containment),
+            isinstance(feature, EReference) and not feature.containment,
             bool(getattr(feature, "iD", False)),
             any(f"{name}{end}" == feature.name for name in in_ticks for end in ("", *BOUNDS)),
         )
@@ -209,12 +209,6 @@ def _counts_ticks(feature: Any) -> bool:
         annotation.source == MEANING and annotation.details.get("range") == Range.TICKS.name
         for annotation in feature.eAnnotations
     )
-
-
-@cache
-def reference_type(feature: Any) -> Any:
-    """Return the metaclass that a reference or containment leads to."""
-    return _resolved(feature.eType)
 
 
 @cache
@@ -252,15 +246,9 @@ def is_read(metaclass: Any, feature: str = "") -> bool:
 
 
 @cache
-def is_contained(feature: Any) -> bool:
-    """Return whether a feature contains elements."""
-    return isinstance(feature, EReference) and bool(feature.containment)
-
-
-@cache
-def is_reference(feature: Any) -> bool:
-    """Return whether a feature refers to elements that something else contains."""
-    return isinstance(feature, EReference) and not feature.containment
+def is_kind(metaclass: Any, name: str) -> bool:
+    """Return whether a metaclass is that of a name, or inherits from it."""
+    return any(known.name == name for known in lineage(metaclass))
 
 
 def meaning(fault_type: Any) -> FaultType:

@@ -11,7 +11,7 @@ from urllib.parse import unquote
 from m2t.check.references import find
 from m2t.check.structure import check_structure
 from m2t.diagnostics import Report, shown
-from m2t.metamodels import Slot, concrete_classes, lineage, load_metamodels, slots
+from m2t.metamodels import Slot, concrete_classes, is_kind, load_metamodels, slots
 from m2t.read.addresses import local_path
 from m2t.read.model_files import ModelFile, ModelFiles
 from m2t.read.nodes import Node
@@ -175,7 +175,7 @@ class _Outliner:
                 known = concrete_classes(declared.ePackage, declared)
                 _append(outline, "task", _plain(kind))
                 self._fill(outline, child, known.get(kind, declared), "task.")
-        elif any(kind.name == "FaultType" for kind in lineage(declared)):
+        elif is_kind(declared, "FaultType"):
             for child in children:
                 _append(outline, "type", declared.name)
                 self._fill(outline, child, declared, "")

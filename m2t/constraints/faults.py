@@ -9,15 +9,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from m2t.constraints.findings import Findings, number
+from m2t.elements import values
 from m2t.metamodel_contract import BOUNDS
-from m2t.metamodels import (
-    features,
-    is_contained,
-    lineage,
-    meaning,
-    reference_type,
-    slots,
-)
+from m2t.metamodels import is_kind, meaning, slots
 from mrsfi_runtime.model.fault_types import OF_ROBOT, Field, Mode
 
 
@@ -51,15 +45,12 @@ def check_faults(specification: Any, duration: int, findings: Findings) -> None:
 
 def fault_types(fault: Any) -> tuple[Any, ...]:
     """Return the fault types that a fault contains; a sound fault contains one."""
-    given = (feature for feature in features(fault.eClass) if fault.eIsSet(feature))
-    values = (fault.eGet(feature) for feature in given if _holds_fault_type(feature))
-    return tuple(value for value in values if value is not None)
-
-
-def _holds_fault_type(feature: Any) -> bool:
-    """Return whether a feature contains a fault type, not something that a team has added."""
-    kinds = lineage(reference_type(feature)) if is_contained(feature) else ()
-    return any(kind.name == "FaultType" for kind in kinds)
+    return tuple(
+        kind
+        for slot in slots(fault.eClass).values()
+        if slot.is_contained and is_kind(slot.type, "FaultType") and fault.eIsSet(slot.feature)
+        for kind in values(fault, slot)
+    )
 
 
 def is_set(element: Any, name: str) -> bool:

@@ -14,7 +14,7 @@ from pyecore.ecore import EObject
 from m2t.constraints.contact import Discs
 from m2t.constraints.findings import Findings, identities, number
 from m2t.diagnostics import shown
-from m2t.metamodels import base_class, lineage
+from m2t.metamodels import base_class, is_kind
 
 ROBOT_RADIUS = 1.0
 
@@ -67,14 +67,8 @@ def areas(mission: Any) -> Iterator[Any]:
         if goal.area is not None:
             yield goal.area
         own = getattr(goal.task, "area", None)
-        if own is not None and _is_area(own):
+        if isinstance(own, EObject) and is_kind(own.eClass, "Area"):
             yield own
-
-
-def _is_area(value: Any) -> bool:
-    """Return whether a value of a task that a team has added is an area, as those of ours are."""
-    kinds = lineage(value.eClass) if isinstance(value, EObject) else ()
-    return any(kind.name == "Area" for kind in kinds)
 
 
 def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 from pyecore.ecore import EEnumLiteral
 
 from m2t.environment import Expression, Table
-from m2t.metamodels import features, is_contained, is_reference
+from m2t.metamodels import Slot, slots
 
 
 def own_features(element: Any, known: Container[str] = ()) -> Table:
@@ -25,25 +25,28 @@ def own_features(element: Any, known: Container[str] = ()) -> Table:
         Values; of a part its own features with its class as ``eClass``, of a reference an ID.
     """
     given = (
-        feature
-        for feature in features(element.eClass)
-        if feature.name not in known
-        and (element.eIsSet(feature) or getattr(feature, "defaultValueLiteral", None) is not None)
+        slot
+        for name, slot in slots(element.eClass).items()
+        if name not in known and (element.eIsSet(slot.feature) or _has_default(slot))
     )
-    return Table(tuple((str(feature.name), _values(element, feature)) for feature in given))
+    return Table(tuple((slot.name, _values(element, slot)) for slot in given))
 
 
-def _values(element: Any, feature: Any) -> Expression:
-    value = element.eGet(feature)
-    if feature.many:
-        return tuple(_value(entry, feature) for entry in value)
-    return _value(value, feature)
+def _has_default(slot: Slot) -> bool:
+    return getattr(slot.feature, "defaultValueLiteral", None) is not None
 
 
-def _value(value: Any, feature: Any) -> Expression:
-    if value is not None and is_contained(feature):
+def _values(element: Any, slot: Slot) -> Expression:
+    value = getattr(element, slot.name)
+    if slot.many:
+        return tuple(_value(entry, slot) for entry in value)
+    return _value(value, slot)
+
+
+def _value(value: Any, slot: Slot) -> Expression:
+    if value is not None and slot.is_contained:
         return Table((("eClass", str(value.eClass.name)), *own_features(value).entries))
-    if value is not None and is_reference(feature):
+    if value is not None and slot.is_reference:
         return str(getattr(value, "ID", None) or value.eURIFragment())
     if isinstance(value, EEnumLiteral):
         return str(value.name)

@@ -18,15 +18,8 @@ from typing import Any
 from lxml import etree
 from pyecore.ecore import EClass, EEnum
 
-from m2t.metamodels import (
-    conforms,
-    features,
-    is_contained,
-    is_reference,
-    lineage,
-    load_metamodels,
-    reference_type,
-)
+from m2t.metamodels import conforms, features, lineage, load_metamodels
+from tests.support.features import is_contained, is_reference, reference_type
 from tests.support.models.copies import FAULTS, MISSION
 
 _TYPE = "{http://www.w3.org/2001/XMLSchema-instance}type"

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from lxml import etree
 from pyecore.ecore import EClass
 
-from m2t.metamodels import features, is_contained, is_reference, load_metamodels
+from m2t.metamodels import features, load_metamodels
+from tests.support.features import is_contained, is_reference
 
 _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 _FEATURES = {

@@ -13,15 +13,14 @@ from m2t.metamodels import (
     FAULTS_FILE,
     MISSION_FILE,
     features,
-    is_contained,
     lineage,
     load_metamodels,
     metamodel_folder,
     read_metamodels,
-    reference_type,
 )
 from mrsfi_runtime.errors import ModelError
 from tests.support.cli import edit
+from tests.support.features import is_contained, reference_type
 
 NEEDED = [
     (package, class_name, name)

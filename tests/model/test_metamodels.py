@@ -5,8 +5,9 @@ from typing import Any
 import pytest
 
 from m2t.check.attribute_values import RANGES
-from m2t.metamodels import conforms, features, lineage, load_metamodels, reference_type
+from m2t.metamodels import conforms, features, lineage, load_metamodels
 from tests.support.fault_types import FAULT_TYPES
+from tests.support.features import reference_type
 
 PACKAGES = load_metamodels().packages
 CLASSES = [

@@ -13,8 +13,9 @@ from pyecore.ecore import EEnumLiteral, EObject, EProxy
 from pyecore.resources import ResourceSet
 
 from m2t.load import load_mission_folder
-from m2t.metamodels import features, is_contained, load_metamodels
+from m2t.metamodels import features, load_metamodels
 from m2t.write.xmi import dumps
+from tests.support.features import is_contained
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
 from tests.support.models.random_models import draw
 from tests.tiers import seeds
