@@ -234,14 +234,14 @@ def test_threads_and_chunks_change_nothing():
 def test_what_is_compiled_is_checked_once_whatever_the_number_of_mission_seeds(monkeypatch):
     code = paper_code(60)
     checked = []
-    attempt = ReferenceEngine.attempt
+    evaluate = ReferenceEngine.evaluate
 
     def counted(engine, specification, seed):
         checked.append(seed)
-        return attempt(engine, specification, seed)
+        return evaluate(engine, specification, seed)
 
     with COMPILED.open(code, SEED) as engine:
-        monkeypatch.setattr(ReferenceEngine, "attempt", counted)
+        monkeypatch.setattr(ReferenceEngine, "evaluate", counted)
         for seed in (1, 2, 3):
             list(engine.evaluate_many([(), ()], seed))
 
@@ -254,6 +254,16 @@ def test_a_region_that_compiles_to_something_else_stops_the_search(tmp_path):
     with (
         COMPILED.open(code, SEED) as engine,
         pytest.raises(EvaluationError, match="the reference engine has"),
+    ):
+        list(engine.evaluate_many([()]))
+
+
+def test_a_region_that_fails_only_where_it_is_not_compiled_stops_the_search(tmp_path):
+    code = edited(tmp_path, "return math.sqrt(-1.0 - ci.mission.tick) > 0.0", "import math\n")
+
+    with (
+        COMPILED.open(code, SEED) as engine,
+        pytest.raises(EvaluationError, match=r"collective_intelligence.py:\d+: .*math domain"),
     ):
         list(engine.evaluate_many([()]))
 
