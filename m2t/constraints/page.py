@@ -34,8 +34,8 @@ they quote numbers as Eclipse would write them (`-5.0`, not `-5`).
   goal is violated although nothing fails; the mission's own code fails.
 - `RegionFilled`, `RegionRuns` (errors), `RegionCompiles` and `RegionCompilesAlike` (warnings) are
   said of regions of the generated code, not of models, by `mrsfi validate` alone: a goal task
-  of your own has empty regions until you fill them; a line cannot run; [the compiled
-  engine](compiled.md) cannot compile it, or makes something else of it.
+  or an effect of your own has empty regions until you fill them; a line cannot run; [the
+  compiled engine](compiled.md) cannot compile it, or makes something else of it.
 - `ResolvedReference` is stated for references to other files; a dangling one within its own file
   makes Eclipse refuse it, or drop the reference without a word if it has a colon.
 

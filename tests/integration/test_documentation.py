@@ -1,0 +1,206 @@
+"""What README, CONTRIBUTING and docs/ name exists, and short commands print what README prints."""
+
+import ast
+import re
+import shlex
+from collections.abc import Iterator
+from fnmatch import fnmatchcase
+from functools import cache
+from pathlib import Path
+
+import click
+
+from mrsfi_runtime.cli.main import cli
+from tests.support.cli import edit, mrsfi, workspace
+from tests.support.tree import ROOT
+
+PAGES = {
+    page.relative_to(ROOT).as_posix(): page.read_text(encoding="utf-8")
+    for pattern in ("*.md", "docs/**/*.md", "examples/*/README.md")
+    for page in ROOT.glob(pattern)
+    if page.name != "CHANGELOG.md"  # names what is gone as well
+}
+PACKAGES = {
+    "mrsfi_runtime": ROOT / "src" / "mrsfi_runtime",
+    "mrsfi_bridge": ROOT / "src" / "mrsfi_bridge",
+    **{name: ROOT / name for name in ("benchmarks", "generated", "m2t", "tests")},
+}
+ROOMS = (".ci", "docs", "examples", "metamodels", "models", "src", *PACKAGES)
+SUFFIXES = (".py", ".ecore", ".evl", ".eol", ".j2", ".md", ".toml", ".xmi")
+MADE = {"runs", "figures", "tables", "report.md", "my_simulator.py", ".ecore"}
+"""What commands make, or what stands for a reader's own."""
+
+
+@cache
+def _tree() -> tuple[str, ...]:
+    found = [path for room in ROOMS for path in (ROOT / room).rglob("*")]
+    kept = [path for path in (*ROOT.iterdir(), *found) if path.name != "__pycache__"]
+    return tuple(f"/{path.relative_to(ROOT).as_posix()}" for path in kept)
+
+
+def _paths(page: str) -> Iterator[str]:
+    """Give what looks like a path of the tree, a placeholder as a star."""
+    prose = re.sub(r"^```.*?^```", "", PAGES[page], flags=re.MULTILINE | re.DOTALL)
+    yield from re.findall(r"python ((?:\w+/)+\w+\.py)", PAGES[page])
+    for span in re.findall(r"`([^`\n]+)`", prose):
+        name = re.sub(r"<\w+>|…", "*", span).removesuffix("/")
+        if re.search(r"[^\w./*-]", name) or name.startswith(("/", "runs/", "critical/", "~")):
+            continue
+        is_folder = span.endswith("/") or ("/" in name and name.split("/")[0] in ROOMS)
+        if (is_folder or name.endswith(SUFFIXES)) and name not in MADE:
+            yield name
+
+
+def _is_defined(dotted: str) -> bool:
+    """Return whether a dotted name is a package, a module, or defined in one."""
+    first, *rest = dotted.split(".")
+    place = PACKAGES[first]
+    for index, name in enumerate(rest, 1):
+        place /= name
+        if (module := place.with_suffix(".py")).exists():
+            return not rest[index:] or rest[index] in _names(module)
+        if not place.is_dir():
+            return False
+    return True
+
+
+def _names(module: Path) -> set[str]:
+    names: set[str] = set()
+    for node in ast.parse(module.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            names |= {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+    return names
+
+
+def _headings(page: Path) -> set[str]:
+    lines = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", line.lower()).replace(" ", "-") for line in lines}
+
+
+def _unknown_words(line: str) -> list[str]:
+    """Return the subcommand or those options of a command line that ``mrsfi`` does not have."""
+    name, *words = line.replace("…", " ").split()
+    if not re.fullmatch("[a-z]+", name):
+        return []
+    command = cli.get_command(click.Context(cli), name)
+    if command is None:
+        return [name]
+    known = {option for parameter in command.params for option in parameter.opts}
+    return [f"{name} {word}" for word in words if word.startswith("--") and word not in known]
+
+
+def _block_after(heading: str, sign: str) -> str:
+    """Return the first block of console text after a heading of the README that holds a text."""
+    text = PAGES["README.md"].split(f"## {heading}\n", 1)[1]
+    blocks = re.findall(r"```\w+\n(.*?)```", text, flags=re.DOTALL)
+    return next(block for block in blocks if sign in block)
+
+
+def _performed(console: str, folder: Path, *codes: int) -> str:
+    """Perform the commands of a console text, and return it with what they print here."""
+    text, exits = "", iter(codes)
+    for line in console.splitlines():
+        if not line.startswith("$ "):
+            continue
+        text += f"{line}\n"
+        program, *words = shlex.split(line.removeprefix("$ "))
+        if program == "sed":
+            _, found, replaced, _ = words[1].split("/")
+            edit(folder / words[2], found, replaced)
+        else:
+            done = mrsfi(*words, cwd=folder, expected=next(exits))
+            text += done.stderr + done.stdout
+    return "".join(f"{line.rstrip()}\n" for line in text.splitlines()).rstrip() + "\n"
+
+
+def test_every_path_named_exists() -> None:
+    missing = [
+        f"{page}: {name}"
+        for page in PAGES
+        for name in _paths(page)
+        if not any(fnmatchcase(path, f"*/{name}") for path in _tree())
+    ]
+
+    assert missing == []
+
+
+def test_every_module_named_exists() -> None:
+    pattern = rf"(?<![\w./-])(?:{'|'.join(PACKAGES)})(?!\.csv)(?:\.[A-Za-z_]\w*)+(?!/)"
+
+    missing = [
+        f"{page}: {name}"
+        for page, text in PAGES.items()
+        for name in re.findall(pattern, text)
+        if not _is_defined(name)
+    ]
+
+    assert missing == []
+
+
+def test_every_link_leads_somewhere() -> None:
+    broken = []
+    for page, text in PAGES.items():
+        for link in re.findall(r"\]\((?!\w+://)([^)\s]+)\)", text):
+            path, _, heading = link.partition("#")
+            target = (ROOT / page).parent / path if path else ROOT / page
+            if not target.exists() or (heading and heading not in _headings(target)):
+                broken.append(f"{page}: {link}")
+
+    assert broken == []
+
+
+def test_every_command_and_option_exists() -> None:
+    pattern = r"(?:^\$ |^|`|\| )mrsfi ([^`\n|#]+)"
+
+    unknown = [
+        f"{page}: {words}"
+        for page, text in PAGES.items()
+        for line in re.findall(pattern, text.replace("\\\n", " "), flags=re.MULTILINE)
+        for words in _unknown_words(line)
+    ]
+
+    assert unknown == []
+
+
+def test_every_target_of_make_exists() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    targets = set(re.findall(r"^([a-z-]+):", makefile, flags=re.MULTILINE))
+
+    for page, text in PAGES.items():
+        named = set(re.findall(r"(?:^\$ |`)make ([a-z-]+)", text, flags=re.MULTILINE))
+
+        assert named <= targets, page
+
+
+def test_the_tree_of_the_readme_is_the_tree() -> None:
+    named: list[str] = []
+    for line in _block_after("Tree", "metamodels/").splitlines():
+        room, entries = re.fullmatch(r"(  (?=\w))?((?:[\w/]+/(?: |$))*).*", line).groups()  # type: ignore[union-attr]
+        named += [("src/mrsfi_runtime/" if room else "") + entry for entry in entries.split()]
+
+    rooms = [
+        f"{path.relative_to(ROOT).as_posix()}/"
+        for parent in (ROOT, ROOT / "src", ROOT / "src" / "mrsfi_runtime")
+        for path in parent.iterdir()
+        if path.name not in ("src", "runs", "__pycache__") and "." not in path.name
+        if any(path.rglob("*.*"))
+    ]
+
+    assert sorted(named) == sorted(rooms)
+
+
+def test_the_flight_without_faults_ends_as_the_readme_says(tmp_path: Path) -> None:
+    console = _block_after("Five minutes", "--no-faults")
+
+    assert _performed(console, workspace(tmp_path), 0) == console
+
+
+def test_an_edit_of_a_model_and_a_defect_are_shown_as_the_readme_says(tmp_path: Path) -> None:
+    speed = _block_after("Edit a model, see the code change", "--diff")
+    defect = _block_after("Edit a model, see the code change", "r9")
+    folder = workspace(tmp_path)
+
+    assert _performed(speed, folder, 0, 0) == speed
+    assert _performed(defect, folder, 3) == defect
