@@ -90,14 +90,22 @@ def _outcome(function: Any, argument: Any, state: Any) -> Any:
 def _values(state: Any) -> Any:
     """Return what a region may write: commands, switches, goals and chances."""
     if isinstance(state, np.ndarray):
-        records = [state[0][name].tolist() for name in ("commands", "switches", "goals")]
-        return records, state[0]["chances"].tolist()
-    names = ("commands", "switches", "goals")
-    records = [
-        [tuple(getattr(record, name) for name in record.__slots__) for record in getattr(state, of)]
-        for of in names
+        state = state[0]
+    records = [_numbers_of(state, name) for name in ("commands", "switches", "goals")]
+    return records, [int(chance) for chance in _part(state, "chances")]
+
+
+def _numbers_of(state: Any, name: str) -> list[list[float]]:
+    """Return the numbers of every record of a list, those of its memory included."""
+    names = type(getattr(_FIRST, name)[0]).__slots__
+    return [
+        [number for field in names for number in np.atleast_1d(_part(record, field)).tolist()]
+        for record in _part(state, name)
     ]
-    return records, list(state.chances)
+
+
+def _part(record: Any, name: str) -> Any:
+    return record[name] if isinstance(record, np.void) else getattr(record, name)
 
 
 def drawn_state(rng: Random) -> Any:
