@@ -266,6 +266,8 @@ def test_a_region_that_fails_only_where_it_is_not_compiled_stops_the_search(tmp_
         pytest.raises(EvaluationError, match=r"collective_intelligence.py:\d+: .*math domain"),
     ):
         list(engine.evaluate_many([()]))
+    with pytest.raises(EvaluationError, match="math domain"):
+        EngineSettings("auto").tried(code, SEED, print)
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ class EngineSettings:
     patience: Patience = field(default_factory=Patience)
 
     def tried(self, code: MissionCode, seed: int, tell: Callable[[str], None]) -> Self:
-        """Fly the mission without faults, and return settings that name an engine.
+        """Fly the mission without faults on plain Python, and return settings that name an engine.
 
         Parameters
         ----------
@@ -61,10 +61,10 @@ class EngineSettings:
         EvaluationError
             If the flight fails, or a region cannot be compiled although it must be.
         """
-        settings, engine = self, None
+        settings = self
         if self.name in (AUTO, COMPILED):
             try:
-                engine = _compiled(code, seed, 1)
+                _compiled(code, seed, 1).close()
                 settings = replace(self, name=COMPILED)
             except (UsageError, EvaluationError) as error:
                 if self.name == COMPILED:
@@ -74,8 +74,8 @@ class EngineSettings:
                     f"not compiled: {error}; the reference engine evaluates, about 100 times slower"
                 )
         if self.has_simulation:
-            with engine or ReferenceEngine(code, seed) as flown:
-                flown.evaluate(())
+            with ReferenceEngine(code, seed) as reference:
+                reference.evaluate(())
         return settings
 
     def open(self, code: MissionCode, seed: int, n_threads: int = 1) -> Engine:
