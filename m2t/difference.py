@@ -78,8 +78,9 @@ def difference(old: Path, new: Path) -> tuple[Change, ...]:
         kinds = [kind for kind in kinds if kind in olds and kind in news]
     if not kinds:
         found = f"{_listed(olds)} in {old} and {_listed(news)} in {new}"
-        message = f"found {found}; expected two models of the same kind; give the right files"
-        raise ModelError(message)
+        raise ModelError(
+            f"found {found}; expected two models of the same kind; give the right files"
+        )
     changes: list[Change] = []
     for kind in sorted(kinds, key=lambda name: name != "Mission"):
         changes.extend(_compare_roots(olds.get(kind), news.get(kind)))

@@ -62,8 +62,9 @@ def metamodel_folder() -> Path:
         if (folder / MISSION_FILE).is_file() and (folder / FAULTS_FILE).is_file():
             return folder
     places = " and ".join(str(folder) for folder in candidates)
-    message = f"{MISSION_FILE} and {FAULTS_FILE} are missing in {places}; install mrsfi again"
-    raise ModelError(message)
+    raise ModelError(
+        f"{MISSION_FILE} and {FAULTS_FILE} are missing in {places}; install mrsfi again"
+    )
 
 
 @cache

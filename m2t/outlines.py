@@ -91,8 +91,7 @@ def read_models(path: Path) -> dict[str, Outline]:
     names = [path / name for name in _FILES if (path / name).is_file()]
     paths = names if path.is_dir() else [path]
     if not paths:
-        message = f"{path}: holds neither {' nor '.join(_FILES)}; expected a mission folder"
-        raise ModelError(message)
+        raise ModelError(f"{path}: holds neither {' nor '.join(_FILES)}; expected a mission folder")
     report = Report()
     files = ModelFiles(report)
     roots: list[Node] = []
@@ -112,12 +111,11 @@ def _roots(file: ModelFile, files: ModelFiles) -> list[Node]:
     kinds = [kind for kind in (known.mission_class, known.faults_class) if file.roots_of(kind)]
     if not kinds:
         root = file.roots[0]
-        message = (
+        raise ModelError(
             f"{file.path}:{root.line}: the root is {shown(root.tag)} of namespace "
             f"{shown(root.namespace)}; expected a mission or a fault specification of mrsfi; "
             "give the right file [RootElement]"
         )
-        raise ModelError(message)
     trees = [check_structure(file, kind, files, Report()) for kind in kinds]
     return [tree.root for tree in trees if tree is not None]
 

@@ -200,8 +200,9 @@ def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:
         for name, content in contents.items():
             write_atomically(folder / name, content)
     except OSError as error:
-        message = f"{folder}: cannot be written: {error.strerror or error}; name another with --out"
-        raise UsageError(message) from error
+        raise UsageError(
+            f"{folder}: cannot be written: {error.strerror or error}; name another with --out"
+        ) from error
     return tuple(contents)
 
 

@@ -108,8 +108,9 @@ def parse_service(name: str, text: str, path: Path) -> tuple[Definition, Definit
     lines = text.splitlines()
     borders = [number for number, line in enumerate(lines) if line.strip() == "---"]
     if len(borders) != 1:
-        message = f"{path}: {len(borders)} lines '---', expected one between request and response"
-        raise SettingsError(message)
+        raise SettingsError(
+            f"{path}: {len(borders)} lines '---', expected one between request and response"
+        )
     border = borders[0]
     return (
         _parse(f"{name}Request", lines[:border], path, first_line=1),
@@ -128,8 +129,7 @@ def _parse(name: str, lines: list[str], path: Path, first_line: int) -> Definiti
         if isinstance(found, Constant):
             constants.append(found)
         elif found.name in fields:
-            message = f"{path}:{number}: field '{found.name}' occurs twice; rename one"
-            raise SettingsError(message)
+            raise SettingsError(f"{path}:{number}: field '{found.name}' occurs twice; rename one")
         else:
             fields[found.name] = found
     return Definition(name, tuple(fields.values()), tuple(constants))
@@ -140,8 +140,7 @@ def _parse_line(line: str, package: str, place: str) -> Field | Constant:
     is_text = line.split(maxsplit=1)[0] == "string" and "=" in line.partition("#")[0]
     match = _LINE.fullmatch(line.strip() if is_text else line.partition("#")[0].strip())
     if match is None:
-        message = f"{place}: '{line.strip()}', expected 'type name' or 'type NAME=value'"
-        raise SettingsError(message)
+        raise SettingsError(f"{place}: '{line.strip()}', expected 'type name' or 'type NAME=value'")
     type_name, length, name, value = match.group("type", "length", "name", "value")
     if value is not None:
         return Constant(name, value.strip())

@@ -70,8 +70,9 @@ class BridgeServer:
                 partial(Connection, self), host, port, backlog=_BACKLOG
             )
         except OSError as error:
-            message = f"{host}:{port}: cannot listen: {error.strerror}; choose another port"
-            raise ListenError(message) from error
+            raise ListenError(
+                f"{host}:{port}: cannot listen: {error.strerror}; choose another port"
+            ) from error
         name = f"[{host}]" if ":" in host else host  # an address of IPv6
         self.url = f"ws://{name}:{self._server.sockets[0].getsockname()[1]}"
         self._checks = self._loop.call_later(_CHECKS_S, self._check)

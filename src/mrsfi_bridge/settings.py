@@ -96,17 +96,18 @@ class ServerSettings:
         """
         if not is_loopback(self.host):
             if not self.is_public:
-                message = (
+                raise SettingsError(
                     f"{self.host} is an address that other machines may reach: "
                     "add --public and --token, or bind 127.0.0.1"
                 )
-                raise SettingsError(message)
             if self.token is None:
-                message = "a public server needs a token that its clients must show: add --token"
-                raise SettingsError(message)
+                raise SettingsError(
+                    "a public server needs a token that its clients must show: add --token"
+                )
         if self.token is not None and not _is_token(self.token):
-            message = f"a token has at least {_SHORTEST_TOKEN} letters, digits, '-' or '_'"
-            raise SettingsError(message)
+            raise SettingsError(
+                f"a token has at least {_SHORTEST_TOKEN} letters, digits, '-' or '_'"
+            )
 
 
 def is_loopback(host: str) -> bool:

@@ -254,5 +254,4 @@ def _bytes(length: int, convert: Convert) -> Convert:
 
 def _check_length(found: int, length: int) -> None:
     if length not in (VARIABLE, found):
-        message = f"found {found} elements, expected {length}"
-        raise FieldError(message)
+        raise FieldError(f"found {found} elements, expected {length}")

@@ -90,21 +90,22 @@ class TypeTable:
         for folder in self._folders[:-1]:
             names = tuple(_names(folder))
             if not names:
-                message = f"{folder}: no definitions; expected {folder}/PACKAGE/msg/TYPE.msg"
-                raise SettingsError(message)
+                raise SettingsError(
+                    f"{folder}: no definitions; expected {folder}/PACKAGE/msg/TYPE.msg"
+                )
             for kind, name in names:
                 try:
                     _ = self.message(name) if kind == "msg" else self.service(name)
                 except ProtocolError as error:
-                    message = f"{folder}: {name}: {error}"
-                    raise SettingsError(message) from error
+                    raise SettingsError(f"{folder}: {name}: {error}") from error
             n_read += len(names)
         return n_read
 
     def _read(self, name: str) -> Structure:
         if name in self._open:
-            message = f"type {name} contains itself: {' in '.join((name, *reversed(self._open)))}"
-            raise SettingsError(message)
+            raise SettingsError(
+                f"type {name} contains itself: {' in '.join((name, *reversed(self._open)))}"
+            )
         path = self._find(name, "msg")
         self._open.append(name)
         try:
@@ -133,8 +134,7 @@ def full_name(name: str) -> str:
     """
     match = _NAME.fullmatch(name)
     if match is None:
-        message = f"'{name[:_MAX_SHOWN]}' is no type, expected 'package/Type'"
-        raise ProtocolError(message)
+        raise ProtocolError(f"'{name[:_MAX_SHOWN]}' is no type, expected 'package/Type'")
     return f"{match[1]}/{match[2]}"
 
 
@@ -149,5 +149,4 @@ def _text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        message = f"{path}: cannot be read: {error}"
-        raise SettingsError(message) from error
+        raise SettingsError(f"{path}: cannot be read: {error}") from error

@@ -112,10 +112,9 @@ def parse_ratio(text: str) -> Ratio:
         parts = (float(match[3]), float(match[4]))
         if first != second and any(parts):
             return Ratio((first, second), parts)
-    message = (
+    raise UsageError(
         f"found ratio '{text}'; expected two goals and two numbers, not both 0, such as 'g3:g1=2:1'"
     )
-    raise UsageError(message)
 
 
 def nearest_ratio(front: Front, wanted: str | Ratio) -> FrontPoint | None:
@@ -142,8 +141,7 @@ def nearest_ratio(front: Front, wanted: str | Ratio) -> FrontPoint | None:
     ratio = parse_ratio(wanted) if isinstance(wanted, str) else wanted
     if not set(ratio.goals) <= set(front.goals):
         chosen = ", ".join(front.goals) or "none"
-        message = f"found ratio '{ratio}'; expected two of the front's goals: {chosen}"
-        raise UsageError(message)
+        raise UsageError(f"found ratio '{ratio}'; expected two of the front's goals: {chosen}")
     first, second = (front.goals.index(goal) for goal in ratio.goals)
     direction = atan2(ratio.parts[1], ratio.parts[0])
 

@@ -77,8 +77,9 @@ def write_report(
         layout.report.write_text(report_text(summary, captions), encoding="utf-8")
         finish()
     except OSError as error:
-        message = f"{folder}: cannot write the report: {error}; expected a folder to write to"
-        raise RecordError(message) from error
+        raise RecordError(
+            f"{folder}: cannot write the report: {error}; expected a folder to write to"
+        ) from error
     return summary
 
 

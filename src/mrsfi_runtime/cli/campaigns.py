@@ -39,8 +39,9 @@ def free_folder(mission: str, case: str) -> Path:
         except FileExistsError:
             number += 1
         except OSError as error:
-            message = f"{path}: cannot be made: {error.strerror}; choose a place with --out"
-            raise RecordError(message) from error
+            raise RecordError(
+                f"{path}: cannot be made: {error.strerror}; choose a place with --out"
+            ) from error
         else:
             return path
 
@@ -59,8 +60,9 @@ def latest_folder() -> Path:
         if CampaignFolder(folder).database.is_file()
     }
     if not databases:
-        message = f"found no campaign in {RUNS}/; name its folder, or run `mrsfi evolve` first"
-        raise UsageError(message)
+        raise UsageError(
+            f"found no campaign in {RUNS}/; name its folder, or run `mrsfi evolve` first"
+        )
     return max(databases, key=lambda folder: databases[folder].stat().st_mtime_ns)
 
 
@@ -93,9 +95,8 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
         try:
             code = load_code(folder.generated)
         except GenerationError as error:
-            message = (
+            raise RecordError(
                 f"{path}: the campaign's own copy of the generated code is not whole: {error}; "
                 "expected the folder as `mrsfi evolve` left it"
-            )
-            raise RecordError(message) from error
+            ) from error
         yield OpenCampaign(folder, store, code)

@@ -161,8 +161,9 @@ def _settings(
     """Return the settings of each algorithm, or refuse what cannot be searched."""
     names = [name.strip() for name in algorithms.split(",")]
     if not all(names) or len(set(names)) < len(names):
-        message = f"--algorithms: found '{algorithms}'; expected different names with commas"
-        raise UsageError(message)
+        raise UsageError(
+            f"--algorithms: found '{algorithms}'; expected different names with commas"
+        )
     settings = {}
     for name in names:
         one = CampaignSettings.load(file, algorithm=name, seed=1, evaluations=evaluations)

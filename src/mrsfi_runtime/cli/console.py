@@ -82,5 +82,6 @@ def written_file(path: Path) -> Iterator[TextIO]:
         with path.open("w", encoding="utf-8", newline="\n") as file:
             yield file
     except OSError as error:
-        message = f"{path}: cannot be written: {error.strerror}; name another file"
-        raise UsageError(message) from error
+        raise UsageError(
+            f"{path}: cannot be written: {error.strerror}; name another file"
+        ) from error

@@ -60,5 +60,6 @@ def _model(name: str) -> Path:
     for path in (Path(name), _MODELS / name):
         if path.exists():
             return path
-    message = f"found no model '{name}'; expected a mission folder, its name, or an .xmi file"
-    raise UsageError(message)
+    raise UsageError(
+        f"found no model '{name}'; expected a mission folder, its name, or an .xmi file"
+    )

@@ -52,14 +52,12 @@ class EngineOptions:
         side = self.side or bus.side
         url = self.url or bus.url
         if recorded.is_foreign and (name != ROSBRIDGE or side != CI):
-            message = (
+            raise UsageError(
                 "this campaign was flown on somebody else's simulation; expected the same again: "
                 f"--engine {ROSBRIDGE} --side {CI} --url URL, or none of them"
             )
-            raise UsageError(message)
         if side != BOTH and url is None:
-            message = f"--side {side} needs --url: the server on which the sides meet"
-            raise UsageError(message)
+            raise UsageError(f"--side {side} needs --url: the server on which the sides meet")
         return EngineSettings(
             name=name,
             url=url,
@@ -72,8 +70,9 @@ class EngineOptions:
     def _require_sense(self, name: str) -> None:
         given = [option for option in BUS_OPTIONS if getattr(self, option) is not None]
         if name != ROSBRIDGE and given:
-            message = f"--{given[0]} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
-            raise UsageError(message)
+            raise UsageError(
+                f"--{given[0]} needs --engine {ROSBRIDGE}; the {name} engine has no bus"
+            )
 
 
 def recorded_engine(settings: EngineSettings) -> EngineRecord:

@@ -130,8 +130,7 @@ def _new_campaign(
 ) -> tuple[Path, AbstractContextManager[None], EngineSettings]:
     """Refuse what cannot be searched; return the campaign's folder, what begins it, the engine."""
     if mission is None:
-        message = "found no MISSION; expected one, or --resume DIR to go on with a campaign"
-        raise UsageError(message)
+        raise UsageError("found no MISSION; expected one, or --resume DIR to go on with a campaign")
     case = case or "a"
     folders = find_mission(mission, generated)
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)

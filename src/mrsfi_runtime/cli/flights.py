@@ -42,8 +42,7 @@ def specification_pool(path: Path) -> FaultPool:
         If it cannot be used.
     """
     if not path.is_file():
-        message = f"{path}: no such file; expected a fault specification in XMI"
-        raise UsageError(message)
+        raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
     return pool_from_text(fault_loader_text(load_specification(path)))
 
 

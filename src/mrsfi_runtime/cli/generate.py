@@ -39,8 +39,7 @@ def command(mission: str, generated: Path | None, *, check: bool, diff: bool, fo
     """Generate the middleware of MISSION into generated/NAME/."""
     folders = find_mission(mission, generated)
     if sum((check, diff, force)) > 1:
-        message = "--check, --diff and --force exclude each other"
-        raise click.UsageError(message)
+        raise click.UsageError("--check, --diff and --force exclude each other")
     if check:
         folders.require_fresh()
         click.echo(f"fresh: {folders.generated}")

@@ -33,14 +33,14 @@ class MissionFolders:
         """
         names = stale(self.models, self.generated)
         if names and not (self.generated / _MISSION_CODE).is_file():
-            message = f"{self.generated}: not generated yet; run `mrsfi generate {self.models}`"
-            raise GenerationError(message)
+            raise GenerationError(
+                f"{self.generated}: not generated yet; run `mrsfi generate {self.models}`"
+            )
         if names:
-            message = (
+            raise GenerationError(
                 f"{self.generated}: stale, because the models or templates changed: "
                 f"{', '.join(names)}; run `mrsfi generate {self.models}` and review the diff"
             )
-            raise GenerationError(message)
 
     def load(self) -> MissionCode:
         """Load the generated code, which must be fresh, and whose regions must be sound."""
@@ -83,12 +83,11 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
             usual = root / "generated" / folder.name
             return MissionFolders(folder.name, models, generated or _from_here(usual))
     known = sorted(path.parent.name for path in _MODELS.glob(f"*/{_MISSION_FILE}"))
-    message = (
+    raise UsageError(
         f"found no mission '{mission}'; expected the name of a folder in models/ "
         f"({', '.join(known) or 'there is none here'}) or the path of one that holds "
         f"{_MISSION_FILE}"
     )
-    raise UsageError(message)
 
 
 def campaign_file(folders: MissionFolders, case: str) -> Path:
@@ -105,11 +104,10 @@ def campaign_file(folders: MissionFolders, case: str) -> Path:
     if Path(case).is_file():
         return Path(case)
     known = [path.stem.removeprefix("case_") for path in folders.models.glob("case_*.toml")]
-    message = (
+    raise UsageError(
         f"--case: found no campaign file '{case}'; expected the path of a TOML file, or one of: "
         f"{', '.join(sorted(known)) or f'(there is no case_*.toml in {folders.models})'}"
     )
-    raise UsageError(message)
 
 
 def _from_here(path: Path) -> Path:

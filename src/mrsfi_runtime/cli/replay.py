@@ -52,11 +52,9 @@ def command(
 ) -> None:
     """Fly evaluations of a campaign again and compare them with their record."""
     if sum((evaluation is not None, best, is_all)) > 1:
-        message = "--evaluation, --best and --all exclude each other"
-        raise click.UsageError(message)
+        raise click.UsageError("--evaluation, --best and --all exclude each other")
     if is_all and (log or trace):
-        message = "--log and --trace record one flight; --all flies many"
-        raise click.UsageError(message)
+        raise click.UsageError("--log and --trace record one flight; --all flies many")
     with open_campaign(folder) as campaign:
         recorded_by = campaign.store.manifest.engine
         chosen = engine.settings(recorded_by if recorded_by.is_foreign else None)
@@ -76,8 +74,7 @@ def _one(campaign: OpenCampaign, index: int | None) -> Evaluation:
         return campaign.store.evaluation(index)
     best = top(campaign.store.evaluations(), 1)
     if not best:
-        message = f"{campaign.folder.path}: holds no evaluation yet; expected at least one"
-        raise RecordError(message)
+        raise RecordError(f"{campaign.folder.path}: holds no evaluation yet; expected at least one")
     return best[0]
 
 
@@ -110,12 +107,11 @@ def _require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
         for name in names
         if getattr(outcome, name) != getattr(recorded.outcome, name)
     ]
-    message = (
+    raise ReplayMismatch(
         f"{folder}: evaluation {recorded.index} differs from its record: "
         f"{'; '.join(differences)}. Expected the same, bit for bit; look whether the folder, "
         "mrsfi, Python or the kind of processor has changed since (manifest in campaign.sqlite)"
     )
-    raise ReplayMismatch(message)
 
 
 def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -> None:

@@ -93,18 +93,16 @@ def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str,
         given = ctx.params[name]
         label = parameter.opts[0] if isinstance(parameter, click.Option) else "MISSION"
         if name not in recorded:
-            message = (
+            raise UsageError(
                 f"{label} {given}: makes no sense with --resume; {path} goes on in its own folder, "
                 "on its own copies of models and code; leave it out"
             )
-            raise UsageError(message)
         found = Path(given).name if name == "mission" else given
         if found != recorded[name]:
-            message = (
+            raise UsageError(
                 f"{label}: found {given}; {path} was begun with {recorded[name]} and goes on with "
                 "it; leave the option out, or begin a new campaign without --resume"
             )
-            raise UsageError(message)
 
 
 def _require_same_files(folder: CampaignFolder, sha256: Mapping[str, str]) -> None:
@@ -113,11 +111,10 @@ def _require_same_files(folder: CampaignFolder, sha256: Mapping[str, str]) -> No
     for name, recorded in sha256.items():
         if recorded != found.get(name):
             what = "another one than it was begun on" if name in found else "gone"
-            message = (
+            raise RecordError(
                 f"{folder.path}: the campaign's own copy of {name} is {what}; expected the folder "
                 "as `mrsfi evolve` left it; restore the file, or begin a new campaign"
             )
-            raise RecordError(message)
 
 
 def _tell_other_versions(recorded: Mapping[str, str]) -> None:

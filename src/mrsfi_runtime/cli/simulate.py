@@ -99,8 +99,7 @@ def command(  # noqa: PLR0913 - one parameter per option
     ways = [way for way in (no_faults or None, faults, each_fault) if way is not None]
     _require_one_way(ways, is_each=each_fault is not None, has_log=bool(log or trace))
     if markdown is not None and each_fault is None:
-        message = "--markdown needs --each-fault"
-        raise click.UsageError(message)
+        raise click.UsageError("--markdown needs --each-fault")
     settings = engine.settings()
     folders = find_mission(mission, generated)
     code = folders.load()
@@ -128,20 +127,17 @@ def command(  # noqa: PLR0913 - one parameter per option
 
 def _require_one_way(ways: Sequence[object], *, is_each: bool, has_log: bool) -> None:
     if len(ways) > 1:
-        message = "--no-faults, --faults and --each-fault exclude each other"
-        raise click.UsageError(message)
+        raise click.UsageError("--no-faults, --faults and --each-fault exclude each other")
     if is_each and has_log:
-        message = "--log and --trace record one flight; --each-fault flies many"
-        raise click.UsageError(message)
+        raise click.UsageError("--log and --trace record one flight; --each-fault flies many")
 
 
 def _require_nothing_else(ways: Sequence[object], *, is_json: bool, has_log: bool) -> None:
     if ways or is_json or has_log:
-        message = (
+        raise click.UsageError(
             "--side simulation flies what the other side tells it; give faults, logs and --json "
             "there"
         )
-        raise click.UsageError(message)
 
 
 def _serve(name: str, code: MissionCode, settings: EngineSettings) -> None:
@@ -157,8 +153,9 @@ def _window(text: str) -> tuple[int, int]:
     match = _WINDOW.fullmatch(text)
     if match is not None and int(match[1]) <= int(match[2]):
         return int(match[1]), int(match[2])
-    message = f"--each-fault: found '{text}'; expected two ticks START:FINISH, such as 100:900"
-    raise UsageError(message)
+    raise UsageError(
+        f"--each-fault: found '{text}'; expected two ticks START:FINISH, such as 100:900"
+    )
 
 
 def _as_json(

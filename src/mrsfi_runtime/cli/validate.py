@@ -74,11 +74,9 @@ def command(
 ) -> None:
     """Check the models of a mission and print every defect."""
     if is_fix and is_json:
-        message = "--fix shows a diff and --json does not; give one of them"
-        raise UsageError(message)
+        raise UsageError("--fix shows a diff and --json does not; give one of them")
     if is_agreed and not is_fix:
-        message = "--yes agrees to what --fix would change; give both"
-        raise UsageError(message)
+        raise UsageError("--yes agrees to what --fix would change; give both")
     if is_fix:
         _fix(_inspect(mission, generated), is_agreed=is_agreed)
     if mission.endswith(".xmi"):

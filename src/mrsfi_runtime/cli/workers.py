@@ -43,17 +43,15 @@ class WorkerOptions:
             return
         require_address(self.dask)
         if engine.name == ROSBRIDGE:
-            message = (
+            raise UsageError(
                 f"--dask makes no sense with --engine {ROSBRIDGE}, whose flights need a server "
                 "beside them; expected another engine, or --workers"
             )
-            raise UsageError(message)
         if self.dask != LOCAL and self.workers is not None:
-            message = (
+            raise UsageError(
                 f"--workers {self.workers}: makes no sense with --dask {self.dask}, which has the "
                 "workers that were started for it; leave --workers out"
             )
-            raise UsageError(message)
 
     @contextmanager
     def reached(self) -> Iterator["Processes | ClusterWorkers"]:

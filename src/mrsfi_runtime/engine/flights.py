@@ -183,12 +183,11 @@ def _require_effects(known: FaultPool, pool: FaultPool) -> None:
     regions = {fault.type for fault in known}
     for fault in pool:
         if fault.kind.mode is Mode.OWN and fault.type not in regions:
-            message = (
+            raise SpecificationError(
                 f"fault '{fault.id}' is of type {fault.type}, whose effect is a region that "
                 "fault_effects.py has only where the mission's pool has a fault of the type; add "
                 "one to its faults.xmi and run `mrsfi generate`"
             )
-            raise SpecificationError(message)
 
 
 def _outcome(flight: Flight, laid_out: Plan) -> Outcome:

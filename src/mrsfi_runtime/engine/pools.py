@@ -91,8 +91,9 @@ class WorkerPool(Evaluator):
             for chunk in results:
                 yield from chunk
         except BrokenProcessPool as error:
-            message = "a worker process died; resume the campaign, or use --workers 1 to see why"
-            raise EvaluationError(message) from error
+            raise EvaluationError(
+                "a worker process died; resume the campaign, or use --workers 1 to see why"
+            ) from error
 
 
 @contextmanager

@@ -79,8 +79,7 @@ class SimulationProcess:
         if "url" not in said:
             reason = said.get("error") or self._ending()
             self.close()
-            message = f"the simulation process did not start: {reason}"
-            raise TransportError(message)
+            raise TransportError(f"the simulation process did not start: {reason}")
         self.url = said["url"]
 
     @property
@@ -199,23 +198,23 @@ class RosbridgeEngine(PlainEngine):
         except TransportTimeout as error:
             if not self._may_be_deaf or self._lockstep.tick:
                 raise
-            message = f"{error}; does it know {GO_BUNDLE.name}? Without --bundle it need not"
-            raise TransportTimeout(message) from error
+            raise TransportTimeout(
+                f"{error}; does it know {GO_BUNDLE.name}? Without --bundle it need not"
+            ) from error
         except TransportClosed as error:
             last_words = self._simulation.last_words() if self._simulation else ""
             if not last_words:
                 raise
-            message = f"{error}; the simulation process ended: {last_words}"
-            raise TransportClosed(message) from error
+            raise TransportClosed(f"{error}; the simulation process ended: {last_words}") from error
 
 
 def _require_sense(url: str | None, *, has_simulation: bool) -> None:
     if not has_simulation and url is None:
-        message = "--side ci needs --url: the server on which the simulation is found"
-        raise UsageError(message)
+        raise UsageError("--side ci needs --url: the server on which the simulation is found")
 
 
 def _require_seed(seed: int) -> None:
     if seed > _GREATEST_SEED:
-        message = f"mission seed {seed}: too great for a ROS message; expected at most 2^63 - 1"
-        raise UsageError(message)
+        raise UsageError(
+            f"mission seed {seed}: too great for a ROS message; expected at most 2^63 - 1"
+        )

@@ -122,12 +122,11 @@ class EngineSettings:
             If several would share one server, and with it one set of topics.
         """
         if self.url is not None and n_workers > 1:
-            message = (
+            raise UsageError(
                 f"--workers {n_workers}: found a server at --url, whose topics belong to one "
                 "flight at a time; expected --workers 1, or no --url, so that every worker "
                 "embeds its own server"
             )
-            raise UsageError(message)
 
 
 def _compiled(code: MissionCode, seed: int, n_threads: int) -> Engine:
@@ -136,6 +135,7 @@ def _compiled(code: MissionCode, seed: int, n_threads: int) -> Engine:
     except ImportError as error:
         if error.name != "numba":
             raise
-        message = "--engine compiled needs numba; install it with: pip install 'mrsfi[fast]'"
-        raise UsageError(message) from error
+        raise UsageError(
+            "--engine compiled needs numba; install it with: pip install 'mrsfi[fast]'"
+        ) from error
     return CompiledEngine(code, seed, n_threads)

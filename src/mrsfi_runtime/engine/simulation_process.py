@@ -68,8 +68,7 @@ def serve_simulation(
             with suppress(TransportError):
                 host.tell_failure(error)
             if isinstance(error, TransportError):
-                message = f"{where}: {error}"
-                raise type(error)(message) from error
+                raise type(error)(f"{where}: {error}") from error
             raise
 
 

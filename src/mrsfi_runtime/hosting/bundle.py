@@ -99,9 +99,8 @@ class BundlingTransport:
         try:
             pairs = [(str(name), dict(message)) for name, message in json.loads(text)]
         except (TypeError, ValueError) as error:
-            message = (
+            raise ProtocolError(
                 f"{self._hears.name} carried {str(text)[:80]!r}; expected a JSON list of "
                 "[topic, message] pairs"
-            )
-            raise ProtocolError(message) from error
+            ) from error
         return pairs

@@ -134,8 +134,7 @@ class BusLockstep:
             self._call(STOP, self._patience.tick)
             self._flight = None
         except TransportError as error:
-            message = f"run {self._n_runs}, {self._where()}: {error}"
-            raise type(error)(message) from error
+            raise type(error)(f"run {self._n_runs}, {self._where()}: {error}") from error
         finally:
             self._end()
         return flight
@@ -155,12 +154,11 @@ class BusLockstep:
             if said == f"run {self._run}":
                 return
             if monotonic() > deadline:
-                message = (
+                raise TransportTimeout(
                     f"no simulation was ready within {self._patience.handshake:g} s: {said}; "
                     "start one (mrsfi simulate MISSION --engine rosbridge --side simulation "
                     "--url URL)"
                 )
-                raise TransportTimeout(message)
             sleep(_RETRY)
 
     def _said_to_reset(self) -> str:
@@ -221,8 +219,7 @@ class BusLockstep:
 
     def _on_failure(self, payload: Payload) -> None:
         if self._received.is_open:
-            message = f"the simulation failed: {payload.get('data')}"
-            raise TransportError(message)
+            raise TransportError(f"the simulation failed: {payload.get('data')}")
 
     def _on_tick(self, payload: Payload) -> None:
         told = numbers(TICK, payload, Tick)
@@ -231,12 +228,11 @@ class BusLockstep:
         self._completion.advance()
         is_complete = self._received.announce(told.tick, told.n_messages)
         if told.n_commands != self._topics.n_sent:
-            message = (
+            raise ProtocolError(
                 f"the simulation flew with {told.n_commands} commands; {self._topics.n_sent} were "
                 "sent since the reset: it has to count them, and to wait for as many as "
                 "/mission/go announces (docs/bus.md)"
             )
-            raise ProtocolError(message)
         if is_complete:
             self._proceed()
 
@@ -262,11 +258,10 @@ class BusLockstep:
 
     def _take_truth(self, flight: Flight) -> None:
         if len(self._truth) < self._n_truths:
-            message = (
+            raise ProtocolError(
                 f"the true state of {len(self._truth)} of {self._n_truths} robots came; the "
                 "simulation has to publish /truth/ of every robot at every tick"
             )
-            raise ProtocolError(message)
         for index, payload in self._truth.items():
             take_true_values(flight.world, index, payload.get("data"))
         flight.world.mission.tick = self._received.tick

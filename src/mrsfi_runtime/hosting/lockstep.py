@@ -97,8 +97,9 @@ class Flight:
         try:
             self._interface.read(self._inbox)
         except (KeyError, TypeError, ValueError) as error:
-            message = f"the simulation's messages cannot be read: {type(error).__name__}: {error}"
-            raise ProtocolError(message) from error
+            raise ProtocolError(
+                f"the simulation's messages cannot be read: {type(error).__name__}: {error}"
+            ) from error
         answer(
             self._functions,
             self.world,

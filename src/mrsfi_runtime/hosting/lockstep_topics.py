@@ -92,9 +92,8 @@ def numbers(topic: Topic, payload: Payload, kind: type[Numbers]) -> Numbers:
         or len(found) != len(kind._fields)
         or not all(type(value) is int for value in found)
     ):
-        message = (
+        raise ProtocolError(
             f"{topic.name} carried {found!r}; expected {len(kind._fields)} integers: "
             f"{', '.join(kind._fields)} (docs/bus.md)"
         )
-        raise ProtocolError(message)
     return kind(*found)

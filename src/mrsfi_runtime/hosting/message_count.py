@@ -64,8 +64,7 @@ class MessageCount:
         if not self.is_open:
             return False
         if topic in self._received:
-            message = f"two messages on {topic}; expected one: a message came twice"
-            raise ProtocolError(message)
+            raise ProtocolError(f"two messages on {topic}; expected one: a message came twice")
         self._received.add(topic)
         return self._is_complete()
 
@@ -78,12 +77,11 @@ class MessageCount:
             If it is not the tick expected, or more came than announced.
         """
         if tick != self.tick or self._announced is not None:
-            message = (
+            raise ProtocolError(
                 f"the {self._sender} announced tick {tick}; expected tick "
                 f"{self.tick + (self._announced is not None)}: "
                 "messages were lost, doubled or reordered"
             )
-            raise ProtocolError(message)
         self._announced = n_messages
         return self._is_complete()
 
@@ -121,11 +119,10 @@ class MessageCount:
         if self._announced is None or len(self._received) < self._announced:
             return False
         if len(self._received) > self._announced:
-            message = (
+            raise ProtocolError(
                 f"{len(self._received)} messages of the {self._sender} arrived; it announced "
                 f"{self._announced}: a message came twice or out of order"
             )
-            raise ProtocolError(message)
         return True
 
 
@@ -189,8 +186,7 @@ class CountedTopics:
             try:
                 callback(payload)
             except (KeyError, TypeError, ValueError) as error:
-                message = f"{name} carried {payload!r}; expected {topic.type}"
-                raise ProtocolError(message) from error
+                raise ProtocolError(f"{name} carried {payload!r}; expected {topic.type}") from error
             if is_complete:
                 self._proceed()
 

@@ -81,12 +81,11 @@ def _require_same(
         if value != before[place] and place not in allowed:
             records, index, column = place
             named = " and ".join(affected.name for affected in kind.properties)
-            message = (
+            raise EvaluationError(
                 f"region '{kind.name}.apply' of fault_effects.py changed {column} of "
                 f"{name}{records}[{index}] from {before[place]} to {value}; expected it to change "
                 f"{named} of its target alone, as faults.ecore says; correct either"
             )
-            raise EvaluationError(message)
 
 
 def _fixed(fault: OwnFault) -> Iterator[tuple[Place, Any]]:

@@ -34,11 +34,10 @@ def take_true_values(world: State, index: int, values: object) -> None:
         or len(values) != expected
         or not all(isinstance(value, int | float) for value in values)
     ):
-        message = (
+        raise ProtocolError(
             f"the true state of robot {index} is {values!r}; expected {expected} numbers: "
             "x, y, z, speed, energy, then count and active of each of its sensors"
         )
-        raise ProtocolError(message)
     robot.x, robot.y, robot.z, robot.speed, robot.energy = (float(value) for value in values[:5])
     for offset in range(robot.n_sensors):
         sensor = world.sensors[robot.first_sensor + offset]

@@ -85,8 +85,9 @@ class FaultPool:
             return self.by_id[fault_id]
         except KeyError:
             known = ", ".join(self.by_id) or "none"
-            message = f"fault pool '{self.id}' has no fault '{fault_id}'; it has: {known}"
-            raise SpecificationError(message) from None
+            raise SpecificationError(
+                f"fault pool '{self.id}' has no fault '{fault_id}'; it has: {known}"
+            ) from None
 
     def __iter__(self) -> Iterator[Fault]:
         return iter(self.faults)
@@ -105,10 +106,9 @@ class FaultPool:
         timed = []
         for fault in self.faults:
             if fault.start is None or fault.finish is None:
-                message = (
+                raise SpecificationError(
                     f"fault '{fault.id}' of '{self.id}' has no start and finish; "
                     "a specification that is to be flown needs both"
                 )
-                raise SpecificationError(message)
             timed.append(TimedFault(fault.id, fault.start, fault.finish, fault.values))
         return tuple(timed)

@@ -58,11 +58,10 @@ def _found(mission: Mission, fault: Fault) -> tuple[Target, ...]:
                 index = mission.obstacle_index[fault.target]
         return tuple((affected, index) for affected in kind.properties)
     except KeyError as error:
-        message = (
+        raise SpecificationError(
             f"fault '{fault.id}' ({fault.type}) refers to {error.args[0]!r}; "
             f"mission '{mission.name}' has no such {kind.struck.value}"
-        )
-        raise SpecificationError(message) from None
+        ) from None
 
 
 def _of_robot(mission: Mission, robot: int, properties: Iterable[Field]) -> Iterator[Target]:
@@ -132,11 +131,10 @@ def require_no_overlap(mission: Mission, pool: FaultPool, specification: Specifi
     for timed in specification:
         n_values = len(pool[timed.fault].kind.parameters)
         if timed.start < 0 or timed.finish < timed.start or len(timed.values) != n_values:
-            message = (
+            raise SpecificationError(
                 f"fault '{timed.fault}' has window {timed.start} … {timed.finish} and "
                 f"{len(timed.values)} values; expected 0 <= start <= finish and {n_values} values"
             )
-            raise SpecificationError(message)
     busy: dict[Target | str, list[TimedFault]] = {}
     for second in specification:
         keys: list[Target | str] = [second.fault, *touched(mission, pool[second.fault])]

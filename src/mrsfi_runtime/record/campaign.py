@@ -201,8 +201,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         if not rows:
             n_found = self.n_evaluations
             expected = f"0 to {n_found - 1}" if n_found else "no number: it holds none yet"
-            message = f"{self.path}: found no evaluation {index}; expected {expected}"
-            raise RecordError(message)
+            raise RecordError(f"{self.path}: found no evaluation {index}; expected {expected}")
         return self._decoded(_evaluation, rows[0])
 
     def generations(self) -> tuple[Generation, ...]:
@@ -282,8 +281,7 @@ def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> Non
     """Refuse rows whose indexes do not follow those stored."""
     for expected, row in enumerate(rows, first):
         if row[0] != expected:
-            message = f"found {what} {row[0]}; expected {expected} next"
-            raise ValueError(message)
+            raise ValueError(f"found {what} {row[0]}; expected {expected} next")
 
 
 def _generation_row(generation: Generation) -> tuple[Any, ...]:

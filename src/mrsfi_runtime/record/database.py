@@ -42,11 +42,10 @@ def create(path: Path, meta: Mapping[str, str]) -> sqlite3.Connection:
     with translated(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     if path.exists():
-        message = (
+        raise RecordError(
             f"{path}: found a campaign there already; expected a new folder. "
             "Give the campaign another name, or move the old one away"
         )
-        raise RecordError(message)
     new = path.with_name(new_name(path))
     with translated(path):
         for leftover in (new, new.with_name(f"{new.name}-journal")):
@@ -76,12 +75,11 @@ def open_existing(path: Path) -> sqlite3.Connection:
         If there is none, or it is no campaign, or a damaged one, or one of a newer version.
     """
     if not path.is_file():
-        message = (
+        raise RecordError(
             f"{path.parent}: found no {path.name}; expected the folder of a campaign, "
             "as 'mrsfi evolve' writes it; one that was ended before it began has none: "
             "begin it anew"
         )
-        raise RecordError(message)
     with translated(path):
         connection = _connect(path, "rw")
         with closed_on_error(connection):
@@ -170,14 +168,12 @@ def _require_campaign(path: Path, connection: sqlite3.Connection) -> None:
     ((application,),) = connection.execute("PRAGMA application_id").fetchall()
     ((version,),) = connection.execute("PRAGMA user_version").fetchall()
     if application != _APPLICATION:
-        message = (
+        raise RecordError(
             f"{path}: found a SQLite file that is not a campaign; expected the record of "
             "'mrsfi evolve'; name the folder of one"
         )
-        raise RecordError(message)
     if version > SCHEMA:
-        message = (
+        raise RecordError(
             f"{path}: found a campaign of version {version}; expected at most {SCHEMA}, which "
             "is what this mrsfi reads; open it with the newer mrsfi that wrote it"
         )
-        raise RecordError(message)

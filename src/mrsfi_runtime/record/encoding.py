@@ -86,8 +86,7 @@ def counts_from_texts(texts: Sequence[str]) -> tuple[tuple[int, ...], ...]:
     found = _list(f"[{','.join(texts)}]")
     is_sound = len(found) == len(texts) and all(type(counts) is list for counts in found)
     if not is_sound or not set(map(type, chain.from_iterable(found))) <= {int}:
-        message = f"found {' '.join(texts)[:60]}; expected lists of integers"
-        raise ValueError(message)
+        raise ValueError(f"found {' '.join(texts)[:60]}; expected lists of integers")
     return tuple(map(tuple, found))
 
 
@@ -118,14 +117,12 @@ def object_from_text(text: str) -> dict[str, Any]:
     """Return a JSON object; a ValueError if the text is anything else."""
     value = json.loads(text)
     if not isinstance(value, dict):
-        message = f"found {text[:60]}; expected an object"
-        raise ValueError(message)  # noqa: TRY004 - the text is wrong, not its type
+        raise ValueError(f"found {text[:60]}; expected an object")  # noqa: TRY004 - the text is wrong, not its type
     return value
 
 
 def _list(text: str) -> list[Any]:
     value = _decode(text)
     if not isinstance(value, list):
-        message = f"found {text[:60]}; expected a list"
-        raise ValueError(message)  # noqa: TRY004 - the text is wrong, not its type
+        raise ValueError(f"found {text[:60]}; expected a list")  # noqa: TRY004 - the text is wrong, not its type
     return value

@@ -88,11 +88,10 @@ class CampaignFolder:
         new = new_name(self.database)
         begun = {self.lock.name, self.model.name, self.generated.name, new, f"{new}-journal"}
         if found and not {self.lock.name} <= found <= begun:
-            message = (
+            raise RecordError(
                 f"{self.path}: found something there already; expected a new or empty folder. "
                 "Give the campaign another name, or move the old one away"
             )
-            raise RecordError(message)
 
 
 def hashes(folder: Path) -> dict[str, str]:
@@ -120,11 +119,10 @@ def _explained(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        message = (
+        raise RecordError(
             f"{path}: cannot make the campaign folder: {error}; expected a place that can be "
             "written, and readable models and generated code"
-        )
-        raise RecordError(message) from error
+        ) from error
 
 
 def _copy_files(source: Path, target: Path) -> None:

@@ -34,11 +34,10 @@ def _opened(path: Path) -> int:
     try:
         return os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
     except OSError as error:
-        message = (
+        raise RecordError(
             f"{path.parent}: cannot be opened or written: {error.strerror}; expected the folder "
             "of a campaign that can be; change its permissions, or continue a copy of it"
-        )
-        raise RecordError(message) from error
+        ) from error
 
 
 def _seize(folder: CampaignFolder, descriptor: int) -> None:
@@ -48,14 +47,12 @@ def _seize(folder: CampaignFolder, descriptor: int) -> None:
         os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
     except BlockingIOError as error:
         holder = os.pread(descriptor, 20, 0).decode("ascii", "replace").strip()
-        message = (
+        raise RecordError(
             f"{folder.path}: found another process{f' ({holder})' if holder else ''} running this "
             "campaign; expected one at a time; wait until it is done, or end it and resume"
-        )
-        raise RecordError(message) from error
+        ) from error
     except OSError as error:
-        message = (
+        raise RecordError(
             f"{folder.lock}: cannot be locked: {error.strerror}; expected a file system with "
             "locks and some room; choose another place"
-        )
-        raise RecordError(message) from error
+        ) from error

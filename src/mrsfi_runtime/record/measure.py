@@ -91,5 +91,4 @@ def ticks(count: float) -> str:
 def _require(goals: Sequence[str], known: Sequence[str], expected: str) -> None:
     for goal in goals:
         if goal not in known:
-            message = f"found goal '{goal}'; expected {expected}: {', '.join(known)}"
-            raise UsageError(message)
+            raise UsageError(f"found goal '{goal}'; expected {expected}: {', '.join(known)}")

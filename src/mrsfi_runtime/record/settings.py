@@ -102,8 +102,9 @@ class CampaignSettings:
         try:
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            message = f"{path}: cannot be read ({error}); expected a campaign file in TOML"
-            raise UsageError(message) from error
+            raise UsageError(
+                f"{path}: cannot be read ({error}); expected a campaign file in TOML"
+            ) from error
         return cls.parse(text, str(path), **overrides)
 
     @classmethod
@@ -112,16 +113,15 @@ class CampaignSettings:
         try:
             document = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
-            message = f"{source}: is not TOML: {error}"
-            raise UsageError(message) from error
+            raise UsageError(f"{source}: is not TOML: {error}") from error
         for name in document:
             if name != "search":
-                message = f"{source}: found '{name}'; expected one table, [search]"
-                raise UsageError(message)
+                raise UsageError(f"{source}: found '{name}'; expected one table, [search]")
         table = document.get("search")
         if not isinstance(table, dict):
-            message = f"{source}: has no table [search]; expected one with the campaign's settings"
-            raise UsageError(message)
+            raise UsageError(
+                f"{source}: has no table [search]; expected one with the campaign's settings"
+            )
         values = _checked(table, f"{source}: [search]")
         given = {key: value for key, value in overrides.items() if value is not None}
         return cls(**(values | _checked(given, "option")), source=source)
@@ -208,11 +208,11 @@ def _checked(table: Mapping[str, object], where: str) -> dict[str, Any]:
     values = {}
     for key, value in table.items():
         if key not in _RULES:
-            message = f"{where} found unknown key '{key}'; expected one of {', '.join(_RULES)}"
-            raise UsageError(message)
+            raise UsageError(
+                f"{where} found unknown key '{key}'; expected one of {', '.join(_RULES)}"
+            )
         rule = _RULES[key]
         if not rule.accepts(value):
-            message = f"{where} {key}: found {value!r}; expected {rule.expected}"
-            raise UsageError(message)
+            raise UsageError(f"{where} {key}: found {value!r}; expected {rule.expected}")
         values[key] = rule.converted(value)
     return values

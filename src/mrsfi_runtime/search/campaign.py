@@ -98,11 +98,10 @@ def require_settings(
     for goal in settings.goals:
         if goal not in mission.goal_ids:
             known = ", ".join(mission.goal_ids)
-            message = (
+            raise UsageError(
                 f"{settings.source}: [search] goals: found '{goal}'; "
                 f"mission '{mission.name}' has {known}"
             )
-            raise UsageError(message)
 
 
 def run_campaign(  # noqa: PLR0913 - four of them have a default
@@ -146,8 +145,7 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     """
     require_settings(settings, mission, fitness_functions)
     if len(replicas) != settings.replications - 1:
-        message = f"found {len(replicas)} replicas; expected {settings.replications - 1}"
-        raise ValueError(message)
+        raise ValueError(f"found {len(replicas)} replicas; expected {settings.replications - 1}")
     algorithm = begin_search(SearchSpace.of(mission, pool), settings)
     record = ResumableRecord(store, settings.source, clock)
     judge = Judge(settings, mission, fitness_functions)
@@ -282,12 +280,11 @@ class _Assessment:
     def _require_few_failures(self) -> None:
         if self._n_failures >= self._settings.max_failures:
             reason = self._last_failure.rstrip().rpartition("\n")[2].partition(": ")[2]
-            message = (
+            raise EvaluationError(
                 f"{self._n_failures} evaluations failed; max_failures is "
                 f"{self._settings.max_failures}. All are recorded with their tracebacks; "
                 f"the last one: {reason}"
             )
-            raise EvaluationError(message)
 
     @property
     def _n_failures(self) -> int:

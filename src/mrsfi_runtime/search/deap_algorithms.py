@@ -54,11 +54,10 @@ def ea_mu_comma_lambda(space: SearchSpace, settings: CampaignSettings) -> Algori
     """
     n_offspring = settings.offspring or 2 * settings.population
     if n_offspring < settings.population:
-        message = (
+        raise UsageError(
             f"{settings.source}: [search] offspring: found {n_offspring}; eaMuCommaLambda needs "
             f"at least as many as population, {settings.population}"
         )
-        raise UsageError(message)
     breeder = Breeder(space, settings)
     return breeder.loop(
         lambda parents: _vary_or(breeder, settings, parents, n_offspring),

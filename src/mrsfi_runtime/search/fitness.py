@@ -152,8 +152,9 @@ def require_finite(specification: Specification, score: Score) -> None:
         If it is not.
     """
     if not all(map(math.isfinite, (score.fitness, *score.goals))):
-        message = f"the fitness of {specification} is {score.fitness}; expected a finite number"
-        raise EvaluationError(message)
+        raise EvaluationError(
+            f"the fitness of {specification} is {score.fitness}; expected a finite number"
+        )
 
 
 def averaged(scores: Sequence[Score]) -> Score:

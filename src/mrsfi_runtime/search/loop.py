@@ -119,8 +119,9 @@ class GenerationalLoop:
             If the fitness of those asked for before was not told, or the run is finished.
         """
         if self._pending is not None or self.is_finished:
-            message = "expected the fitness of what was asked for, or a new run; found another ask"
-            raise ValueError(message)
+            raise ValueError(
+                "expected the fitness of what was asked for, or a new run; found another ask"
+            )
         offspring = []
         pending: list[Individual] = []
         limit = self._settings.evaluations
@@ -149,8 +150,9 @@ class GenerationalLoop:
         """
         if self._pending is None or len(scores) != len(self._pending):
             n_expected = 0 if self._pending is None else len(self._pending)
-            message = f"found {len(scores)} fitness values; expected {n_expected} after an ask"
-            raise ValueError(message)
+            raise ValueError(
+                f"found {len(scores)} fitness values; expected {n_expected} after an ask"
+            )
         for individual, score in zip(self._pending, scores, strict=True):
             individual.assess(score)
         n_evaluations = len(self._pending)

@@ -72,8 +72,9 @@ class SearchSpace:
             If the pool is empty or refers to an element that the mission does not have.
         """
         if not len(pool):
-            message = f"fault pool '{pool.id}' is empty; search needs at least one fault"
-            raise SpecificationError(message)
+            raise SpecificationError(
+                f"fault pool '{pool.id}' is empty; search needs at least one fault"
+            )
         excluded = conflicts(mission, pool)
         candidates = {
             fault.id: Candidate(
@@ -112,18 +113,16 @@ class SearchSpace:
         """
         for timed in specification:
             if not self._has(timed):
-                message = (
+                raise SpecificationError(
                     f"{where} made {timed}; expected a fault of the pool, its window within "
                     f"0 … {self.duration - 1} and its values within the bounds of the model"
                 )
-                raise SpecificationError(message)
         for first, second in combinations(specification, 2):
             if self.clash(first, second):
-                message = (
+                raise SpecificationError(
                     f"{where} made {first} and {second}, which conflict and overlap; "
                     "SearchSpace.free_windows says where there is room"
                 )
-                raise SpecificationError(message)
         return self.ordered(specification)
 
     def _has(self, timed: TimedFault) -> bool:

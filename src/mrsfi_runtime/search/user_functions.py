@@ -42,8 +42,7 @@ def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
         return cast("T", user_function(name, where))
     if name not in table:
         known = ", ".join(f"'{entry}'" for entry in table)
-        message = f"{where}: found '{name}'; expected one of {known}, or 'module:function'"
-        raise UsageError(message)
+        raise UsageError(f"{where}: found '{name}'; expected one of {known}, or 'module:function'")
     return table[name]
 
 
@@ -63,17 +62,17 @@ def user_function(name: str, where: str) -> Callable[..., Any]:
     """
     module_name, _, attribute = name.partition(":")
     if not all(part.isidentifier() for part in (*module_name.split("."), attribute)):
-        message = f"{where}: found '{name}'; expected 'module:function', such as 'my_search:creep'"
-        raise UsageError(message)
+        raise UsageError(
+            f"{where}: found '{name}'; expected 'module:function', such as 'my_search:creep'"
+        )
     module = _imported(module_name, f"{where}: found '{name}'")
     found = getattr(module, attribute, None)
     if not callable(found):
         functions = [key for key, value in vars(module).items() if _is_own(value, module)]
         known = ", ".join(functions) or "none"
-        message = (
+        raise UsageError(
             f"{where}: found '{name}'; expected a function of {module.__file__}, which has: {known}"
         )
-        raise UsageError(message)
     return guarded(found, f"{where}: '{name}'")
 
 
@@ -96,10 +95,9 @@ def told_by_line(where: str) -> Iterator[None]:
     except MrsfiError:
         raise
     except Exception as error:
-        message = (
+        raise UsageError(
             f"{where} failed at {_place(error)}: {type(error).__name__}: {error}; correct it there"
-        )
-        raise UsageError(message) from error
+        ) from error
 
 
 def _imported(name: str, where: str) -> ModuleType:
@@ -111,11 +109,10 @@ def _imported(name: str, where: str) -> ModuleType:
     except UsageError as error:
         missing = error.__cause__
         if isinstance(missing, ModuleNotFoundError) and missing.name == name.partition(".")[0]:
-            message = (
+            raise UsageError(
                 f"{where}; expected a module '{name}' in the current folder, {folder}, or on "
                 "Python's path; set PYTHONPATH to its folder"
-            )
-            raise UsageError(message) from error
+            ) from error
         raise
     finally:
         sys.path.remove(folder)

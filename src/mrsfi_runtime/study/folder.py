@@ -140,11 +140,10 @@ def _require_same(path: Path, recorded: Any, subject: Mapping[str, Any]) -> None
     other = sorted(
         key for key in {*recorded, *subject} if recorded.get(key, None) != subject.get(key, None)
     )
-    message = (
+    raise RecordError(
         f"{path}: found a run with other {', '.join(other)}: {_excerpt(recorded, other)}; expected "
         f"{_excerpt(subject, other)}; compare in another folder with --out, or remove this one"
     )
-    raise RecordError(message)
 
 
 def _excerpt(subject: Mapping[str, Any], keys: list[str]) -> str:
@@ -163,11 +162,10 @@ def _explained(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        message = (
+        raise RecordError(
             f"{path}: cannot be written: {error.strerror or error}; expected a folder that can be, "
             "on a disk with some room; runs that are finished stay"
-        )
-        raise RecordError(message) from error
+        ) from error
 
 
 def _text(content: Mapping[str, Any]) -> bytes:

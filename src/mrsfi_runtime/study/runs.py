@@ -66,12 +66,11 @@ def _require_same_files(source: Path, copy: Path) -> None:
     expected, found = hashes(source), hashes(copy)
     for name in sorted({*expected, *found}):
         if expected.get(name) != found.get(name) and not name.endswith(".toml"):
-            message = (
+            raise RecordError(
                 f"{copy / name}: the comparison's own copy differs from {source / name}; "
                 "expected the mission that its runs flew; compare in another folder with "
                 "--out, or remove this one"
             )
-            raise RecordError(message)
 
 
 def _hash(files: Sequence[Path]) -> str:

@@ -76,6 +76,5 @@ class LocalBus:
     def _join(self, topic: Topic) -> list[Callable[[Payload], None]]:
         known = self._types.setdefault(topic.name, topic.type)
         if known != topic.type:
-            message = f"topic '{topic.name}' carries '{known}', not '{topic.type}'"
-            raise ProtocolError(message)
+            raise ProtocolError(f"topic '{topic.name}' carries '{known}', not '{topic.type}'")
         return self._subscribers.setdefault(topic.name, [])

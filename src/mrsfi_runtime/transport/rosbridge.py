@@ -84,8 +84,9 @@ class RosbridgeTransport:
         try:
             self._ros = roslibpy.Ros(url, transport=client)
         except RuntimeError as error:
-            message = f"--client {client}: this process already uses roslibpy's other client"
-            raise UsageError(message) from error
+            raise UsageError(
+                f"--client {client}: this process already uses roslibpy's other client"
+            ) from error
         self._ros.on("close", self._on_close)
         self._ros.factory.on_ready(self._on_open)
         self._ros.factory.manager.run()
@@ -174,10 +175,10 @@ class RosbridgeTransport:
         self._is_closing = True
         self._ros.call_later(0, self._stop_reconnecting)
         if is_open:
-            message = f"{self.url} refused the connection; expected a rosbridge server"
-            raise TransportClosed(message)
-        message = f"{self.url} did not answer within {timeout:g} s; expected a rosbridge server"
-        raise TransportTimeout(message)
+            raise TransportClosed(f"{self.url} refused the connection; expected a rosbridge server")
+        raise TransportTimeout(
+            f"{self.url} did not answer within {timeout:g} s; expected a rosbridge server"
+        )
 
     def _on_open(self, protocol: Any) -> None:
         self._stop_reconnecting()
@@ -269,18 +270,15 @@ def _require_listener(url: str, timeout: float) -> None:
     """Refuse a URL at which nobody listens at once: roslibpy would try for an hour."""
     parts = urlsplit(url)
     if parts.scheme not in _PORTS or not parts.hostname:
-        message = f"--url: found '{url}'; expected ws://HOST:PORT"
-        raise UsageError(message)
+        raise UsageError(f"--url: found '{url}'; expected ws://HOST:PORT")
     try:
         port = parts.port or _PORTS[parts.scheme]
     except ValueError as error:
-        message = f"--url: found '{url}'; expected a port from 1 to 65535"
-        raise UsageError(message) from error
+        raise UsageError(f"--url: found '{url}'; expected a port from 1 to 65535") from error
     try:
         socket.create_connection((parts.hostname, port), timeout).close()
     except OSError as error:
-        message = (
+        raise TransportClosed(
             f"{without_token(url)}: cannot be reached: {error.strerror or error}; start a "
             "rosbridge server (mrsfi bridge), or leave --url out to have one embedded"
-        )
-        raise TransportClosed(message) from error
+        ) from error

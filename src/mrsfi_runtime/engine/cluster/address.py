@@ -18,14 +18,14 @@ def require_address(text: str) -> None:
         If so.
     """
     if find_spec("distributed") is None:
-        message = "--dask needs dask.distributed; install it with: pip install 'mrsfi[dask]'"
-        raise UsageError(message)
+        raise UsageError(
+            "--dask needs dask.distributed; install it with: pip install 'mrsfi[dask]'"
+        )
     if text != LOCAL and not _is_address(text):
-        message = (
+        raise UsageError(
             f"--dask: found '{text}'; expected tcp://HOST:PORT or tls://HOST:PORT, as "
             f"`dask scheduler` prints it, or {LOCAL}"
         )
-        raise UsageError(message)
 
 
 def _is_address(text: str) -> bool:

@@ -143,11 +143,10 @@ class Cluster:
             except MrsfiError:
                 raise
             except Exception as error:  # dask tells in a bare one what a worker cannot load
-                message = (
+                raise TransportError(
                     f"a worker of {self.address} cannot take the mission's code: {error}; "
                     f"{_INSTALL}"
-                )
-                raise TransportError(message) from error
+                ) from error
             self._plugins[shipment.name] = name
         return self._plugins[shipment.name]
 
@@ -173,11 +172,10 @@ class Cluster:
         if self._count_workers():
             self._has_workers_until = monotonic()
         elif monotonic() > self._has_workers_until + self._patience:
-            message = (
+            raise TransportError(
                 f"no worker has been left on {self.address} for {self._patience:g} s; "
                 f"{self._advice()}"
             )
-            raise TransportError(message)
 
     def give_up(self, tasks: Iterable[Task]) -> None:
         """Drop tasks that nobody waits for any more."""
@@ -192,21 +190,20 @@ class Cluster:
         try:
             yield
         except KilledWorker as error:
-            message = (
+            raise EvaluationError(
                 f"{error.allowed_failures + 1} workers of {self.address} died, one after the "
                 f"other, while they had the same chunk, the last at {error.last_worker.address}; "
                 "resume the campaign without --dask and with --workers 1 to see why"
-            )
-            raise EvaluationError(message) from error
+            ) from error
         except ImportError as error:
-            message = f"a worker of {self.address} cannot evaluate: {error}; {_INSTALL}"
-            raise TransportError(message) from error
+            raise TransportError(
+                f"a worker of {self.address} cannot evaluate: {error}; {_INSTALL}"
+            ) from error
         except (OSError, CancelledError) as error:
-            message = (
+            raise TransportError(
                 f"{self.address}: the connection to the scheduler is lost "
                 f"({type(error).__name__}); see whether it still runs, and resume"
-            )
-            raise TransportError(message) from error
+            ) from error
 
     @contextmanager
     def _connected(self, target: Any) -> Iterator[Any]:
@@ -216,11 +213,10 @@ class Cluster:
                 warnings.simplefilter("ignore")  # of versions that differ: we refuse them
                 client = Client(target, timeout=CONNECT_SECONDS, set_as_default=False)
         except OSError as error:
-            message = (
+            raise TransportError(
                 f"--dask {self.address}: no scheduler answers: {error}; start one with "
                 "`dask scheduler`, or correct the address"
-            )
-            raise TransportError(message) from error
+            ) from error
         try:
             yield client
         finally:
@@ -230,11 +226,10 @@ class Cluster:
         try:
             self._client.wait_for_workers(1, timeout=self._patience)
         except TimeoutError as error:
-            message = (
+            raise TransportError(
                 f"--dask {self.address}: found no worker within {self._patience:g} s; "
                 f"{self._advice()}"
-            )
-            raise TransportError(message) from error
+            ) from error
         self._has_workers_until = monotonic()
 
     def _advice(self) -> str:
@@ -263,11 +258,10 @@ def _require_certificates(address: str) -> None:
     except OSError as error:
         found, reason = None, f"has some that cannot be used: {error}"
     if found is None:
-        message = (
+        raise UsageError(
             f"--dask {address}: expected certificates in dask's configuration "
             f"(distributed.comm.tls), which {reason}"
         )
-        raise UsageError(message)
 
 
 @contextmanager
@@ -300,6 +294,7 @@ def _local(n_workers: int) -> Iterator[Any]:
                 )
                 stack.enter_context(cluster)
         except RuntimeError as error:
-            message = f"--dask {LOCAL}: {error}; use --workers without --dask"
-            raise TransportError(message) from error
+            raise TransportError(
+                f"--dask {LOCAL}: {error}; use --workers without --dask"
+            ) from error
         yield cluster

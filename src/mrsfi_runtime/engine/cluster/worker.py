@@ -99,8 +99,9 @@ class MissionPlugin(WorkerPlugin):
         try:
             self._shipment.unpack(self._folder)
         except OSError as error:
-            message = f"the worker at {self._address} cannot keep the mission's code: {error}"
-            raise TransportError(message) from error
+            raise TransportError(
+                f"the worker at {self._address} cannot keep the mission's code: {error}"
+            ) from error
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - dask's signature
         """Give up engines and folder."""
@@ -132,11 +133,10 @@ class MissionPlugin(WorkerPlugin):
     def _require_same_environment(self) -> None:
         differences = self._shipment.differences()
         if differences:
-            message = (
+            raise TransportError(
                 f"the worker at {self._address} would not give the same results: it has "
                 f"{differences}; install the same there, or stop that worker"
             )
-            raise TransportError(message)
 
     def _engine(self, chunk: Chunk) -> Engine:
         key = chunk.settings
@@ -145,11 +145,10 @@ class MissionPlugin(WorkerPlugin):
                 code = load_code(self._folder)
                 self._engines[key] = chunk.settings.open(code, chunk.seed, self._n_threads)
             except MrsfiError as error:
-                message = (
+                raise type(error)(
                     f"on the worker at {self._address}: {error}; what regions import has to be "
                     "installed on every worker"
-                )
-                raise type(error)(message) from error
+                ) from error
         return self._engines[key]
 
     def _as_at_home(self, result: Evaluated) -> Evaluated:

@@ -76,11 +76,10 @@ def _require_one_file(code: MissionCode) -> None:
     for name, function in code.functions._asdict().items():
         names = function.__globals__ if name == "apply" else code.functions.check.__globals__
         if names.get(name) is not function:
-            message = (
+            raise CompilationError(
                 f"{code.directory}: '{name}' is no function of {names['__name__']}; "
                 "expected the functions of one generated file"
             )
-            raise CompilationError(message)
 
 
 @lru_cache(maxsize=16)

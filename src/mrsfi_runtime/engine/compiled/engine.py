@@ -128,12 +128,11 @@ class CompiledEngine(Engine):
                 continue  # what failed was flown by the reference engine already
             expected = self._reference.evaluate(specification, seed)
             if expected != outcome:
-                message = (
+                raise EvaluationError(
                     f"{self.code.directory}: compiled, the mission has outcome {outcome}; the "
                     f"reference engine has {expected} for {specification}; look for what compiles "
                     "but differs (`mrsfi validate` warns of it), or use --engine reference"
                 )
-                raise EvaluationError(message)
         self._is_checked = True
 
     def _evaluate_chunk(
