@@ -12,10 +12,10 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from tests.support.models.fleets import fleet
+from tests.support.trace import TraceDigest
 from tests.support.tree import ROOT
 from tests.support.world import paper_code
 from tests.tiers import slow

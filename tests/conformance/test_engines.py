@@ -11,9 +11,9 @@ from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
+from tests.support.trace import TraceDigest
 from tests.support.world import ROOT, paper_code
 
 SEED = 5

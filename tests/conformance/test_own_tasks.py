@@ -10,10 +10,10 @@ from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
-from mrsfi_runtime.record.trace import TraceDigest
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.loiter import BODIES, CONSTANTS, fill, write_loiter
 from tests.support.models.own_metamodels import own_metamodels  # noqa: F401 - a fixture
+from tests.support.trace import TraceDigest
 
 STRAY = Fault("stray", FAULT_TYPES["FixedRobotCoordinates"], "from_a", (500.0, 500.0, 0.0))
 POOL = FaultPool("one", (STRAY,))

@@ -9,6 +9,7 @@ import pytest
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE
 from tests.support.cli import MISSION, ROOT, edit, mrsfi_process, workspace
 from tests.support.own_metamodels import (
+    a_class,
     add_classes,
     add_fault_type,
     add_faults,
@@ -16,7 +17,6 @@ from tests.support.own_metamodels import (
     attribute,
     meaning,
     parameter,
-    subclass,
 )
 
 
@@ -74,11 +74,11 @@ def test_team_adds_subclasses(project: Path) -> None:
     models = project / "models" / MISSION
     add_classes(
         mission,
-        subclass("Tagged", "", attribute("tag")),
-        subclass("Glider", "#//Robot #//Tagged"),
-        subclass("DeepSamples", "#//GatherSamples", attribute("area")),
+        a_class("Tagged", "", attribute("tag")),
+        a_class("Glider", "#//Robot #//Tagged"),
+        a_class("DeepSamples", "#//GatherSamples", attribute("area")),
     )
-    add_classes(faults, subclass("WildSpeed", "#//RandomSpeed", attribute("wild")))
+    add_classes(faults, a_class("WildSpeed", "#//RandomSpeed", attribute("wild")))
     edit(models / "mission.xmi", '<robots ID="r1"', '<robots xsi:type="mission:Glider" ID="r1"')
     edit(models / "mission.xmi", '"mission:GatherSamples"', '"mission:DeepSamples" area="reef"')
     edit(
@@ -109,9 +109,9 @@ def test_team_adds_parts_of_its_own(project: Path) -> None:
     mission, faults = (project / "metamodels" / name for name in (MISSION_FILE, FAULTS_FILE))
     models = project / "models" / MISSION
     part = '<eStructuralFeatures xsi:type="ecore:EReference" containment="true" '
-    add_classes(mission, subclass("Zone", "#//Identified", attribute("radius")))
+    add_classes(mission, a_class("Zone", "#//Identified", attribute("radius")))
     add_feature(mission, "Mission", f'{part} name="zones" eType="#//Zone" upperBound="-1"/>')
-    add_classes(faults, subclass("Note", "", attribute("text")))
+    add_classes(faults, a_class("Note", "", attribute("text")))
     add_feature(faults, "Fault", f'{part} name="note" eType="#//Note"/>')
     edit(
         models / "mission.xmi",
@@ -126,7 +126,7 @@ def test_team_adds_parts_of_its_own(project: Path) -> None:
 def test_team_adds_a_fault_type_that_says_nothing(project: Path) -> None:
     faults = project / "metamodels" / FAULTS_FILE
     part = '<eStructuralFeatures xsi:type="ecore:EReference" containment="true" '
-    add_classes(faults, subclass("Jam", "#//RobotFault"))
+    add_classes(faults, a_class("Jam", "#//RobotFault"))
     add_feature(faults, "Fault", f'{part} name="jam" eType="#//Jam"/>')
 
     done = mrsfi_process("generate", MISSION, cwd=project, expected=3)

@@ -9,14 +9,13 @@ from mrsfi_runtime.errors import ModelError
 from tests.support.models.generation import GENERATED, edit, run_module
 from tests.support.models.loiter import write_loiter
 from tests.support.models.own_metamodels import (
-    a_class,
     an_enumeration,
-    attribute,
     many,
     own_metamodels,  # noqa: F401 - a fixture
     part,
     reference,
 )
+from tests.support.own_metamodels import a_class, attribute
 from tests.support.tree import ROOT
 
 TAGS = {

@@ -1,8 +1,6 @@
 """Evaluation in several processes."""
 
 from multiprocessing import active_children
-from pathlib import Path
-from shutil import copytree
 
 import pytest
 
@@ -11,6 +9,7 @@ from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
+from tests.support.edited import edited
 from tests.support.world import ROOT, paper_code
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
@@ -18,18 +17,6 @@ SPECIFICATIONS = [
     (TimedFault(fault.id, 10 * number, 10 * number + 300, fault.values),)
     for number, fault in enumerate(paper_code().pool)
 ][:6]
-
-
-def edited(tmp_path: Path, region: str, body: str) -> Path:
-    """Return a copy of the generated code with one region replaced."""
-    folder = Path(copytree(GENERATED, tmp_path / "edited"))
-    path = folder / "collective_intelligence.py"
-    text = path.read_text(encoding="utf-8")
-    begin = f"    # protected region {region} on begin\n"
-    end = f"    # protected region {region} end\n"
-    head, rest = text.split(begin)
-    path.write_text(head + begin + body + end + rest.split(end)[1], encoding="utf-8")
-    return folder
 
 
 def test_any_number_of_workers_gives_the_same_results_in_order():

@@ -19,13 +19,13 @@ from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import ModelError
 from tests.support.cli import MISSION, ROOT
 from tests.support.own_metamodels import (
+    a_class,
     add_classes,
     add_feature,
     attribute,
     copy_metamodels,
     meaning,
     metamodels_of,
-    subclass,
 )
 from tests.tiers import seeds
 
@@ -49,7 +49,7 @@ def an_attribute(path: Path, name: str, kind: str, rng: Random) -> None:
 
 def a_part(path: Path, name: str, kind: str, rng: Random) -> None:
     parents = "#//Identified" if path.name == MISSION_FILE and rng.random() < 0.5 else ""
-    add_classes(path, subclass(PART, parents, attribute(ADDITION, kind)))
+    add_classes(path, a_class(PART, parents, attribute(ADDITION, kind)))
     add_feature(
         path,
         name,
@@ -60,7 +60,7 @@ def a_part(path: Path, name: str, kind: str, rng: Random) -> None:
 
 def a_subclass(path: Path, name: str, kind: str, rng: Random) -> None:
     added = attribute(ADDITION, kind, rng.choice(_MANY))
-    add_classes(path, subclass(KIND, f"#//{name}", added))
+    add_classes(path, a_class(KIND, f"#//{name}", added))
 
 
 @pytest.mark.parametrize("seed", seeds(range(24)))

@@ -9,6 +9,7 @@ from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode, Parameter, Range, Struck
 from tests.support.cli import edit
 from tests.support.own_metamodels import (
+    a_class,
     add_classes,
     add_fault_type,
     add_feature,
@@ -16,7 +17,6 @@ from tests.support.own_metamodels import (
     copy_metamodels,
     meaning,
     parameter,
-    subclass,
 )
 
 SPEED_OFFSET = meaning(mode="INCREMENT", property="SPEED")
@@ -59,8 +59,8 @@ def test_a_type_of_a_known_mode_is_read_from_the_metamodel_alone(faults: Path) -
 def test_a_subclass_means_what_it_inherits_unless_it_says_otherwise(faults: Path) -> None:
     add_classes(
         faults,
-        subclass("Drift", "#//IncrementSpeed", attribute("remark")),
-        subclass("Sag", "#//Drift", meaning(mode="DECREMENT", property="SPEED")),
+        a_class("Drift", "#//IncrementSpeed", attribute("remark")),
+        a_class("Sag", "#//Drift", meaning(mode="DECREMENT", property="SPEED")),
     )
 
     types = read_metamodels(faults.parent).fault_types
@@ -78,7 +78,7 @@ def test_a_type_may_inherit_its_meaning_from_an_abstract_class(faults: Path) -> 
     said = SPEED_OFFSET + parameter("BY", range="SPEED")
     add_classes(
         faults,
-        subclass("Offset", "#//RobotFault", said).replace("name=", 'abstract="true" name=', 1),
+        a_class("Offset", "#//RobotFault", said).replace("name=", 'abstract="true" name=', 1),
     )
     add_fault_type(faults, "WheelSlip", "Offset", "")
 
@@ -293,7 +293,7 @@ def test_what_is_said_wrong_is_named_with_file_line_and_class(faults: Path, name
 
 
 def test_a_type_that_no_fault_can_hold_is_refused(faults: Path) -> None:
-    add_classes(faults, subclass("Odd", "#//RobotFault", meaning(mode="STOP", property="MOTION")))
+    add_classes(faults, a_class("Odd", "#//RobotFault", meaning(mode="STOP", property="MOTION")))
 
     assert "'Odd' is contained in no feature of Fault" in error(faults)
 

@@ -10,7 +10,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.targets import require_no_overlap, touched
-from mrsfi_runtime.record.trace import TraceDigest
+from tests.support.trace import TraceDigest
 from tests.support.world import paper_code
 from tests.tiers import law
 

@@ -10,13 +10,13 @@ from typing import TypeAlias
 from tests.recipes.tree import ENGINES, Tree
 from tests.support.cli import MISSION, SMALL, edit
 from tests.support.own_metamodels import (
+    a_class,
     add_classes,
     add_fault_type,
     add_faults,
     attribute,
     meaning,
     parameter,
-    subclass,
 )
 
 MODELS = f"models/{MISSION}"
@@ -125,7 +125,7 @@ def goal_task(tree: Tree) -> Digests:
     with tree.by_hand():
         add_classes(
             tree / "metamodels/mission.ecore",
-            subclass("Loiter", "#//GoalTask", attribute("radius", "EDouble")),
+            a_class("Loiter", "#//GoalTask", attribute("radius", "EDouble")),
         )
         edit(tree / f"{MODELS}/mission.xmi", "</mission:Mission>", f"  {goal}\n</mission:Mission>")
         _write_specification(tree, _STRAY)

@@ -20,10 +20,11 @@ def meaning(**details: str) -> str:
 
 
 def attribute(name: str, kind: str = "EString", more: str = "", content: str = "") -> str:
-    """Return an attribute of a class."""
+    """Return an attribute; ``kind`` is a type of Ecore, or an enumeration such as ``#//Mode``."""
+    named = kind if kind.startswith("#") else ECORE_TYPE + kind
     return (
         f'<eStructuralFeatures xsi:type="ecore:EAttribute" name="{name}" '
-        f'eType="{ECORE_TYPE}{kind}" {more}>{content}</eStructuralFeatures>'
+        f'eType="{named}" {more}>{content}</eStructuralFeatures>'
     )
 
 
@@ -32,7 +33,7 @@ def parameter(name: str, kind: str = "EDouble", **details: str) -> str:
     return attribute(name, kind, 'lowerBound="1"', meaning(**details))
 
 
-def subclass(name: str, parents: str, content: str = "") -> str:
+def a_class(name: str, parents: str = "", content: str = "") -> str:
     """Return a class."""
     supertypes = f' eSuperTypes="{parents}"' if parents else ""
     return (
@@ -55,7 +56,7 @@ def add_classes(path: Path, *classes: str) -> None:
 
 def add_fault_type(path: Path, name: str, parent: str, content: str) -> None:
     """Add a fault type to a metamodel, and its containment to the class of faults."""
-    add_classes(path, subclass(name, f"#//{parent}", content))
+    add_classes(path, a_class(name, f"#//{parent}", content))
     feature = (
         f'<eStructuralFeatures xsi:type="ecore:EReference" name="{name[0].lower()}{name[1:]}" '
         f'eType="#//{name}" containment="true"/>'

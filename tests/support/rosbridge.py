@@ -26,9 +26,9 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
+from tests.support.trace import TraceDigest
 from tests.support.tree import ROOT
 
 FLIGHT_SEED = 11

@@ -1,8 +1,6 @@
 """The reference engine and the pool of workers around it."""
 
 from dataclasses import replace
-from pathlib import Path
-from shutil import copytree
 
 import pytest
 
@@ -10,21 +8,10 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
+from tests.support.edited import edited
 from tests.support.world import ROOT, paper_code
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
-
-
-def edited(tmp_path: Path, region: str, body: str) -> Path:
-    """Return a copy of the generated code with one region replaced."""
-    folder = Path(copytree(GENERATED, tmp_path / "edited"))
-    path = folder / "collective_intelligence.py"
-    text = path.read_text(encoding="utf-8")
-    begin = f"    # protected region {region} on begin\n"
-    end = f"    # protected region {region} end\n"
-    head, rest = text.split(begin)
-    path.write_text(head + begin + body + end + rest.split(end)[1], encoding="utf-8")
-    return folder
 
 
 def test_a_region_decides_what_is_believed_violated(tmp_path):

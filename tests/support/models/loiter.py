@@ -4,13 +4,12 @@ from pathlib import Path
 
 from tests.support.models.own_metamodels import (
     OwnMetamodels,
-    a_class,
     an_enumeration,
-    attribute,
     many,
     part,
     reference,
 )
+from tests.support.own_metamodels import a_class, attribute
 
 LOITER = (
     an_enumeration("Mood", "CALM", "BOLD"),

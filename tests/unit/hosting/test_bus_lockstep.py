@@ -17,9 +17,9 @@ from mrsfi_runtime.errors import (
     TransportTimeout,
 )
 from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.record.trace import TraceDigest
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
+from tests.support.trace import TraceDigest
 from tests.support.world import paper_code
 from tests.unit.hosting.bus import sides
 
