@@ -2,7 +2,6 @@
 
 import csv
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,31 +11,10 @@ from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.campaigns import Code, evaluation, mission, pool, statistics
+from tests.support.campaigns import Code, mission, pool, statistics
+from tests.support.measures import FLOWN_TWICE, HIDING, MASKED, MEANS
 
 CODE = Code(mission(), pool())
-GOALS = ("g1", "g3")
-MASKED = CampaignSettings(violations="masked", goals=GOALS, fitness="focused")
-MEANS = replace(MASKED, violations="believed", replications=2)
-
-
-def masking(index: int, masked: tuple[int, ...]) -> Evaluation:
-    """Return an evaluation whose belief says the opposite of what it hides."""
-    believed = tuple(100 - count for count in masked)
-    found = evaluation(index, believed, fitness=float(sum(masked)))
-    return replace(found, outcome=replace(found.outcome, masked=masked))
-
-
-def averaged(index: int, first_seed: tuple[int, ...], means: tuple[float, float]) -> Evaluation:
-    return replace(evaluation(index, first_seed), fitness=(sum(means), *means))
-
-
-HIDING = [masking(0, (3, 0, 1, 0, 0, 0)), masking(1, (2, 0, 5, 0, 0, 0)), masking(2, (1,) * 6)]
-FLOWN_TWICE = [
-    averaged(0, (900, 0, 900, 0, 0, 0), (450.0, 451.5)),
-    averaged(1, (10, 0, 10, 0, 0, 0), (500.5, 12.0)),
-    averaged(2, (999, 0, 0, 0, 0, 0), (499.5, 0.0)),
-]
 
 
 def report_of(folder: Path, settings: CampaignSettings, found: list[Evaluation]) -> str:

@@ -6,41 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.study.comparison import Comparison, as_json, compare
+from mrsfi_runtime.study.comparison import as_json
 from mrsfi_runtime.study.folder import ComparisonFolder
-from mrsfi_runtime.study.run_results import RunResult, measure_run
-from tests.support.campaigns import generations_of_evaluations, mission
-
-
-def result(algorithm: str, seed: int) -> RunResult:
-    evaluations = [one for members in generations_of_evaluations(4, 10, seed) for one in members]
-    return measure_run(
-        CampaignSettings(algorithm=algorithm, seed=seed, goals=("g1", "g3")),
-        mission(),
-        evaluations,
-        n_failures=0,
-        seconds=0.5,
-        digest=f"{seed:064x}",
-    )
+from tests.support.comparisons import compared, new_folder
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> ComparisonFolder:
-    made = ComparisonFolder(tmp_path / "compared")
-    made.runs.mkdir(parents=True)
-    return made
-
-
-def compared() -> Comparison:
-    return compare(
-        ("paper", "my.own:search"),
-        [
-            result(name, seed + shift)
-            for shift, name in ((0, "paper"), (10, "my.own:search"))
-            for seed in (1, 2, 3)
-        ],
-    )
+    return new_folder(tmp_path)
 
 
 def table(path: Path) -> list[dict[str, str]]:

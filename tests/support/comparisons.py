@@ -1,0 +1,38 @@
+"""Results of runs, a comparison of them, and a folder for both."""
+
+from pathlib import Path
+
+from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.study.comparison import Comparison, compare
+from mrsfi_runtime.study.folder import ComparisonFolder
+from mrsfi_runtime.study.run_results import RunResult, measure_run
+from tests.support.campaigns import generations_of_evaluations, mission
+
+
+def result(algorithm: str, seed: int) -> RunResult:
+    evaluations = [one for members in generations_of_evaluations(4, 10, seed) for one in members]
+    return measure_run(
+        CampaignSettings(algorithm=algorithm, seed=seed, goals=("g1", "g3")),
+        mission(),
+        evaluations,
+        n_failures=0,
+        seconds=0.5,
+        digest=f"{seed:064x}",
+    )
+
+
+def new_folder(place: Path) -> ComparisonFolder:
+    made = ComparisonFolder(place / "compared")
+    made.runs.mkdir(parents=True)
+    return made
+
+
+def compared() -> Comparison:
+    return compare(
+        ("paper", "my.own:search"),
+        [
+            result(name, seed + shift)
+            for shift, name in ((0, "paper"), (10, "my.own:search"))
+            for seed in (1, 2, 3)
+        ],
+    )
