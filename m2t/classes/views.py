@@ -140,15 +140,18 @@ def package_view(package: Any) -> PackageView:
     classes = tuple(_class(metaclass) for metaclass in metaclasses)
     others = _other_packages(package, metaclasses)
     has_roots = any("Element" in entry.stub_bases for entry in classes)
+    features = [feature for entry in classes for feature in entry.features]
     helpers = _import_of(
         Element=has_roots,
-        Values=any(map(_has_sets, classes)),
+        Values=any("derived_class=Values" in feature.arguments for feature in features),
         annotated=True,
         described=bool(classes),
         enumeration=bool(enumerations),
     )
     stub_helpers = _import_of(
-        EEnumLiteral=bool(enumerations), Element=has_roots, EList=any(map(_has_lists, classes))
+        EEnumLiteral=bool(enumerations),
+        Element=has_roots,
+        EList=any(feature.type.startswith("EList") for feature in features),
     )
     return PackageView(
         *_annotated(package),
@@ -164,14 +167,6 @@ def package_view(package: Any) -> PackageView:
 
 def _import_of(**names: bool) -> tuple[str, tuple[str, ...]]:
     return ".elements", tuple(name for name, is_used in names.items() if is_used)
-
-
-def _has_lists(view: ClassView) -> bool:
-    return any(feature.type.startswith("EList") for feature in view.features)
-
-
-def _has_sets(view: ClassView) -> bool:
-    return any("derived_class=Values" in feature.arguments for feature in view.features)
 
 
 def _bases_first(metaclasses: Iterable[Any]) -> tuple[Any, ...]:
@@ -197,7 +192,7 @@ def _other_packages(package: Any, metaclasses: Iterable[Any]) -> Imports:
 
 
 def _class(metaclass: Any) -> ClassView:
-    parents = tuple(global_name(parent) for parent in _supertypes(metaclass))
+    parents = tuple(global_name(lineage(parent)[-1]) for parent in metaclass.eSuperTypes)
     parameters = tuple(map(_feature, slots(metaclass).values()))
     require_feature_names(metaclass, [view.name for view in parameters])
     return ClassView(
@@ -213,10 +208,6 @@ def _class(metaclass: Any) -> ClassView:
 def _own(metaclass: Any) -> Iterator[Slot]:
     """Yield the features that a class declares itself."""
     return (slots(metaclass)[feature.name] for feature in metaclass.eStructuralFeatures)
-
-
-def _supertypes(metaclass: Any) -> tuple[Any, ...]:
-    return tuple(lineage(parent)[-1] for parent in metaclass.eSuperTypes)
 
 
 def _enumeration(enumeration: Any) -> EnumerationView:
@@ -288,22 +279,19 @@ def _bounds(slot: Slot) -> Iterator[str]:
 
 
 def _links(metaclasses: Iterable[Any]) -> Iterator[str]:
-    """Yield the statements that give references their types and opposites."""
-    for metaclass in metaclasses:
-        for slot in _own(metaclass):
-            if not slot.holds_elements:
-                continue
-            here = f"{metaclass.name}.{python_name(slot.name)}"
-            yield f"{here}.eType = {slot.type.name}.eClass"
-            if slot.feature.eOpposite is not None:
-                there = slot.feature.eOpposite
-                owner = there.eContainingClass.name
-                yield f"{here}.eOpposite = {owner}.{python_name(there.name)}"
-    for metaclass in metaclasses:
-        for slot in _own(metaclass):
-            if python_name(slot.name) != slot.name:
-                alias = f"{metaclass.name}.{python_name(slot.name)}"
-                yield f'setattr({metaclass.name}, "{slot.name}", {alias})'
+    """Yield the statements that give references their types, and features their names in models."""
+    own = [
+        (slot, f"{metaclass.name}.{python_name(slot.name)}")
+        for metaclass in metaclasses
+        for slot in _own(metaclass)
+    ]
+    yield from (
+        f"{here}.eType = {slot.type.name}.eClass" for slot, here in own if slot.holds_elements
+    )
+    for slot, here in own:
+        owner, _, name = here.partition(".")
+        if name != slot.name:
+            yield f'setattr({owner}, "{slot.name}", {here})'
 
 
 def _annotated(element: Any) -> tuple[str, str | None, tuple[tuple[str, Details], ...]]:

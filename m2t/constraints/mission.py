@@ -15,8 +15,7 @@ from m2t.constraints.contact import Discs
 from m2t.constraints.findings import Findings, identities, number
 from m2t.diagnostics import shown
 from m2t.metamodels import base_class, is_kind
-
-ROBOT_RADIUS = 1.0
+from mrsfi_runtime.model.mission import ROBOT_RADIUS
 
 ROBOT_FIELDS = ("POSITION", "SPEED", "ENERGY")
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")

@@ -39,7 +39,7 @@ def metaclass(name: str, *features: Any, **properties: Any) -> Any:
 
 
 def odd_package() -> Any:
-    """Return a package with everything that pyecoregen gets wrong on its own."""
+    """Return a package with what is hard to keep in Python."""
     level = EEnum("Level")
     for name, value in (("LOW", 10), ("HIGH", -3)):
         level.eLiterals.append(EEnumLiteral(name, value))
@@ -55,11 +55,7 @@ def odd_package() -> Any:
     node.eAnnotations.append(
         _annotation("http://www.eclipse.org/emf/2002/GenModel", documentation=HOSTILE)
     )
-    before = EReference("before", node)
-    after = EReference("after", node, eOpposite=before)
-    node.eStructuralFeatures.extend(
-        [EReference("children", node, upper=-1, containment=True), before, after]
-    )
+    node.eStructuralFeatures.append(EReference("children", node, upper=-1, containment=True))
     return package("odd", node, level)
 
 
