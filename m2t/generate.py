@@ -10,39 +10,52 @@ Source paper, section III-D, the model-to-text transformations.
 
 import hashlib
 import os
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any, TypeAlias
 
 from jinja2 import Environment
 
-from m2t.emit import GenerationPlan, GenerationResult, plan_files, write
-from m2t.environment import template_environment
+from m2t.emit import GenerationPlan, plan_files, write
+from m2t.environment import remark, template_environment
 from m2t.line_difference import unified_difference
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, metamodel_folder
 from m2t.protected_regions import text_lines
-from m2t.visitors.base import ModelVisitor
-from m2t.visitors.collective_intelligence import CollectiveIntelligenceVisitor
-from m2t.visitors.fault_effects import FaultEffectsVisitor
-from m2t.visitors.fault_loader import FaultLoaderVisitor
-from m2t.visitors.mission_loader import MissionLoaderVisitor
-from m2t.visitors.sim_interface import SimInterfaceVisitor
-from m2t.visitors.simulation import SimulationVisitor
-from m2t.visitors.topics import TopicsVisitor
-
-VISITORS: tuple[type[ModelVisitor], ...] = (
-    MissionLoaderVisitor,
-    FaultLoaderVisitor,
-    FaultEffectsVisitor,
-    TopicsVisitor,
-    SimInterfaceVisitor,
-    SimulationVisitor,
-    CollectiveIntelligenceVisitor,
+from m2t.visitors import (
+    collective_intelligence,
+    fault_effects,
+    fault_loader,
+    mission_loader,
+    topics,
 )
-"""One visitor per generated file."""
+
+Visitor: TypeAlias = Callable[[LoadedModels], Mapping[str, Any]]
+"""Computes what a template needs, free of metamodel objects."""
 
 
-def generate(models: Path, target: Path, *, force: bool = False) -> GenerationResult:
+def _nothing(_: LoadedModels) -> Mapping[str, Any]:
+    """Collect nothing: such a file goes through the rows of ``topics.py``."""
+    return {}
+
+
+VISITORS: Mapping[str, Visitor] = MappingProxyType(
+    {
+        "mission_loader.py": mission_loader.visit,
+        "fault_loader.py": fault_loader.visit,
+        "fault_effects.py": fault_effects.visit,
+        "topics.py": topics.visit,
+        "sim_interface.py": _nothing,
+        "simulation.py": _nothing,
+        "collective_intelligence.py": collective_intelligence.visit,
+    }
+)
+"""The visitor of each generated file, whose template has the name of the file."""
+
+
+def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPlan:
     """Bring the generated code of a mission up to date.
 
     Parameters
@@ -56,8 +69,8 @@ def generate(models: Path, target: Path, *, force: bool = False) -> GenerationRe
 
     Returns
     -------
-    GenerationResult
-        Which files were written, left as they were, and removed.
+    GenerationPlan
+        Says which files were written, left as they were, and removed.
 
     Raises
     ------
@@ -66,13 +79,15 @@ def generate(models: Path, target: Path, *, force: bool = False) -> GenerationRe
     GenerationError
         If hand-written code would be lost, or a file cannot be written.
     """
-    return write(plan(models, target, force=force))
+    planned = plan(models, target, force=force)
+    write(planned)
+    return planned
 
 
 def plan(models: Path, target: Path, *, force: bool = False) -> GenerationPlan:
     """Return what ``generate`` would do with the same arguments; write nothing."""
     loaded = load_mission_folder(models)
-    rendered = {str(kind.target): _render(kind(), loaded) for kind in VISITORS}
+    rendered = {name: _render(name, loaded) for name in VISITORS}
     return plan_files(target, rendered, _sources(loaded), force=force)
 
 
@@ -89,19 +104,21 @@ def diff(models: Path, target: Path) -> str:
     planned = plan(models, target)
     return "".join(
         _difference(name, planned.existing.get(name), planned.contents.get(name))
-        for name in (*planned.changed, *planned.gone)
+        for name in (*planned.written, *planned.removed)
     )
 
 
 def fault_loader_text(loaded: LoadedModels) -> str:
     """Return the text of the fault loader for a fault pool or any written specification."""
-    return _render(FaultLoaderVisitor(), loaded)
+    return _render("fault_loader.py", loaded)
 
 
-def _render(visitor: ModelVisitor, loaded: LoadedModels) -> str:
-    template = _environment().get_template(visitor.template)
-    folder = loaded.mission_path.resolve().parent.name
-    return template.render(visitor.context(loaded), mission=folder)
+def _render(name: str, loaded: LoadedModels) -> str:
+    template = _environment().get_template(f"{name}.j2")
+    mission = remark(loaded.mission_path.resolve().parent.name)
+    header = f"# Generated from mission {mission} by {template.name}.\n"
+    protected = "# Edit inside protected regions only.\n"
+    return header + protected + template.render(VISITORS[name](loaded))
 
 
 @cache

@@ -70,6 +70,11 @@ class LoadedModels:
     files: tuple[LoadedFile, ...] = field(default=(), repr=False)
     xmi_ids: Mapping[Any, str] = field(default_factory=dict, repr=False)
 
+    @property
+    def pool(self) -> tuple[Any, ...]:
+        """All faults in model order; none without a fault model."""
+        return () if self.faults is None else tuple(self.faults.faults)
+
 
 @dataclass(frozen=True, slots=True)
 class Inspection:

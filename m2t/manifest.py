@@ -6,7 +6,6 @@ themselves, where it would change with every model and clutter every review.
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
@@ -14,49 +13,37 @@ from m2t.protected_regions import FileRecord
 from mrsfi_runtime.errors import GenerationError
 
 MANIFEST = "manifest.json"
-PENDING = "manifest.pending.json"
-"""The manifest of a generation under way; see ``m2t.emit``."""
 
 SCHEMA = 1
 GENERATOR = "1"
 """Version of visitors and templates together; raised when generated text changes."""
 
 
-@dataclass(frozen=True, slots=True)
-class Manifest:
-    """What one generation was made from and what it made.
+def dumps(sources: Mapping[str, str], files: Mapping[str, tuple[FileRecord, ...]]) -> str:
+    """Return a manifest as JSON with sorted keys and a newline at the end.
 
-    Attributes
+    Parameters
     ----------
-    generator
-        Version of the generator.
     sources
         SHA-256 of every model and metamodel by file name.
     files
-        What to remember of every generated file, by its path relative to the folder.
+        What to remember of every generated file, by its name: one record, or several while a
+        generation replaces files, which stand there in the form of any of them.
     """
-
-    generator: str
-    sources: Mapping[str, str]
-    files: Mapping[str, FileRecord]
-
-
-def dumps(manifest: Manifest) -> str:
-    """Return a manifest as JSON with sorted keys and a newline at the end."""
     document = {
         "schema": SCHEMA,
-        "generator": manifest.generator,
-        "sources": dict(manifest.sources),
+        "generator": GENERATOR,
+        "sources": dict(sources),
         "files": {
-            path: {"skeleton": record.skeleton, "regions": dict(record.regions)}
-            for path, record in manifest.files.items()
+            name: _entry(*records) if len(records) == 1 else [_entry(each) for each in records]
+            for name, records in files.items()
         },
     }
     return json.dumps(document, indent=2, sort_keys=True) + "\n"
 
 
-def loads(text: str, name: str) -> Manifest:
-    """Return the manifest that a text holds.
+def loads(text: str, name: str) -> dict[str, tuple[FileRecord, ...]]:
+    """Return the files that a manifest remembers, as ``dumps`` takes them.
 
     Parameters
     ----------
@@ -78,14 +65,7 @@ def loads(text: str, name: str) -> Manifest:
                 f"{name}: has schema {schema}, written by a newer mrsfi; this one knows {SCHEMA}; "
                 "generate with the newer one"
             )
-        return Manifest(
-            generator=_text(document["generator"]),
-            sources=_texts(document["sources"]),
-            files={
-                _file_name(path): FileRecord(_text(entry["skeleton"]), _texts(entry["regions"]))
-                for path, entry in document["files"].items()
-            },
-        )
+        return {_file_name(path): _records(entry) for path, entry in document["files"].items()}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise GenerationError(
             f"{name}: is no manifest ({type(error).__name__}: {error}); restore it from version "
@@ -93,12 +73,22 @@ def loads(text: str, name: str) -> Manifest:
         ) from error
 
 
+def _entry(record: FileRecord) -> dict[str, Any]:
+    return {"skeleton": record.skeleton, "regions": dict(record.regions)}
+
+
+def _records(entry: Any) -> tuple[FileRecord, ...]:
+    return tuple(
+        FileRecord(_text(each["skeleton"]), _texts(each["regions"]))
+        for each in (entry if isinstance(entry, list) else [entry])
+    )
+
+
 def _texts(value: Any) -> dict[str, str]:
     return {_text(key): _text(entry) for key, entry in value.items()}
 
 
-def _file_name(value: Any) -> str:
-    name = _text(value)
+def _file_name(name: str) -> str:
     if name != PurePath(name).name:
         raise ValueError(f"found {name!r} where a file name was expected")
     return name

@@ -57,7 +57,7 @@ def write_specification(
     """
     models = load_mission_folder(models) if isinstance(models, Path) else models
     folder = models.mission_path.parent
-    pool = {} if models.faults is None else {fault.ID: fault for fault in models.faults.faults}
+    pool = {fault.ID: fault for fault in models.pool}
     specification = load_metamodels().faults_class()
     specification.ID = identifier
     n_copies: Counter[str] = Counter()

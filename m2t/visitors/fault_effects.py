@@ -2,22 +2,21 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from m2t.load import LoadedModels
 from m2t.naming import snake_case
-from m2t.visitors.base import ModelVisitor
 from m2t.visitors.fault_loader import types_in_use
 from mrsfi_runtime.errors import GenerationError
 from mrsfi_runtime.model.fault_types import OF_ROBOT, OF_SENSOR, FaultType, Mode
 
-if TYPE_CHECKING:
-    from m2t.load import LoadedModels
-
 
 @dataclass(frozen=True, slots=True)
 class EffectView:
-    """An effect: its fault type, number, what it may change of what, and its parameters."""
+    """An effect: its fault type, number, what it may change of what, and its parameters.
+
+    Its region is named after the type, so that other types may come and go.
+    """
 
     type: str
     number: int
@@ -26,30 +25,19 @@ class EffectView:
     element: str
     constants: tuple[str, ...]
 
-    @property
-    def region(self) -> str:
-        """Region ID, built from the name of the type, so that other types may come and go."""
-        return f"{self.type}.apply"
 
-
-class FaultEffectsVisitor(ModelVisitor):
+def visit(models: LoadedModels) -> Mapping[str, Any]:
     """Collect the fault types of mode OWN of which the pool has a fault."""
-
-    template = "fault_effects.py.j2"
-    target = PurePosixPath("fault_effects.py")
-
-    def context(self, models: "LoadedModels") -> Mapping[str, Any]:
-        """Return the template context."""
-        types = types_in_use(() if models.faults is None else models.faults.faults)
-        effects = tuple(_effect(kind) for kind in types if kind.mode is Mode.OWN)
-        names = [name for effect in effects for name in (effect.function, *effect.constants)]
-        for name in names:
-            if names.count(name) > 1:
-                raise GenerationError(
-                    f"fault types {' and '.join(effect.type for effect in effects)} of mode OWN: "
-                    f"two of their names become {name} in Python; rename one"
-                )
-        return {"effects": effects}
+    types = types_in_use(models)
+    effects = tuple(_effect(kind) for kind in types if kind.mode is Mode.OWN)
+    names = [name for effect in effects for name in (effect.function, *effect.constants)]
+    for name in names:
+        if names.count(name) > 1:
+            raise GenerationError(
+                f"fault types {' and '.join(effect.type for effect in effects)} of mode OWN: "
+                f"two of their names become {name} in Python; rename one"
+            )
+    return {"effects": effects}
 
 
 def _effect(kind: FaultType) -> EffectView:

@@ -1,96 +1,69 @@
 """Visitor of ``fault_loader.py``: the fault pool, or any fault specification."""
 
-from collections.abc import Iterable, Mapping
-from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Any
+from collections.abc import Container, Mapping
+from typing import Any, TypeAlias
 
 from m2t.constraints.faults import fault_types, is_set
+from m2t.elements import values
 from m2t.environment import Call, Expression, Name, Table, literal
+from m2t.load import LoadedModels
 from m2t.metamodel_contract import BOUNDS, CONTRACT
-from m2t.metamodels import load_metamodels, meaning
-from m2t.visitors.base import ModelVisitor
-from m2t.visitors.mission_loader import functions
-from m2t.visitors.own_features import own_features
-from mrsfi_runtime.errors import ModelError
+from m2t.metamodels import Slot, load_metamodels, meaning, slots
+from m2t.visitors.mission_loader import functions, plain
 from mrsfi_runtime.model.fault_types import FaultType, Parameter
 
-if TYPE_CHECKING:
-    from m2t.load import LoadedModels
+Entry: TypeAlias = tuple[str, Expression]
 
 
-class FaultLoaderVisitor(ModelVisitor):
-    """Turn a fault specification into calls of the runtime's vocabulary.
+def visit(models: LoadedModels) -> Mapping[str, Any]:
+    """Turn the fault specification into calls of the runtime's vocabulary.
 
-    What its fault types mean stands in a table of its own, as the metamodel says it.
+    What its fault types mean stands in a table of its own, as the metamodel says it. A mission
+    without a fault model has an empty pool.
     """
-
-    template = "fault_loader.py.j2"
-    target = PurePosixPath("fault_loader.py")
-
-    def context(self, models: "LoadedModels") -> Mapping[str, Any]:
-        """Return the template context; a mission without a fault model has an empty pool."""
-        faults = () if models.faults is None else tuple(models.faults.faults)
-        if models.faults is None:
-            pool = Call("FaultPool", (("id", ""), ("faults", ())))
-        else:
-            pool = self.visit(models.faults)
-        types = tuple(_type(kind) for kind in types_in_use(faults))
-        return {"imports": functions((pool, *types)), "result": pool, "types": types}
-
-    def visit_FaultSpecification(self, specification: Any) -> Call:
-        """Return all faults of a specification in model order."""
-        own = own_features(specification, CONTRACT["faults"]["FaultSpecification"])
-        return Call(
-            "FaultPool",
-            (
-                ("id", specification.ID),
-                ("faults", tuple(self.visit(fault) for fault in specification.faults)),
-                *_given("own", own),
-            ),
-        )
-
-    def visit_Fault(self, fault: Any) -> Call:
-        """Return a fault: what it is, what it strikes, and its window if it has one."""
-        fault_type = _fault_type(fault)
-        kind = meaning(fault_type)
-        reference = f"affected{kind.struck.value.title()}"
-        return Call(
-            "Fault",
-            (
-                ("id", fault.ID),
-                ("name", fault.name),
-                ("kind", Name(f"TYPES[{literal(kind.name)}]")),
-                ("target", str(getattr(fault_type, reference).ID)),
-                *_given("values", _values(fault_type, kind)),
-                *_given("bounds", _bounds(fault_type, kind)),
-                *(
-                    (name, getattr(fault, name))
-                    for name in ("start", "finish")
-                    if is_set(fault, name)
-                ),
-                *_given("own", _own(fault, fault_type, kind, reference)),
-            ),
-        )
+    own: tuple[Entry, ...] = ()
+    if models.faults is not None:
+        own = _features(models.faults, CONTRACT["faults"]["FaultSpecification"])
+    pool = Call(
+        "FaultPool",
+        (
+            ("id", "" if models.faults is None else models.faults.ID),
+            ("faults", tuple(_fault(fault) for fault in models.pool)),
+            *_given("own", Table(own)),
+        ),
+    )
+    types = tuple(_type(kind) for kind in types_in_use(models))
+    return {"imports": functions((pool, *types)), "result": pool, "types": types}
 
 
-def types_in_use(faults: Iterable[Any]) -> tuple[FaultType, ...]:
-    """Return the types of some faults, in the order of the metamodel."""
-    used = {_fault_type(fault).eClass.name for fault in faults}
+def types_in_use(models: LoadedModels) -> tuple[FaultType, ...]:
+    """Return the fault types of which the pool has a fault, in the order of the metamodel."""
+    used = {kind.eClass.name for fault in models.pool for kind in fault_types(fault)}
     return tuple(kind for kind in load_metamodels().fault_types.values() if kind.name in used)
 
 
-def _given(name: str, value: tuple[Expression, ...] | Table) -> tuple[tuple[str, Expression], ...]:
+def _fault(fault: Any) -> Call:
+    """Return a fault: what it is, what it strikes, and its window if it has one."""
+    (fault_type,) = fault_types(fault)
+    kind = meaning(fault_type)
+    reference = f"affected{kind.struck.value.title()}"
+    return Call(
+        "Fault",
+        (
+            ("id", fault.ID),
+            ("name", fault.name),
+            ("kind", Name(f"TYPES[{literal(kind.name)}]")),
+            ("target", str(getattr(fault_type, reference).ID)),
+            *_given("values", _values(fault_type, kind)),
+            *_given("bounds", _bounds(fault_type, kind)),
+            *((name, getattr(fault, name)) for name in ("start", "finish") if is_set(fault, name)),
+            *_given("own", _own(fault, fault_type, kind, reference)),
+        ),
+    )
+
+
+def _given(name: str, value: tuple[Expression, ...] | Table) -> tuple[Entry, ...]:
     return () if value in ((), Table(())) else ((name, value),)
-
-
-def _fault_type(fault: Any) -> Any:
-    """Return the one fault type that a fault contains."""
-    contained = fault_types(fault)
-    if len(contained) != 1:
-        raise ModelError(
-            f"fault '{fault.ID}' contains {len(contained)} fault types; expected exactly one"
-        )
-    return contained[0]
 
 
 def _type(kind: FaultType) -> Call:
@@ -143,9 +116,31 @@ def _own(fault: Any, fault_type: Any, kind: FaultType, reference: str) -> Table:
     """Return what a team has added to faults, and to the type of this one."""
     parameters = {f"{known.name}{end}" for known in kind.parameters for end in ("", *BOUNDS)}
     holding = {fault_type.eContainmentFeature().name, *CONTRACT["faults"]["Fault"]}
-    return Table(
-        (
-            *own_features(fault, holding).entries,
-            *own_features(fault_type, {*parameters, reference}).entries,
-        )
+    return Table((*_features(fault, holding), *_features(fault_type, {*parameters, reference})))
+
+
+def _features(element: Any, known: Container[str] = ()) -> tuple[Entry, ...]:
+    """Return what a model or a default gives an element in features but those known, by name."""
+    return tuple(
+        (name, _held(element, slot))
+        for name, slot in slots(element.eClass).items()
+        if name not in known and (element.eIsSet(slot.feature) or _has_default(slot))
     )
+
+
+def _has_default(slot: Slot) -> bool:
+    return getattr(slot.feature, "defaultValueLiteral", None) is not None
+
+
+def _held(element: Any, slot: Slot) -> Expression:
+    held = tuple(_value(value, slot) for value in values(element, slot))
+    return held if slot.many else next(iter(held), None)
+
+
+def _value(value: Any, slot: Slot) -> Expression:
+    """Return a value; of a part its own features with its class as ``eClass``, of a link an ID."""
+    if slot.is_contained:
+        return Table((("eClass", str(value.eClass.name)), *_features(value)))
+    if slot.is_reference:
+        return str(getattr(value, "ID", None) or value.eURIFragment())
+    return plain(value, slot)

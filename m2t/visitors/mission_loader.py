@@ -1,36 +1,29 @@
 """Visitor of ``mission_loader.py``: the mission as one nested expression."""
 
 from collections.abc import Mapping
-from pathlib import PurePosixPath
 from types import MappingProxyType
 from typing import Any
 
 from pyecore.ecore import EEnumLiteral
 
 from m2t.environment import Call, Expression, Name
+from m2t.load import LoadedModels
 from m2t.metamodel_contract import OWN_TASK
 from m2t.metamodels import Slot, base_class, is_read, slots
 from m2t.naming import snake_case
-from m2t.visitors.base import ModelVisitor
 
 _NAMES: Mapping[str, str] = MappingProxyType({"missionArea": "area"})
 _ORIGIN = Call("Coordinates", (("x", 0.0), ("y", 0.0), ("z", 0.0)), is_flat=True)
 
 
-class MissionLoaderVisitor(ModelVisitor):
-    """Turn a mission into calls of the runtime's vocabulary, which the metamodel names.
+def visit(models: LoadedModels) -> Mapping[str, Any]:
+    """Turn the mission into calls of the runtime's vocabulary, which the metamodel names.
 
     An element becomes a call of its class with the features that the runtime reads, in the
     order of the metamodel; a team's own go to ``collective_intelligence.py``.
     """
-
-    template = "mission_loader.py.j2"
-    target = PurePosixPath("mission_loader.py")
-
-    def visit_Mission(self, mission: Any) -> Mapping[str, Any]:
-        """Return the template context of one mission."""
-        expression = _call(mission)
-        return {"imports": functions(expression), "result": expression}
+    mission = _call(models.mission)
+    return {"imports": functions(mission), "result": mission}
 
 
 def _call(element: Any) -> Call:

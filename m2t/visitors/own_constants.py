@@ -28,12 +28,16 @@ Held: TypeAlias = Any
 
 
 @dataclass(frozen=True, slots=True)
-class OwnConstant:
-    """A named value, and the element that it belongs to."""
+class Constant:
+    """The index of a model element, or a value of one; ``remark`` is a display name."""
 
     name: str
     value: Expression
-    element: Any
+    remark: str = ""
+
+
+Found: TypeAlias = Iterator[tuple[Any, Constant]]
+"""Constants, each after the element that it belongs to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +55,7 @@ class OwnFeatures:
     indices: Mapping[Any, int]
     nodes: Mapping[Any, Node]
 
-    def of(self, element: Any, prefix: str) -> Iterator[OwnConstant]:
+    def of(self, element: Any, prefix: str) -> Found:
         """Yield the constants of an element that code reads, and of all that it contains.
 
         Raises
@@ -68,7 +72,7 @@ class OwnFeatures:
                 is_task = slot.type.name == "GoalTask"
                 yield from self._parts(element, slot, prefix if is_task else name)
 
-    def _parts(self, element: Any, slot: Slot, prefix: str) -> Iterator[OwnConstant]:
+    def _parts(self, element: Any, slot: Slot, prefix: str) -> Found:
         """Yield the constants of parts that code reads: by their IDs, else by where they are."""
         parts = values(element, slot)
         if any(each.is_id for each in slots(slot.type).values()):
@@ -80,20 +84,19 @@ class OwnFeatures:
             for part in parts:
                 yield from self.of(part, prefix)
 
-    def _constants(self, held: Held, slot: Slot, name: str) -> Iterator[OwnConstant]:
+    def _constants(self, held: Held, slot: Slot, name: str) -> Found:
         """Yield what is held in a feature: one constant, or one a feature of the parts there."""
         found = _mapped(lambda element: self._values(element, slot, held), held)
+        first = next(_flat(held), None)
         if not slot.is_contained:
-            yield OwnConstant(name, found, _first(held))
+            yield first, Constant(name, found)
         elif found is not None:
             is_number = base_class(slot.type).name in _NUMBERS
             if is_number:
-                yield OwnConstant(name, _mapped(_numbers, found), _first(held))
+                yield first, Constant(name, _mapped(_numbers, found))
             yield from self._columns(found, slot.type, name, read=not is_number)
 
-    def _columns(
-        self, held: Held, declared: Any, prefix: str, *, read: bool
-    ) -> Iterator[OwnConstant]:
+    def _columns(self, held: Held, declared: Any, prefix: str, *, read: bool) -> Found:
         """Yield a constant for each feature of parts, with a value for each part.
 
         ``read`` asks for features too that code would read of such a part elsewhere.
@@ -168,7 +171,3 @@ def _flat(held: Held) -> Iterator[Any]:
             yield from _flat(entry)
     elif held is not None:
         yield held
-
-
-def _first(held: Held) -> Any:
-    return next(_flat(held), None)

@@ -158,7 +158,7 @@ def _counts(loaded: LoadedModels) -> str:
         _n(len(mission.obstacles), "obstacle"),
         _n(len(mission.goals), "goal"),
         _n(sum(len(goal.messages) for goal in mission.goals), "message"),
-        _n(len(loaded.faults.faults) if loaded.faults is not None else 0, "fault"),
+        _n(len(loaded.pool), "fault"),
     ]
     return ", ".join(counts) + ", "
 
