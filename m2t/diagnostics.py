@@ -1,6 +1,6 @@
 """What is wrong with a model: where, which constraint, how bad, and what to do about it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 Severity: TypeAlias = Literal["error", "warning"]
 
 _SHOWN = 60
+_LISTED = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,3 +271,8 @@ class Report:
 def shown(text: str) -> str:
     """Return a text of a model for use in a message: quoted, on one line, never long."""
     return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "...")
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names for use in a message: the first of them if there are many."""
+    return ", ".join(names[:_LISTED]) + (", ..." if len(names) > _LISTED else "")

@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 from urllib.parse import unquote
 
-from m2t.check.references import find
 from m2t.check.structure import check_structure
 from m2t.diagnostics import Report, shown
 from m2t.metamodels import Slot, concrete_classes, is_kind, load_metamodels, slots
@@ -205,7 +204,7 @@ class _Outliner:
         fragment = unquote(fragment)
         path = local_path(node.path.parent, address) if address else node.path
         file = None if path is None else self._files.at(path)
-        found = None if file is None else find(file, fragment)
+        found = None if file is None else file.find(fragment)
         return fragment if found is None else found.attributes.get("ID", fragment)
 
 

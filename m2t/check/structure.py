@@ -5,20 +5,17 @@ is checked before pyecore loads the file.
 """
 
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from m2t.check.attribute_values import require_value
 from m2t.check.split_models import find_part, named_class
-from m2t.diagnostics import Defect, Report, shown
+from m2t.diagnostics import Defect, Report, listed, shown
 from m2t.metamodels import Slot, concrete_classes, slots
 from m2t.namespaces import XMI, XSI
-from m2t.read.model_files import ModelFile, ModelFiles, is_root_attribute
+from m2t.read.model_files import ROOT_ATTRIBUTES, ModelFile, ModelFiles
 from m2t.read.nodes import Node
-
-_SHOWN_ALTERNATIVES = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +32,7 @@ class Reference:
     targets: tuple[str, ...]
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class ModelTree:
     """The nodes of one model, each with its metaclass, and the references between them.
 
@@ -146,15 +143,6 @@ def _report_wrong_root(file: ModelFile, metaclass: Any, report: Report) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class _Element:
-    """An element being checked: ``given`` counts what the file gives of each feature."""
-
-    node: Node
-    slots: Mapping[str, Slot]
-    given: Counter[str] = field(default_factory=Counter)
-
-
 class _Checker:
     """Walks the nodes of one model, from file to file."""
 
@@ -166,48 +154,45 @@ class _Checker:
     def element(self, node: Node, metaclass: Any) -> None:
         """Check one node with everything that it contains."""
         node.metaclass = metaclass
-        element = _Element(node, slots(metaclass))
+        given = Counter(child.tag for child in node.children if not child.namespace)
         self._require_no_text(node)
         for name, text in node.attributes.items():
-            self._attribute(element, name, text)
+            given[name] += self._attribute(node, name, text)
         self._qualified(node)
-        for position, child in enumerate(node.children):
-            node.children[position] = self._child(element, child)
-        for slot in element.slots.values():
-            count = element.given.get(slot.name, 0)
+        node.children[:] = [self._child(node, child) for child in node.children]
+        for slot in slots(metaclass).values():
+            count = given[slot.name]
             if count < slot.lower_bound or (count > 1 and not slot.many):
                 report_count(node, slot, count, self._report)
 
-    def _attribute(self, element: _Element, name: str, text: str) -> None:
-        slot = element.slots.get(name)
+    def _attribute(self, node: Node, name: str, text: str) -> int:
+        """Check an attribute; return of how many values it is."""
+        slot = slots(node.metaclass).get(name)
         if slot is None:
-            self._unknown(element.node, f"has no attribute {shown(name)}", element, "attribute")
-            return
-        if slot.is_reference:
+            self._unknown(node, f"has no attribute {shown(name)}", node, "attribute")
+        elif slot.is_reference:
             targets = tuple(text.split())
-            element.given[name] += len(targets)
-            reference = Reference(element.node, slot, element.node, targets)
-            self.tree.references.append(reference)
-            return
-        element.given[name] += 1
-        if slot.is_contained:
+            self.tree.references.append(Reference(node, slot, node, targets))
+            return len(targets)
+        elif slot.is_contained:
             finding = (
                 f"has {name} as an attribute; expected an element <{name}> in place; move it there"
             )
-            self._report.add(element.node, "ContainedElement", finding)
-            return
-        self._value(element, slot, text)
+            self._report.add(node, "ContainedElement", finding)
+        else:
+            self._value(node, slot, text)
+        return 1
 
-    def _value(self, element: _Element, slot: Slot, text: str) -> None:
+    def _value(self, node: Node, slot: Slot, text: str) -> None:
         try:
             require_value(slot, text)
         except Defect as defect:
-            self._report.add(element.node, defect.constraint, defect.finding)
+            self._report.add(node, defect.constraint, defect.finding)
             if slot.is_id:  # too long, but what refers to it is not lost
-                self.tree.files.containing(element.node).by_id.setdefault(text, element.node)
+                self.tree.files.containing(node).by_id.setdefault(text, node)
             return
         if slot.is_id:
-            self._remember_id(element.node, text)
+            self._remember_id(node, text)
 
     def _remember_id(self, node: Node, identity: str) -> None:
         in_file = self.tree.files.containing(node).by_id.setdefault(identity, node)
@@ -224,10 +209,12 @@ class _Checker:
 
     def _qualified(self, node: Node) -> None:
         """Check attributes of other namespaces: only those of XMI itself have a place."""
+        file = self.tree.files.containing(node)
+        expected = ROOT_ATTRIBUTES if node in file.claimed else {(XSI, "type")}
         for (namespace, name), text in node.qualified.items():
             if (namespace, name) == (XMI, "id"):
                 self._remember_xmi_id(node, text)
-            elif not self._is_known_qualified(node, namespace, name):
+            elif (namespace, name) not in expected:
                 finding = (
                     f"has attribute {shown(f'{{{namespace}}}{name}')}, which belongs to no model; "
                     "expected attributes of the metamodel; delete it"
@@ -244,20 +231,17 @@ class _Checker:
                 "different ones; change one",
             )
 
-    def _child(self, element: _Element, child: Node) -> Node:
+    def _child(self, node: Node, child: Node) -> Node:
         """Check a child; return the node that stands for it, from another file if it says so."""
-        slot = element.slots.get(child.tag) if not child.namespace else None
+        slot = slots(node.metaclass).get(child.tag) if not child.namespace else None
         if slot is None:
-            finding = f"is an unknown element of {element.node.description}"
-            self._unknown(child, finding, element, "element")
-            return child
-        element.given[child.tag] += 1
-        if slot.is_contained:
+            self._unknown(child, f"is an unknown element of {node.description}", node, "element")
+        elif slot.is_contained:
             return self._contain(slot, child)
-        if slot.is_reference:
-            self._refer(element.node, slot, child)
+        elif slot.is_reference:
+            self._refer(node, slot, child)
         else:
-            self._value(element, slot, child.text)
+            self._value(node, slot, child.text)
         return child
 
     def _contain(self, slot: Slot, child: Node) -> Node:
@@ -296,14 +280,12 @@ class _Checker:
             raise Defect("ConcreteType", finding)
         return metaclass
 
-    def _unknown(self, node: Node, finding: str, element: _Element, what: str) -> None:
-        """Report a feature that the element's class does not have, and name those it has."""
-        names = [
-            name for name, slot in element.slots.items() if slot.is_contained == (what == "element")
-        ]
-        listed = ", ".join(names[:_SHOWN_ALTERNATIVES]) or f"no {what}s"
-        more = ", ..." if len(names) > _SHOWN_ALTERNATIVES else ""
-        finding = f"{finding}; expected {listed}{more}; correct or delete it"
+    def _unknown(self, node: Node, finding: str, element: Node, what: str) -> None:
+        """Report a feature that an element's class does not have, and name those it has."""
+        known = slots(element.metaclass).items()
+        names = [name for name, slot in known if slot.is_contained == (what == "element")]
+        expected = listed(names) or f"no {what}s"
+        finding = f"{finding}; expected {expected}; correct or delete it"
         self._report.add(node, "KnownFeature", finding)
 
     def _require_no_text(self, node: Node) -> None:
@@ -311,8 +293,3 @@ class _Checker:
         if text:
             finding = f"holds the text {shown(text)}; expected attributes and elements; delete it"
             self._report.add(node, "NoText", finding)
-
-    def _is_known_qualified(self, node: Node, namespace: str, name: str) -> bool:
-        if node in self.tree.files.containing(node).claimed:
-            return is_root_attribute(namespace, name)
-        return (namespace, name) == (XSI, "type")

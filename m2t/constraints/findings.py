@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from m2t.diagnostics import Report
+from m2t.diagnostics import Report, listed
 from m2t.read.nodes import Node
 from m2t.write.xmi import java_double
 
@@ -31,8 +31,7 @@ class Findings:
 
 def identities(elements: Any) -> str:
     """Return the IDs of elements, for messages."""
-    ids = [str(element.ID) for element in elements]
-    return ", ".join(ids[:12]) + (", ..." if len(ids) > 12 else "") if ids else "none"
+    return listed([str(element.ID) for element in elements]) or "none"
 
 
 def number(value: float) -> str:

@@ -13,13 +13,14 @@ from typing import Any
 from m2t.diagnostics import Defect, Report, shown
 from m2t.namespaces import XMI, XSI
 from m2t.read.addresses import resolved_path
-from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS, Children, Node, follow, read_xml
+from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS, Node, at, follow, read_xml
 
 MAX_FILES = 1_000
 
-_ROOT_ATTRIBUTES = frozenset(
+ROOT_ATTRIBUTES = frozenset(
     {(XMI, "version"), (XSI, "schemaLocation"), (XSI, "noNamespaceSchemaLocation")}
 )
+"""Attributes with a namespace that may stand at the root of a file."""
 
 
 @dataclass(slots=True, eq=False)
@@ -59,25 +60,25 @@ class ModelFile:
     def root(self, fragment: str) -> Node | None:
         """Return the root that a fragment means: by xmi:id, by ID, or ``/``, ``/0``, ``/1``."""
         if fragment.startswith("/"):
-            return self.root_at(fragment[1:])
-        for root in self.roots:
-            if fragment in (root.xmi_id, root.attributes.get("ID")):
-                return root
-        return None
+            return at(self.roots, fragment[1:] or "0")
+        named = (
+            root for root in self.roots if fragment in (root.xmi_id, root.attributes.get("ID"))
+        )
+        return next(named, None)
 
-    def root_at(self, position: str) -> Node | None:
-        """Return the root at a position of a path; none given means the first."""
-        index = position or "0"
-        if not (index.isascii() and index.isdigit()) or len(index) > 9:
-            return None
-        return self.roots[int(index)] if int(index) < len(self.roots) else None
+    def find(self, fragment: str) -> Node | None:
+        """Return the checked node that a fragment means: by xmi:id, by ID, or by path.
 
-    def at_path(self, fragment: str, below: Children = Node.tagged) -> Node | None:
-        """Return what a path such as ``//@goals.0/@messages.1`` leads to."""
+        A path is one such as ``//@goals.0/@messages.1``; before its second slash, it may have
+        the number of a root.
+        """
+        if not fragment.startswith("/"):
+            return self.by_xmi_id.get(fragment) or self.by_id.get(fragment)
         position, _, path = fragment[1:].partition("/")
-        return follow(self.root_at(position), path, below)
+        found = follow(at(self.roots, position or "0"), path, self._checked)
+        return None if found is None or found.metaclass is None else found
 
-    def checked_children(self, node: Node, name: str) -> list[Node]:
+    def _checked(self, node: Node, name: str) -> list[Node]:
         """Return the elements that a checked element contains as one feature; kept for reuse."""
         key = (node, name)
         if key not in self._children:
@@ -106,11 +107,7 @@ class ModelFiles:
 
     def at(self, path: Path) -> ModelFile | None:
         """Return the file at a path if it has been read."""
-        return self.at_resolved(resolved_path(path))
-
-    def at_resolved(self, path: Path) -> ModelFile | None:
-        """Return the file at a path without links if it has been read."""
-        return self._files.get(path)
+        return self._files.get(resolved_path(path))
 
     def read(self, path: Path, owners: tuple[ModelFile, ...] = ()) -> ModelFile | None:
         """Read a file, unless that has been done; report what is wrong with it.
@@ -161,7 +158,7 @@ class ModelFiles:
         unknown += [
             shown(f"{{{namespace}}}{name}")
             for namespace, name in root.qualified
-            if (namespace, name) not in _ROOT_ATTRIBUTES
+            if (namespace, name) not in ROOT_ATTRIBUTES
         ]
         if unknown:
             finding = f"has attribute {unknown[0]}; expected xmi:version only; delete it"
@@ -175,8 +172,3 @@ class ModelFiles:
         for child in root.children:
             child.parent = None
         return tuple(root.children)
-
-
-def is_root_attribute(namespace: str, name: str) -> bool:
-    """Return whether an attribute with a namespace may stand at the root of a file."""
-    return (namespace, name) in _ROOT_ATTRIBUTES

@@ -102,12 +102,16 @@ def follow(node: Node | None, path: str, below: Children = Node.tagged) -> Node 
     """
     for step in path.split("/") if path.strip("/") else ():
         name, dot, index = step.removeprefix("@").partition(".")
-        position = index if dot else "0"
-        if node is None or not step.startswith("@") or not _INDEX.fullmatch(position):
+        if node is None or not step.startswith("@"):
             return None
-        choices = below(node, name)
-        node = choices[int(position)] if int(position) < len(choices) else None
+        node = at(below(node, name), index if dot else "0")
     return node
+
+
+def at(nodes: Sequence[Node], position: str) -> Node | None:
+    """Return the node at a position of a path; ``None`` if there is none or it is no number."""
+    is_number = _INDEX.fullmatch(position) is not None
+    return nodes[int(position)] if is_number and int(position) < len(nodes) else None
 
 
 @dataclass(frozen=True, slots=True)
