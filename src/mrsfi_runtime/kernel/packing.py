@@ -6,58 +6,20 @@ from types import MappingProxyType
 
 from mrsfi_runtime.kernel.state import State
 
+_COLUMNS = {
+    "robots": "x y z speed energy nominal_speed energy_per_distance first_sensor n_sensors gps",
+    "sensors": "robot count active rate cost nominal_rate nominal_cost first_chance n_chances",
+    "obstacles": "x y radius model_x model_y",
+    "goals": (
+        "task x y radius first_member n_members first_hazard n_hazards first_waypoint n_waypoints "
+        "sensor target tolerance distance period deadline count seen sampled_x sampled_y"
+    ),
+    "members": "robot since reached waypoint",
+    "commands": "heading_x heading_y speed heading_claimed speed_claimed",
+    "switches": "active claimed",
+}
 COLUMNS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "robots": (
-            "x",
-            "y",
-            "z",
-            "speed",
-            "energy",
-            "nominal_speed",
-            "energy_per_distance",
-            "first_sensor",
-            "n_sensors",
-            "gps",
-        ),
-        "sensors": (
-            "robot",
-            "count",
-            "active",
-            "rate",
-            "cost",
-            "nominal_rate",
-            "nominal_cost",
-            "first_chance",
-            "n_chances",
-        ),
-        "obstacles": ("x", "y", "radius", "model_x", "model_y"),
-        "goals": (
-            "task",
-            "x",
-            "y",
-            "radius",
-            "first_member",
-            "n_members",
-            "first_hazard",
-            "n_hazards",
-            "first_waypoint",
-            "n_waypoints",
-            "sensor",
-            "target",
-            "tolerance",
-            "distance",
-            "period",
-            "deadline",
-            "count",
-            "seen",
-            "sampled_x",
-            "sampled_y",
-        ),
-        "members": ("robot", "since", "reached", "waypoint"),
-        "commands": ("heading_x", "heading_y", "speed", "heading_claimed", "speed_claimed"),
-        "switches": ("active", "claimed"),
-    }
+    {name: tuple(columns.split()) for name, columns in _COLUMNS.items()}
 )
 """Columns of the lists of a state whose records change in a flight, list after list."""
 
