@@ -5,20 +5,20 @@ from mrsfi_runtime.hosting.simulation_parts import SimulatedRobot, SimulatedSens
 from mrsfi_runtime.hosting.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.kernel import commands, forecast, geometry, guidance, randomness
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.flight import move
 from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.fixed_distance_between_robots import FixedDistanceBetweenRobots
 from mrsfi_runtime.kernel.goal_tasks.gather_samples import GatherSamples
-from mrsfi_runtime.kernel.goal_tasks.own import OwnTask
 from mrsfi_runtime.kernel.goal_tasks.patrol import Patrol
 from mrsfi_runtime.kernel.goal_tasks.stay import Stay
 from mrsfi_runtime.kernel.goal_tasks.stay_within_mission_area import StayWithinMissionArea
 from mrsfi_runtime.kernel.goal_tasks.sufficient_energy import SufficientEnergy
+from mrsfi_runtime.kernel.goal_tasks.table import OwnTask
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import OwnFault
+from mrsfi_runtime.kernel.motion import move
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode, Parameter, Range, Struck
 from mrsfi_runtime.model.faults import Fault, FaultPool

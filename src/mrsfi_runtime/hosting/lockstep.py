@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.hosting.sides import SimInterface, Simulation
-from mrsfi_runtime.kernel.effects.commands import Orders
-from mrsfi_runtime.kernel.flight import MissionFunctions, answer, begin, no_verdicts
+from mrsfi_runtime.kernel.effects.commands import Orders, issue
+from mrsfi_runtime.kernel.flight import MissionFunctions, answer, no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.kernel.state import CommandState, State, SwitchState
@@ -83,7 +83,7 @@ class Flight:
             Whether to send all of them, to a simulation that may not know the first headings;
             otherwise the forged ones alone.
         """
-        begin(self.belief, self._orders, self._plan)
+        issue(self.belief, self._orders, self._plan, 0)
         self._send(tells_all=tells_all)
 
     def step(self, tick: int) -> None:

@@ -6,7 +6,7 @@ Source paper, sections III-F and III-G (``updateSystemState``).
 """
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.effects.messages import remember, withhold
+from mrsfi_runtime.kernel.effects.belief import believe, believed
 from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.kernel.state import State
@@ -72,3 +72,37 @@ def deliver(ci: State, inbox: State, plan: Plan) -> None:
         obstacle.y = obstacle.model_y
     ci.map.is_wrong = 0
     withhold(ci, plan)
+
+
+@kernel
+def remember(ci: State, plan: Plan) -> None:
+    """Remember what was believed of every property whose messages are held back now."""
+    tick = ci.mission.tick
+    for injection in plan.messages:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
+            injection.kept_a, injection.kept_b, injection.kept_c = believed(ci, injection)
+
+
+@kernel
+def withhold(ci: State, plan: Plan) -> None:
+    """Take back what was just delivered of every property whose messages are held back now.
+
+    What is delayed goes under way, and what arrives after its delay is believed.
+    """
+    tick = ci.mission.tick
+    held = plan.held
+    for injection in plan.messages:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
+            delivered = believed(ci, injection)
+            value = injection.kept_a, injection.kept_b, injection.kept_c
+            if injection.n_held > 0:
+                age = tick - injection.start
+                slot = injection.first_held + 3 * (age % injection.n_held)
+                if age >= injection.n_held:
+                    value = held[slot], held[slot + 1], held[slot + 2]
+                held[slot], held[slot + 1], held[slot + 2] = delivered
+            believe(ci, plan, injection, delivered, value)

@@ -1,8 +1,8 @@
 """The tick of a flight, written once for every engine: all that happens, in its order.
 
-A flight begins with forged commands; then every tick moves the robots, sends their messages,
-and has the collective intelligence answer them. Over a bus, the simulation behind it moves and
-sends; the answer is the same.
+A flight begins with forged commands (``issue``); then every tick moves the robots (``move``), sends
+their messages (``send``), and has the collective intelligence answer them. Over a bus, the
+simulation behind it moves and sends; the answer is the same.
 
 References
 ----------
@@ -15,12 +15,11 @@ from typing import NamedTuple
 
 from mrsfi_runtime.kernel.commands import release
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.delivery import deliver, send
+from mrsfi_runtime.kernel.delivery import deliver
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.effects.own import disturb
 from mrsfi_runtime.kernel.effects.reports import falsify
 from mrsfi_runtime.kernel.injections import OwnEffect, Plan
-from mrsfi_runtime.kernel.motion import advance
 from mrsfi_runtime.kernel.state import State
 
 
@@ -67,53 +66,6 @@ def no_verdicts(n_goals: int) -> Verdicts:
 
 
 @kernel
-def begin(ci: State, orders: Orders | State, plan: Plan) -> None:
-    """Forge the commands that act from the very first motion."""
-    issue(ci, orders, plan, 0)
-
-
-@kernel
-def tick_alone(
-    functions: MissionFunctions,
-    world: State,
-    ci: State,
-    inbox: State,
-    plan: Plan,
-    verdicts: Verdicts,
-    tick: int,
-) -> None:
-    """Fly a tick without a bus: messages and commands arrive as soon as they are sent.
-
-    Parameters
-    ----------
-    functions
-        Those of the mission.
-    world
-        True state, after the tick before; its commands are obeyed.
-    ci
-        Local state of the collective intelligence.
-    inbox
-        The newest message of every topic.
-    plan
-        Faults of this run.
-    verdicts
-        Receives what is violated, and counts it.
-    tick
-        The tick.
-    """
-    move(world, tick)
-    send(world, inbox)
-    answer(functions, world, ci, inbox, world, plan, verdicts, tick)
-
-
-@kernel
-def move(world: State, tick: int) -> None:
-    """Move the true state to a tick."""
-    world.mission.tick = tick
-    advance(world)
-
-
-@kernel
 def answer(
     functions: MissionFunctions,
     world: State,
@@ -124,9 +76,26 @@ def answer(
     verdicts: Verdicts,
     tick: int,
 ) -> None:
-    """Do all of a tick that follows when its messages have arrived; as ``tick_alone``.
+    """Do all of a tick that follows when the robots have moved and their messages have arrived.
 
-    ``orders`` receives the commands for the motion of the tick after.
+    Parameters
+    ----------
+    functions
+        Those of the mission.
+    world
+        True state.
+    ci
+        Local state of the collective intelligence.
+    inbox
+        The newest message of every topic.
+    orders
+        Receives the commands for the motion of the tick after.
+    plan
+        Faults of this run.
+    verdicts
+        Receives what is violated, and counts it.
+    tick
+        The tick.
     """
     judge(functions, world, verdicts.is_true)
     perceive(functions, ci, inbox, plan, tick)
@@ -146,7 +115,7 @@ def perceive(functions: MissionFunctions, ci: State, inbox: State, plan: Plan, t
     """
     ci.mission.tick = tick
     deliver(ci, inbox, plan)
-    falsify(ci, inbox, plan)
+    falsify(ci, plan)
     disturb(functions.apply, ci, inbox, plan)
     release(ci)
 

@@ -2,7 +2,6 @@
 
 from mrsfi_runtime.kernel.commands import set_speed, steer
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.directions import N_DIRECTIONS
 from mrsfi_runtime.kernel.geometry import distance, inside
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
 from mrsfi_runtime.kernel.state import GoalState, State
@@ -39,7 +38,7 @@ def roam(ci: State, goal: GoalState, index: int) -> None:
     mission = ci.mission
     for attempt in range(ROAM_ATTEMPTS):
         entity = index * ROAM_ATTEMPTS + attempt
-        degrees = choice(N_DIRECTIONS, mission.seed, mission.tick, entity, PURPOSE_ROAM)
+        degrees = choice(len(ci.directions), mission.seed, mission.tick, entity, PURPOSE_ROAM)
         turn = ci.directions[degrees]
         if inside(robot.x + 2.0 * step * turn.x, robot.y + 2.0 * step * turn.y, goal):
             steer(ci, index, turn.x, turn.y)

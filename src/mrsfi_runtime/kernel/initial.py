@@ -1,19 +1,19 @@
 """Lays a mission out as the records that the kernel works on."""
 
+import math
+
 from mrsfi_runtime.kernel.commands import SPEED_LIMIT
-from mrsfi_runtime.kernel.directions import DIRECTIONS, N_DIRECTIONS
-from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
-from mrsfi_runtime.kernel.goal_tasks.clearance import LOOK_AHEAD, MARGIN
+from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, MARGIN, AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.table import number
 from mrsfi_runtime.kernel.neighbours import n_buckets, stride
-from mrsfi_runtime.kernel.obstacles import SIDE, Survey, drawn
+from mrsfi_runtime.kernel.obstacles import mapped
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
 from mrsfi_runtime.kernel.state import (
     ChartedState,
     CommandState,
+    DirectionState,
     GoalState,
     LookupState,
-    MapState,
     MemberState,
     MissionState,
     ObstacleState,
@@ -23,9 +23,18 @@ from mrsfi_runtime.kernel.state import (
     State,
     SwitchState,
 )
-from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission, Robot
 
 CHANCE_PRECISION = 2**32
+
+DIRECTIONS = tuple(
+    DirectionState(math.cos(angle), math.sin(angle)) for angle in map(math.radians, range(360))
+)
+"""The only trigonometry of the kernel.
+
+A table reads the same in the interpreter and in compiled code, where ``math.sin`` need not.
+States carry it, because a compiler would copy a constant tuple at every use.
+"""
 
 
 def sample_chances(n: int) -> tuple[int, ...]:
@@ -64,17 +73,22 @@ def initial_state(mission: Mission, seed: int) -> State:
     Notes
     -----
     A sensor is active from the start. Headings are drawn per robot from the table of
-    directions. A robot's speed before the first motion is 0.
+    directions. A robot's speed before the first motion is 0. The map reaches as far as any
+    reaction looks ahead.
     """
-    key = seed_key(seed)
+    area = mission.area
+    fastest = SPEED_LIMIT * max((float(robot.speed) for robot in mission.robots), default=0.0)
+    map_, cells, shown = mapped(
+        area, mission.obstacles, MARGIN + LOOK_AHEAD * fastest + ROBOT_RADIUS
+    )
     state = State(
         mission=MissionState(
-            seed=key,
+            seed=seed_key(seed),
             tick=0,
             duration=mission.duration,
-            x=float(mission.area.center.x),
-            y=float(mission.area.center.y),
-            radius=float(mission.area.radius),
+            x=float(area.center.x),
+            y=float(area.center.y),
+            radius=float(area.radius),
         ),
         robots=[],
         sensors=[],
@@ -87,89 +101,75 @@ def initial_state(mission: Mission, seed: int) -> State:
         directions=DIRECTIONS,
         commands=[],
         switches=[],
-        map=MapState(0.0, 0.0, 1.0, 0.0, 0),
-        cells=(),
-        mapped=(),
-        lookup=LookupState(1.0, 0, 0, [], [], [], [0] * len(mission.robots)),
+        map=map_,
+        cells=cells,
+        mapped=shown,
+        lookup=_lookup(mission),
     )
-    all_chances: list[int] = []
-    for index, robot in enumerate(mission.robots):
-        gps = [k for k, sensor in enumerate(robot.sensors) if sensor.type == "GPS_POSITION"]
-        state.robots.append(
-            RobotState(
-                x=float(robot.position.x),
-                y=float(robot.position.y),
-                z=float(robot.position.z),
-                speed=0.0,
-                energy=float(robot.total_energy),
-                nominal_speed=float(robot.speed),
-                energy_per_distance=float(robot.energy_per_distance_unit),
-                first_sensor=len(state.sensors),
-                n_sensors=len(robot.sensors),
-                gps=len(state.sensors) + gps[0] if gps else -1,
-            )
-        )
-        heading = state.directions[choice(N_DIRECTIONS, key, 0, index, PURPOSE_HEADING)]
-        state.commands.append(
-            CommandState(
-                heading_x=heading.x,
-                heading_y=heading.y,
-                speed=float(robot.speed),
-                heading_claimed=0,
-                speed_claimed=0,
-            )
-        )
-        for sensor in robot.sensors:
-            chances = sample_chances(sensor.samples_per_second)
-            state.sensors.append(
-                SensorState(
-                    robot=index,
-                    count=0,
-                    active=1,
-                    rate=float(sensor.samples_per_second),
-                    cost=float(sensor.energy_per_sample),
-                    nominal_rate=float(sensor.samples_per_second),
-                    nominal_cost=float(sensor.energy_per_sample),
-                    first_chance=len(all_chances),
-                    n_chances=len(chances),
-                )
-            )
-            all_chances += chances
-            state.switches.append(SwitchState(active=1, claimed=0))
-    state.chances = tuple(all_chances)
+    for robot in mission.robots:
+        _add_robot(state, robot)
     for goal in mission.goals:
         _add_goal(state, mission, goal)
-    _draw_map(state, mission)
-    _make_room(state, mission)
     return state
 
 
-def _draw_map(state: State, mission: Mission) -> None:
-    """Draw the map of the mission area; it reaches as far as any reaction looks ahead."""
-    fastest = SPEED_LIMIT * max((robot.nominal_speed for robot in state.robots), default=0.0)
-    area = mission.area
-    survey = Survey(
-        left=(float(area.center.x) - area.radius, float(area.center.y) - area.radius),
-        cells_per_unit=SIDE / max(2.0 * area.radius, 1.0),
-        reach=MARGIN + LOOK_AHEAD * fastest + ROBOT_RADIUS,
-        obstacles=tuple((each.model_x, each.model_y, each.radius) for each in state.obstacles),
+def _lookup(mission: Mission) -> LookupState:
+    """Return room for the grid of the AvoidCollision goal with the most robots."""
+    most = max(
+        (len(goal.terms.robots) for goal in mission.goals if isinstance(goal.task, AvoidCollision)),
+        default=0,
     )
-    state.map = MapState(*survey.left, survey.cells_per_unit, survey.reach, 0)
-    state.cells, state.mapped = drawn(survey)
+    buckets = n_buckets(most)
+    n_charted = most if buckets else 0
+    return LookupState(
+        cells_per_unit=1.0,
+        n_buckets=buckets,
+        stride=stride(buckets),
+        heads=[0] * (buckets + 1),
+        buckets=[0] * n_charted,
+        charted=[ChartedState(0, 0.0, 0.0) for _ in range(n_charted)],
+        nearby=[0] * len(mission.robots),
+    )
 
 
-def _make_room(state: State, mission: Mission) -> None:
-    """Make room for the grid of the AvoidCollision goal with the most robots."""
-    wanted = [
-        len(goal.terms.robots) for goal in mission.goals if isinstance(goal.task, AvoidCollision)
-    ]
-    buckets = n_buckets(max(wanted, default=0))
-    if buckets:
-        lookup = state.lookup
-        lookup.n_buckets, lookup.stride = buckets, stride(buckets)
-        lookup.heads = [0] * (buckets + 1)
-        lookup.buckets = [0] * max(wanted)
-        lookup.charted = [ChartedState(0, 0.0, 0.0) for _ in range(max(wanted))]
+def _add_robot(state: State, robot: Robot) -> None:
+    index = len(state.robots)
+    first = len(state.sensors)
+    gps = [k for k, sensor in enumerate(robot.sensors, first) if sensor.type == "GPS_POSITION"]
+    state.robots.append(
+        RobotState(
+            x=float(robot.position.x),
+            y=float(robot.position.y),
+            z=float(robot.position.z),
+            speed=0.0,
+            energy=float(robot.total_energy),
+            nominal_speed=float(robot.speed),
+            energy_per_distance=float(robot.energy_per_distance_unit),
+            first_sensor=first,
+            n_sensors=len(robot.sensors),
+            gps=gps[0] if gps else -1,
+        )
+    )
+    heading = DIRECTIONS[choice(len(DIRECTIONS), state.mission.seed, 0, index, PURPOSE_HEADING)]
+    state.commands.append(CommandState(heading.x, heading.y, float(robot.speed), 0, 0))
+    for sensor in robot.sensors:
+        chances = sample_chances(sensor.samples_per_second)
+        rate, cost = float(sensor.samples_per_second), float(sensor.energy_per_sample)
+        state.sensors.append(
+            SensorState(
+                robot=index,
+                count=0,
+                active=1,
+                rate=rate,
+                cost=cost,
+                nominal_rate=rate,
+                nominal_cost=cost,
+                first_chance=len(state.chances),
+                n_chances=len(chances),
+            )
+        )
+        state.chances += chances
+        state.switches.append(SwitchState(active=1, claimed=0))
 
 
 def _obstacle(area: Area) -> ObstacleState:

@@ -8,12 +8,11 @@ Source paper, sections III-B b) and III-G; DESIGN of the fault effects in docs/s
 from array import array
 from collections.abc import Callable, Iterator, MutableSequence, Sequence
 from dataclasses import dataclass, field
-from operator import attrgetter
+from operator import itemgetter
 from typing import NamedTuple, TypeAlias
 
-from mrsfi_runtime.kernel.state import N_MEMORY, State
-from mrsfi_runtime.model import fault_types
-from mrsfi_runtime.model.fault_types import FaultType, Field, Mode
+from mrsfi_runtime.kernel.state import State, no_memory
+from mrsfi_runtime.model.fault_types import ELEMENTS, FaultType, Field, Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import Target, touched
@@ -40,13 +39,9 @@ class InjectionState:
     c: float
     first_held: int
     n_held: int
-    kept_a: float
-    kept_b: float
-    kept_c: float
-
-
-def _numbers() -> MutableSequence[float]:
-    return array("d", bytes(8 * N_MEMORY))
+    kept_a: float = 0.0
+    kept_b: float = 0.0
+    kept_c: float = 0.0
 
 
 @dataclass(slots=True)
@@ -65,9 +60,9 @@ class OwnFault:
     target: int
     start: int
     finish: int
+    values: MutableSequence[float]
     age: int = 0
-    values: MutableSequence[float] = field(default_factory=_numbers)
-    memory: MutableSequence[float] = field(default_factory=_numbers)
+    memory: MutableSequence[float] = field(default_factory=no_memory)
 
 
 OwnEffect: TypeAlias = Callable[[State, State, OwnFault], None]
@@ -78,10 +73,10 @@ OwnEffect: TypeAlias = Callable[[State, State, OwnFault], None]
 class FaultTally:
     """At how many ticks a timed fault was active, and at how many it changed a value."""
 
-    applied: int
-    changed: int
-    last_applied: int
-    last_changed: int
+    applied: int = 0
+    changed: int = 0
+    last_applied: int = -1
+    last_changed: int = -1
 
 
 @dataclass(slots=True)
@@ -101,32 +96,13 @@ class Plan:
     own: list[OwnFault]
 
 
-class InjectionRow(NamedTuple):
-    """What an injection is before its run: the first attributes of ``InjectionState``."""
+InjectionRow: TypeAlias = tuple[int, int, int, int, int, int, float, float, float, int, int]
+"""What an injection is before its run: the first attributes of ``InjectionState``."""
 
-    fault: int
-    affected: int
-    mode: int
-    target: int
-    start: int
-    finish: int
-    a: float
-    b: float
-    c: float
-    first_held: int
-    n_held: int
+OwnRow: TypeAlias = tuple[int, int, int, int, int, int, MutableSequence[float]]
+"""What a fault of a team's own type is before its run: the first attributes of ``OwnFault``."""
 
-
-class OwnRow(NamedTuple):
-    """What a fault of a team's own type is before its run: attributes of ``OwnFault``."""
-
-    fault: int
-    effect: int
-    kind: int
-    target: int
-    start: int
-    finish: int
-    values: tuple[float, ...]
+_START = 4  # where a row has the tick at which it becomes active
 
 
 class PlanRows(NamedTuple):
@@ -159,86 +135,75 @@ def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Pla
         If a fault is not in the pool, or refers to what the mission does not have.
     """
     lists, own, n_held, n_faults = plan_rows(mission, pool, specification)
-    messages, reports, commands = (
-        [InjectionState(*row, 0.0, 0.0, 0.0) for row in rows] for rows in lists
-    )
-    tallies = [FaultTally(0, 0, -1, -1) for _ in range(n_faults)]
-    return Plan(
-        messages, reports, commands, [0.0] * n_held, tallies, [_own_fault(row) for row in own]
-    )
-
-
-def _own_fault(row: OwnRow) -> OwnFault:
-    fault = OwnFault(*row[:-1])
-    for place, value in enumerate(row.values):
-        fault.values[place] = value
-    return fault
+    messages, reports, commands = ([InjectionState(*row) for row in rows] for rows in lists)
+    tallies = [FaultTally() for _ in range(n_faults)]
+    own_faults = [OwnFault(*row) for row in own]
+    return Plan(messages, reports, commands, [0.0] * n_held, tallies, own_faults)
 
 
 def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -> PlanRows:
     """Lay a fault specification out as rows; as ``plan``."""
-    rows = PlanRows(([], [], []), [], 0, len(specification))
-    messages, reports, commands = rows.lists
+    messages: list[InjectionRow] = []
+    reports: list[InjectionRow] = []
+    commands: list[InjectionRow] = []
+    own: list[OwnRow] = []
     n_held = 0
     for number, timed in enumerate(specification):
         fault = pool[timed.fault]
-        if fault.kind.mode is Mode.OWN:
-            rows.own.extend(_own_rows(number, timed, fault.kind, touched(mission, fault)))
+        targets = touched(mission, fault)
+        mode = fault.kind.mode
+        if mode is Mode.OWN:
+            own += _own_rows(number, timed, fault.kind, targets)
             continue
-        mode = int(fault.kind.mode)
-        for touched_field, target in touched(mission, fault):
-            affected = int(touched_field)
+        a, b, c = (*map(float, timed.values), 0.0, 0.0, 0.0)[:3]
+        finish, delay = _held_back(timed, mode)
+        for affected, target in targets:
             if mode in _HELD_BACK:
-                row = _held_back(number, timed, affected, mode, target, n_held)
-                n_held += 3 * row.n_held
-                messages.append(row)
+                rows = messages
             else:
-                a, b, c = _values(timed)
-                row = InjectionRow(
-                    number, affected, mode, target, timed.start, timed.finish, a, b, c, 0, 0
-                )
-                (commands if affected in _COMMANDED else reports).append(row)
-    for injections in rows.lists:
-        injections.sort(key=_start)
-    rows.own.sort(key=_start)
-    return rows._replace(n_held=n_held)
+                rows = commands if affected in _COMMANDED else reports
+            row = (int(affected), int(mode), target, timed.start, finish, a, b, c, n_held, delay)
+            rows.append((number, *row))
+            n_held += 3 * delay
+    for listed in (messages, reports, commands, own):
+        listed.sort(key=itemgetter(_START))
+    return PlanRows((messages, reports, commands), own, n_held, len(specification))
 
 
-_start = attrgetter("start")
+def _held_back(timed: TimedFault, mode: Mode) -> tuple[int, int]:
+    """Return when a fault ends, and by how many ticks messages are late that arrive before.
 
-
-def _values(timed: TimedFault) -> tuple[float, float, float]:
-    a, b, c = (*map(float, timed.values), 0.0, 0.0, 0.0)[:3]
-    return a, b, c
+    A delay below one tick never becomes active.
+    """
+    if mode not in _HELD_BACK:
+        return timed.finish, 0
+    ticks = round(timed.values[0])
+    if mode is Mode.BLOCK:
+        return min(timed.finish, timed.start + ticks - 1), 0
+    if ticks < 1:
+        return timed.start - 1, 0
+    return timed.finish, ticks if ticks <= timed.finish - timed.start else 0
 
 
 def _own_rows(
     number: int, timed: TimedFault, kind: FaultType, targets: Sequence[Target]
 ) -> Iterator[OwnRow]:
     """Yield a row for each target of which all is touched that the fault's type names."""
-    values = tuple(map(float, timed.values))
+    values = no_memory()
+    values[: len(timed.values)] = array("d", timed.values)
     for target in dict.fromkeys(index for _, index in targets):
         if all((affected, target) in targets for affected in kind.properties):
-            of = _KINDS[kind.properties[0]]
-            yield OwnRow(number, kind.effect, of, target, timed.start, timed.finish, values)
+            of = _ELEMENTS[kind.properties[0]]
+            yield number, kind.effect, of, target, timed.start, timed.finish, values
 
 
-def _held_back(
-    number: int, timed: TimedFault, affected: int, mode: int, target: int, first_held: int
-) -> InjectionRow:
-    """Return a row of a message fault; a delay below one tick never becomes active."""
-    a, b, c = _values(timed)
-    finish = timed.finish
-    n_held = 0
-    if mode == BLOCK:
-        finish = min(finish, timed.start + round(a) - 1)
-    elif round(a) < 1:
-        finish = timed.start - 1
-    elif round(a) <= finish - timed.start:
-        n_held = round(a)
-    first = first_held if n_held else 0
-    return InjectionRow(number, affected, mode, target, timed.start, finish, a, b, c, first, n_held)
+_HELD_BACK = (Mode.DELAY, Mode.BLOCK)
+_COMMANDED = (Field.MOTION, Field.ACTIVATION)
+_ELEMENTS = {affected: of for of, properties in enumerate(ELEMENTS) for affected in properties}
 
+OF_SENSOR = _ELEMENTS[Field.COUNT]
+OF_OBSTACLE = _ELEMENTS[Field.OBSTACLE]
+"""On what a fault of a team's own type acts, if on no robot: ``OwnFault.kind``."""
 
 POSITION = int(Field.POSITION)
 SPEED = int(Field.SPEED)
@@ -247,31 +212,13 @@ COUNT = int(Field.COUNT)
 RATE = int(Field.RATE)
 COST = int(Field.COST)
 OBSTACLE = int(Field.OBSTACLE)
-MOTION = int(Field.MOTION)
 ACTIVATION = int(Field.ACTIVATION)
 
-DELAY = int(Mode.DELAY)
-BLOCK = int(Mode.BLOCK)
 RANDOM = int(Mode.RANDOM)
-ZERO = int(Mode.ZERO)
 FIXED = int(Mode.FIXED)
 INCREMENT = int(Mode.INCREMENT)
 DECREMENT = int(Mode.DECREMENT)
 INCREMENT_PERCENT = int(Mode.INCREMENT_PERCENT)
 DECREMENT_PERCENT = int(Mode.DECREMENT_PERCENT)
-STOP = int(Mode.STOP)
 START = int(Mode.START)
-DEACTIVATE = int(Mode.DEACTIVATE)
 ACTIVATE = int(Mode.ACTIVATE)
-
-OF_ROBOT, OF_SENSOR, OF_OBSTACLE = 0, 1, 2
-"""On what a fault of a team's own type acts."""
-
-_KINDS = {
-    **dict.fromkeys(fault_types.OF_ROBOT, OF_ROBOT),
-    **dict.fromkeys(fault_types.OF_SENSOR, OF_SENSOR),
-    Field.OBSTACLE: OF_OBSTACLE,
-}
-
-_HELD_BACK = (DELAY, BLOCK)
-_COMMANDED = (MOTION, ACTIVATION)

@@ -11,8 +11,15 @@ from mrsfi_runtime.kernel.state import State
 
 
 @kernel
-def advance(world: State) -> None:
+def move(world: State, tick: int) -> None:
     """Move every robot by its commanded speed along its heading, spend energy, draw samples.
+
+    Parameters
+    ----------
+    world
+        True state after the tick before; its commands are obeyed.
+    tick
+        The tick.
 
     Notes
     -----
@@ -20,7 +27,8 @@ def advance(world: State) -> None:
     per tick × energy per sample. One without energy stops, its sensors with it; in the tick
     in which the energy runs out it still moves.
     """
-    moment = mixed(world.mission.seed ^ world.mission.tick)
+    world.mission.tick = tick
+    moment = mixed(world.mission.seed ^ tick)
     for index in range(len(world.robots)):
         robot = world.robots[index]
         if robot.energy <= 0.0:

@@ -5,12 +5,12 @@ are within reach of it, the nearest first; cells at the edge stand for all that 
 Obstacles that are believed elsewhere are few, and looked at one by one.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.state import GoalState, MappedState, MapState, State
+from mrsfi_runtime.model.mission import Area, Obstacle
 
 SIDE = 32
 """Cells along a side of the map."""
@@ -50,46 +50,53 @@ def is_displaced(view: State, index: int) -> bool:
     return obstacle.x != obstacle.model_x or obstacle.y != obstacle.model_y
 
 
-@dataclass(frozen=True, slots=True)
-class Survey:
-    """What a map is drawn from.
+def mapped(
+    area: Area, obstacles: tuple[Obstacle, ...], reach: float
+) -> tuple[MapState, tuple[int, ...], tuple[MappedState, ...]]:
+    """Return ``State.map``, ``State.cells`` and ``State.mapped`` of a mission.
 
-    ``left`` is its lower left corner, ``obstacles`` have centre and radius; see ``MapState``.
+    Parameters
+    ----------
+    area, obstacles
+        Those of the mission.
+    reach
+        See ``MapState``.
     """
-
-    left: tuple[float, float]
-    cells_per_unit: float
-    reach: float
-    obstacles: tuple[tuple[float, float, float], ...]
+    x, y = float(area.center.x) - area.radius, float(area.center.y) - area.radius
+    map_ = MapState(x, y, SIDE / max(2.0 * area.radius, 1.0), reach, 0)
+    discs = tuple(obstacle.area for obstacle in obstacles)
+    return map_, *_drawn(x, y, map_.cells_per_unit, reach, discs)
 
 
 @lru_cache(maxsize=16)
-def drawn(survey: Survey) -> tuple[tuple[int, ...], tuple[MappedState, ...]]:
-    """Return ``State.cells`` and ``State.mapped``, the same for every state of a mission."""
+def _drawn(
+    x: float, y: float, cells_per_unit: float, reach: float, discs: tuple[Area, ...]
+) -> tuple[tuple[int, ...], tuple[MappedState, ...]]:
+    """Return cells, and what is mapped there; the same for every state of a mission."""
     found: list[list[MappedState]] = [[] for _ in range(SIDE * SIDE)]
-    for index, (x, y, radius) in enumerate(survey.obstacles):
-        across = _gaps(survey, x - survey.left[0], radius)
-        along = _gaps(survey, y - survey.left[1], radius)
+    for index, disc in enumerate(discs):
+        across = _gaps(disc.center.x - x, cells_per_unit, reach + disc.radius)
+        along = _gaps(disc.center.y - y, cells_per_unit, reach + disc.radius)
         for row, low in along:
             for column_, near in across:
-                found[SIDE * row + column_].append(MappedState(index, max(low, near) - radius))
+                gap = max(low, near) - disc.radius
+                found[SIDE * row + column_].append(MappedState(index, gap))
     cells = [0]
-    mapped: list[MappedState] = []
-    for shown in found:
-        mapped.extend(sorted(shown, key=attrgetter("gap")))
-        cells.append(len(mapped))
+    shown: list[MappedState] = []
+    for each in found:
+        shown.extend(sorted(each, key=attrgetter("gap")))
+        cells.append(len(shown))
     room = _LEAST_ROOM
-    while room < len(mapped):
+    while room < len(shown):
         room *= 4
-    mapped.extend([MappedState(0, 0.0)] * (room - len(mapped)))
-    return tuple(cells), tuple(mapped)
+    shown.extend([MappedState(0, 0.0)] * (room - len(shown)))
+    return tuple(cells), tuple(shown)
 
 
-def _gaps(survey: Survey, offset: float, radius: float) -> list[tuple[int, float]]:
-    """Return the columns, or rows, within reach of a disc, and how far from its centre they are."""
-    place = offset * survey.cells_per_unit
+def _gaps(offset: float, cells_per_unit: float, limit: float) -> list[tuple[int, float]]:
+    """Return the columns, or rows, nearer than a limit to a point, and how far from it they are."""
+    place = offset * cells_per_unit
     gaps = [max(n - SLACK - place, place - n - 1 - SLACK, 0.0) for n in range(SIDE)]
     gaps[0] = max(place - 1 - SLACK, 0.0)
     gaps[-1] = max(SIDE - 1 - SLACK - place, 0.0)
-    limit = (survey.reach + radius) * survey.cells_per_unit
-    return [(n, gap / survey.cells_per_unit) for n, gap in enumerate(gaps) if gap < limit]
+    return [(n, gap / cells_per_unit) for n, gap in enumerate(gaps) if gap < limit * cells_per_unit]

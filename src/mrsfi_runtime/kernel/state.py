@@ -11,10 +11,12 @@ from collections.abc import MutableSequence
 from dataclasses import dataclass, field
 
 N_MEMORY = 8
-"""Numbers that a goal remembers for whoever writes its regions."""
-
-N_MEMORY = 8
 """Numbers that are remembered for whoever writes a region."""
+
+
+def no_memory() -> MutableSequence[float]:
+    """Return as many zeros."""
+    return array("d", bytes(8 * N_MEMORY))
 
 
 @dataclass(slots=True)
@@ -107,7 +109,7 @@ class GoalState:
     seen: int
     sampled_x: float
     sampled_y: float
-    memory: MutableSequence[float] = field(default_factory=lambda: array("d", bytes(8 * N_MEMORY)))
+    memory: MutableSequence[float] = field(default_factory=no_memory)
 
 
 @dataclass(slots=True)

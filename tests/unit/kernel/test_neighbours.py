@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mrsfi_runtime.api import AvoidCollision
 from mrsfi_runtime.kernel import geometry, guidance, neighbours, obstacles
 from mrsfi_runtime.kernel.delivery import deliver
-from mrsfi_runtime.kernel.goal_tasks import avoid_collision, clearance
+from mrsfi_runtime.kernel.goal_tasks import avoid_collision
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle
@@ -65,13 +65,15 @@ def least_gap(ci, index, x, y, limit):
     least = limit
     for h in ci.hazards:
         stone = ci.obstacles[h]
-        away = clearance.closest(stone.x - own.x, stone.y - own.y, -step * x, -step * y)
+        away = avoid_collision.closest(stone.x - own.x, stone.y - own.y, -step * x, -step * y)
         least = min(least, away - stone.radius - 1.0)
     for other, each in enumerate(ci.robots):
         if other != index:
             pace, command = guidance.pace(ci, other), ci.commands[other]
             vx, vy = pace * command.heading_x - step * x, pace * command.heading_y - step * y
-            least = min(least, clearance.closest(each.x - own.x, each.y - own.y, vx, vy) - 2.0)
+            least = min(
+                least, avoid_collision.closest(each.x - own.x, each.y - own.y, vx, vy) - 2.0
+            )
     return least
 
 
@@ -105,8 +107,8 @@ def test_the_clearance_of_a_heading_is_the_least_of_all_gaps(ci, limit, degrees)
     neighbours.chart(ci, goal, 2.0 * (farthest + 10.0))
 
     for index in range(len(ci.robots)):
-        near = neighbours.gather(ci, goal, index, clearance.sight(ci, index, limit, farthest))
-        found = clearance.clearance(ci, goal, index, near, heading.x, heading.y, limit)
+        near = neighbours.gather(ci, goal, index, avoid_collision.sight(ci, index, limit, farthest))
+        found = avoid_collision.clearance(ci, goal, index, near, heading.x, heading.y, limit)
         assert found == least_gap(ci, index, heading.x, heading.y, limit)
 
 

@@ -66,13 +66,9 @@ class Batch:
             own.extend(one.own)
             n_tallies += one.n_faults
         self.injections: Records = np.zeros(len(rows), _INJECTION)
-        for name, column in zip(InjectionRow._fields, zip(*rows, strict=True), strict=False):
-            self.injections[name] = column
+        _fill(self.injections, rows)
         self.own: Records = np.zeros(len(own), _OWN)
-        for place, row in enumerate(own):
-            for name, value in zip(OwnRow._fields[:-1], row, strict=False):
-                self.own[name][place] = value
-            self.own["values"][place, : len(row.values)] = row.values
+        _fill(self.own, own)
         self.ends = np.array(ends, np.int64)
         self.tallies: Records = np.zeros(n_tallies, _TALLY)
         self.tallies["last_applied"] = self.tallies["last_changed"] = -1
@@ -101,3 +97,9 @@ class Batch:
     @cached_property
     def _packed(self) -> tuple[list[memoryview], list[memoryview]]:
         return packed(self.worlds), packed(self.beliefs)
+
+
+def _fill(records: Records, rows: Sequence[tuple[Any, ...]]) -> None:
+    """Write rows into records that begin alike."""
+    for name, column in zip(records.dtype.names or (), zip(*rows, strict=True), strict=False):
+        records[name] = column

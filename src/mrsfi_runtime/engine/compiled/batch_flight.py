@@ -10,9 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from mrsfi_runtime.engine.compiled.layout import NEVER, Records
-from mrsfi_runtime.kernel import flight
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.flight import MissionFunctions
+from mrsfi_runtime.kernel.delivery import send
+from mrsfi_runtime.kernel.effects.commands import issue
+from mrsfi_runtime.kernel.flight import MissionFunctions, answer
+from mrsfi_runtime.kernel.motion import move
 
 
 class Arrays(NamedTuple):
@@ -63,9 +65,11 @@ def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int)
         restore(arrays.fresh, arrays.words)
         board(plan, arrays, k)
         result = arrays.results[k]
-        flight.begin(belief, world, plan)
+        issue(belief, world, plan, 0)
         for tick in range(world.mission.duration):
-            flight.tick_alone(functions, world, belief, inbox, plan, result, tick)
+            move(world, tick)
+            send(world, inbox)
+            answer(functions, world, belief, inbox, world, plan, result, tick)
             if tick < len(moments):
                 keep(moments[tick], arrays.words, result)
         keep(result, arrays.words, result)

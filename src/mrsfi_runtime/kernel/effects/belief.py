@@ -1,11 +1,14 @@
 """How effects change the local state, and keep account of it."""
 
+from typing import TypeAlias
+
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.injections import (
     COST,
+    COUNT,
     ENERGY,
+    OBSTACLE,
     POSITION,
-    RATE,
     SPEED,
     InjectionState,
     OwnFault,
@@ -13,36 +16,60 @@ from mrsfi_runtime.kernel.injections import (
 )
 from mrsfi_runtime.kernel.state import State
 
+Belief: TypeAlias = tuple[float, float, float]
+"""What is believed of a property: a place, or one number and zeros."""
+
 
 @kernel
-def believe(ci: State, affected: int, target: int, a: float, b: float, c: float) -> bool:
-    """Set one reported property of the local state; return whether that changed it."""
-    if affected == POSITION:
+def believed(ci: State, injection: InjectionState) -> Belief:
+    """Return what is believed of an injection's property."""
+    target = injection.target
+    if injection.affected == POSITION:
         robot = ci.robots[target]
-        changed = robot.x != a or robot.y != b
+        return robot.x, robot.y, robot.z
+    if injection.affected == OBSTACLE:
+        return ci.obstacles[target].x, ci.obstacles[target].y, 0.0
+    if injection.affected == SPEED:
+        value = ci.robots[target].speed
+    elif injection.affected == ENERGY:
+        value = ci.robots[target].energy
+    elif injection.affected == COUNT:
+        value = float(ci.sensors[target].count)
+    elif injection.affected == COST:
+        value = ci.sensors[target].cost
+    else:
+        value = ci.sensors[target].rate
+    return value, 0.0, 0.0
+
+
+@kernel
+def believe(
+    ci: State, plan: Plan, injection: InjectionState, before: Belief, value: Belief
+) -> None:
+    """Believe another value of an injection's property, and note whether it is another."""
+    target = injection.target
+    a, b, c = value
+    if injection.affected == POSITION:
+        robot = ci.robots[target]
         robot.x = a
         robot.y = b
         robot.z = c
-        return changed
-    if affected == SPEED:
-        changed = ci.robots[target].speed != a
+    elif injection.affected == OBSTACLE:
+        ci.map.is_wrong = 1
+        ci.obstacles[target].x = a
+        ci.obstacles[target].y = b
+    elif injection.affected == SPEED:
         ci.robots[target].speed = a
-        return changed
-    if affected == ENERGY:
-        changed = ci.robots[target].energy != a
+    elif injection.affected == ENERGY:
         ci.robots[target].energy = a
-        return changed
-    if affected == RATE:
-        changed = ci.sensors[target].rate != a
-        ci.sensors[target].rate = a
-        return changed
-    if affected == COST:
-        changed = ci.sensors[target].cost != a
+    elif injection.affected == COUNT:
+        a = float(int(a))
+        ci.sensors[target].count = int(a)
+    elif injection.affected == COST:
         ci.sensors[target].cost = a
-        return changed
-    changed = ci.sensors[target].count != int(a)
-    ci.sensors[target].count = int(a)
-    return changed
+    else:
+        ci.sensors[target].rate = a
+    note(plan, injection, ci.mission.tick, a != before[0] or b != before[1])
 
 
 @kernel

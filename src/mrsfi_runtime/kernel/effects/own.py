@@ -2,13 +2,7 @@
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.effects.belief import note
-from mrsfi_runtime.kernel.injections import (
-    OF_OBSTACLE,
-    OF_SENSOR,
-    OwnEffect,
-    OwnFault,
-    Plan,
-)
+from mrsfi_runtime.kernel.injections import OF_OBSTACLE, OF_SENSOR, OwnEffect, OwnFault, Plan
 from mrsfi_runtime.kernel.state import State
 
 
@@ -33,24 +27,15 @@ def disturb(apply: OwnEffect, ci: State, inbox: State, plan: Plan) -> None:
             break
         if tick <= fault.finish:
             fault.age = tick - fault.start
-            if fault.age == 0:
-                forget(fault)
             if fault.kind == OF_OBSTACLE:
                 ci.map.is_wrong = 1
-            before = believed(ci, fault)
+            before = touchable(ci, fault)
             apply(ci, inbox, fault)
-            note(plan, fault, tick, believed(ci, fault) != before)
+            note(plan, fault, tick, touchable(ci, fault) != before)
 
 
 @kernel
-def forget(fault: OwnFault) -> None:
-    """Set the memory of a fault back to 0."""
-    for place in range(len(fault.memory)):
-        fault.memory[place] = 0.0
-
-
-@kernel
-def believed(ci: State, fault: OwnFault) -> tuple[float, float, float, float]:
+def touchable(ci: State, fault: OwnFault) -> tuple[float, float, float, float]:
     """Return all that a fault could change of its target."""
     if fault.kind == OF_OBSTACLE:
         obstacle = ci.obstacles[fault.target]

@@ -21,10 +21,7 @@ class Patrol(GoalTask):
         return Terms(goal.members, area=self.area, period=self.period)
 
 
-@kernel
-def progress(view: State, g: int) -> None:
-    """Note which members are inside the area."""
-    note_presence(view, g)
+progress = note_presence
 
 
 @kernel

@@ -20,10 +20,7 @@ class Stay(GoalTask):
         return Terms(goal.members, area=self.area)
 
 
-@kernel
-def progress(view: State, g: int) -> None:
-    """Note which members are inside the area."""
-    note_presence(view, g)
+progress = note_presence
 
 
 @kernel

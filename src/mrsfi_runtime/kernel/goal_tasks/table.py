@@ -1,5 +1,7 @@
 """The goal tasks, in an order that states and digests know."""
 
+from dataclasses import dataclass
+
 from mrsfi_runtime.kernel.goal_tasks import (
     avoid_collision,
     fixed_distance_between_robots,
@@ -16,6 +18,7 @@ from mrsfi_runtime.model.mission import GoalTask
 __all__ = [
     "OWN_TASK",
     "TASKS",
+    "OwnTask",
     "avoid_collision",
     "fixed_distance_between_robots",
     "gather_samples",
@@ -27,6 +30,22 @@ __all__ = [
     "track",
     "visit",
 ]
+
+
+@dataclass(frozen=True, slots=True)
+class OwnTask(GoalTask):
+    """A task of a team's own: what it asks for stands in the regions of its goals.
+
+    The runtime knows the name of its class in the metamodel, and no more.
+    """
+
+    class_name: str
+
+    @property
+    def name(self) -> str:
+        """Name of its class in the metamodel."""
+        return self.class_name
+
 
 TASKS: tuple[type[GoalTask], ...] = (
     avoid_collision.AvoidCollision,

@@ -24,10 +24,7 @@ class Visit(GoalTask):
         return Terms(goal.members, area=point, tolerance=self.tolerance, deadline=self.deadline)
 
 
-@kernel
-def progress(view: State, g: int) -> None:
-    """Note which members are within tolerance of the point."""
-    note_presence(view, g)
+progress = note_presence
 
 
 @kernel
