@@ -20,11 +20,8 @@ from itertools import zip_longest
 from types import MappingProxyType
 
 from mrsfi_runtime.errors import ProtectedRegionError
+from mrsfi_runtime.markers import MARKER
 
-_MARKER = re.compile(
-    r"^[ \t]*# protected region (?P<id>[^\s]+) (?:(?P<state>on|off) begin|end)[ \t]*(?:\n|\Z)",
-    re.MULTILINE,
-)
 _ALMOST_MARKER = re.compile(r"\s*#+\s*protected\s+region\b.*\b(begin|end)\s*", re.IGNORECASE)
 
 
@@ -121,7 +118,7 @@ def parse(text: str, name: str) -> GeneratedFile:
         With file and line, if markers are unbalanced, nested, doubled or misspelt.
     """
     _require_spelling(text, name)
-    markers = [*_MARKER.finditer(text)]
+    markers = [*MARKER.finditer(text)]
     parts: list[str | Region] = []
     seen: dict[str, int] = {}
     at = 0
@@ -143,7 +140,7 @@ def _require_spelling(text: str, name: str) -> None:
     """Refuse lines that look like markers and are none."""
     for number, line in enumerate(text_lines(text), start=1):
         content = line.removesuffix("\n")
-        if _ALMOST_MARKER.fullmatch(content) and not _MARKER.fullmatch(line):
+        if _ALMOST_MARKER.fullmatch(content) and not MARKER.fullmatch(line):
             raise ProtectedRegionError(
                 f"{name}:{number}: found the marker {content.strip()!r}; expected "
                 "'# protected region ID on begin' or '# protected region ID end'; "

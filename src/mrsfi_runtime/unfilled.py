@@ -4,17 +4,16 @@ No engine flies a mission that has one: a check without a body would never find 
 """
 
 import ast
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.markers import MARKER
 
 FILES = ("collective_intelligence.py", "fault_effects.py")
 """Generated files that hold regions."""
 
-_BEGIN = re.compile(r"[ \t]*# protected region (\S+) (?:on|off) begin[ \t]*")
 _OPTIONAL = (".progress",)
 
 
@@ -92,6 +91,6 @@ def _of_file(path: Path) -> Iterator[UnfilledRegion]:
         purpose = (ast.get_docstring(node) or "").partition("\n")[0]
         rest = enumerate(lines[node.end_lineno or 0 :], start=(node.end_lineno or 0) + 1)
         number, line = next(((n, line) for n, line in rest if line.strip()), (0, ""))
-        begin = _BEGIN.fullmatch(line)
-        if purpose and begin is not None and not begin[1].endswith(_OPTIONAL):
-            yield UnfilledRegion(path, number, begin[1], node.name, purpose)
+        marker = MARKER.fullmatch(line)
+        if purpose and marker and marker["state"] and not marker["id"].endswith(_OPTIONAL):
+            yield UnfilledRegion(path, number, marker["id"], node.name, purpose)

@@ -45,45 +45,40 @@ def element(kind: Kind) -> Kind:
     return get_args(kind)[0] if origin in (list, tuple, MutableSequence) else None
 
 
-def is_record_list(kind: Kind) -> bool:
-    """Return whether a kind is a list of records."""
-    return is_record(element(kind))
-
-
-def _all_fields() -> Iterator[tuple[str, Kind]]:
-    yield from fields(State).items()
-    for kind in fields(State).values():
-        record = element(kind) or kind
-        if is_record(record):
-            yield from fields(record).items()
-
-
 _RECORDS: Mapping[str, Kind] = {f"{_API}State": State, f"{_API}OwnFault": OwnFault}
 """Records that arguments of regions are annotated with."""
 
-_FIELDS: Mapping[str, Kind] = dict(_all_fields())
+_FIELDS: Mapping[str, Kind] = {
+    **fields(State),
+    **{
+        name: field
+        for kind in fields(State).values()
+        if is_record(record := element(kind) or kind)
+        for name, field in fields(record).items()
+    },
+}
 """Kinds of fields by name alone, where the record cannot be told."""
 
 
-def literal(node: ast.AST) -> int | float | None:
+def literal(node: ast.AST | None) -> int | float | None:
     """Return the number that an expression of literals stands for, if it is one."""
-    if isinstance(node, ast.Constant):
-        return node.value if isinstance(node.value, int | float) else None
-    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-        value = literal(node.operand)
-        return None if value is None else -value
-    if isinstance(node, ast.BinOp):
-        return _folded(node)
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return number
+        case ast.UnaryOp(op=ast.USub()):
+            value = literal(node.operand)
+            return None if value is None else -value
+        case ast.BinOp(op=ast.Pow() | ast.LShift()):
+            return _folded(node.op, literal(node.left), literal(node.right))
     return None
 
 
-def _folded(node: ast.BinOp) -> int | float | None:
-    left, right = literal(node.left), literal(node.right)
+def _folded(op: ast.operator, left: float | None, right: float | None) -> int | None:
     if not isinstance(left, int) or not isinstance(right, int) or not 0 <= right < 2**12:
         return None
-    if isinstance(node.op, ast.Pow):
-        return int(left**right) if abs(left) < 2**12 else None
-    return left << right if isinstance(node.op, ast.LShift) else None
+    if isinstance(op, ast.LShift):
+        return left << right
+    return int(left**right) if abs(left) < 2**12 else None
 
 
 class Kinds:
@@ -195,7 +190,7 @@ def _assignments(function: ast.FunctionDef) -> Iterator[tuple[str, ast.AST | Non
     values = {
         id(target): value
         for node in ast.walk(function)
-        for target, value in _bound(node)
+        for target, value in bound(node)
         if isinstance(target, ast.Name)
     }
     for node in ast.walk(function):
@@ -205,8 +200,8 @@ def _assignments(function: ast.FunctionDef) -> Iterator[tuple[str, ast.AST | Non
             yield from ((argument.arg, None) for argument in node.args.args)
 
 
-def _bound(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
-    """Yield what a node assigns to."""
+def bound(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
+    """Yield what a node assigns to, and what is assigned, if that can be told."""
     match node:
         case ast.Assign():
             yield from ((target, node.value) for target in node.targets)

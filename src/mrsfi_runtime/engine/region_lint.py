@@ -115,20 +115,17 @@ def _found(
     found = (
         RegionFinding(source.path, line, source.place(line), constraint, message)
         for source in sources(directory, search_path)
-        for line, constraint, message in _said(source, rules)
+        for rule in rules
+        for line, constraint, message in sorted(rule(source))
     )
     return tuple(dict.fromkeys((*unfilled, *found)))
 
 
-def _said(source: Source, rules: Sequence[Rule]) -> Iterator[tuple[int, str, str]]:
-    try:
-        source.tree  # noqa: B018 - parsed here, so that no rule meets what is no Python
-    except (SyntaxError, ValueError) as error:
-        what = error.msg if isinstance(error, SyntaxError) else str(error)
-        yield getattr(error, "lineno", None) or 1, RUNS, f"is no Python: {what}"
-        return
-    for rule in rules:
-        yield from sorted(rule(source))
+def _no_python(source: Source) -> Iterator[tuple[int, str, str]]:
+    """Yield why a file is no Python; no other rule finds anything there."""
+    if source.error is not None:
+        what = source.error.msg if isinstance(source.error, SyntaxError) else str(source.error)
+        yield getattr(source.error, "lineno", None) or 1, RUNS, f"is no Python: {what}"
 
 
 def _undefined(source: Source) -> Iterator[tuple[int, str, str]]:
@@ -155,5 +152,5 @@ def _compiled(source: Source) -> Iterator[tuple[int, str, str]]:
                 yield line, COMPILES_ALIKE if does_compile else COMPILES, message
 
 
-ERRORS: Sequence[Rule] = (_undefined, _missing)
+ERRORS: Sequence[Rule] = (_no_python, _undefined, _missing)
 """What a region must not have if anything is to fly."""

@@ -6,12 +6,11 @@ Everything here was measured, CPython 3.11 against numba 0.68 on x86-64: see
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class Remark:
+class Remark(NamedTuple):
     """Why a name is remarked upon.
 
     Attributes
@@ -19,14 +18,11 @@ class Remark:
     does_compile
         Whether it compiles, to something else.
     why
-        What happens, as the end of a sentence about it.
-    instead
-        What to write.
+        What happens and what to write instead, as the end of a sentence about it.
     """
 
     does_compile: bool
     why: str
-    instead: str
 
 
 _LAST_BIT = "may differ in the last bit when compiled"
@@ -34,19 +30,17 @@ _NOT_COMPILED = "cannot be compiled"
 
 _DRAWS = Remark(
     True,
-    "draws other numbers when compiled, if it compiles at all",
-    "write randomness.uniform or randomness.choice, which draw the same everywhere",
+    "draws other numbers when compiled, if it compiles at all; write randomness.uniform or "
+    "randomness.choice, which draw the same everywhere",
 )
-_HYPOT = Remark(True, _LAST_BIT, "write math.sqrt(x * x + y * y)")
-_GAMMA = Remark(True, _LAST_BIT, "read the values from a table in the team's own constants")
-_MATH = Remark(True, _LAST_BIT, "write the function of math, or read a table")
-_SUM = Remark(True, "adds in another order when compiled", "add in a loop")
-_ARGSORT = Remark(
-    True, "may order equals otherwise when compiled", "sort tuples of value and index"
-)
-_FORMULA = Remark(False, _NOT_COMPILED, "write the formula with + - * / // % and math.sqrt")
-_LOOP = Remark(False, _NOT_COMPILED, "write a loop")
-_EFFECT = Remark(False, _NOT_COMPILED, "leave it out: a region reads and commands `ci` alone")
+_HYPOT = Remark(True, f"{_LAST_BIT}; write math.sqrt(x * x + y * y)")
+_GAMMA = Remark(True, f"{_LAST_BIT}; read the values from a table in the team's own constants")
+_MATH = Remark(True, f"{_LAST_BIT}; write the function of math, or read a table")
+_SUM = Remark(True, "adds in another order when compiled; add in a loop")
+_ARGSORT = Remark(True, "may order equals otherwise when compiled; sort tuples of value and index")
+_FORMULA = Remark(False, f"{_NOT_COMPILED}; write the formula with + - * / // % and math.sqrt")
+_LOOP = Remark(False, f"{_NOT_COMPILED}; write a loop")
+_EFFECT = Remark(False, f"{_NOT_COMPILED}; leave it out: a region reads and commands `ci` alone")
 
 _UNCOMPILED_MATH = (
     "cbrt", "comb", "dist", "factorial", "fmod", "fsum", "isclose", "isqrt", "lcm", "modf",
@@ -85,8 +79,7 @@ PACKAGES: Mapping[str, Remark] = MappingProxyType(
 
 def remark_on(name: str) -> Remark | None:
     """Return what is remarked upon a dotted name, if anything."""
-    found = NAMES.get(name)
-    parents = name.split(".")[:-1]
-    for n in range(1, len(parents) + 1):
-        found = found or PACKAGES.get(".".join(parents[:n]))
-    return found
+    parts = name.split(".")
+    parents = [".".join(parts[:n]) for n in range(1, len(parts))]
+    remarks = (NAMES.get(name), *map(PACKAGES.get, parents))
+    return next((remark for remark in remarks if remark), None)

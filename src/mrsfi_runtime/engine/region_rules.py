@@ -6,57 +6,55 @@ evaluations on the reference engine.
 """
 
 import ast
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
+from typing import Any, NamedTuple
 
-from mrsfi_runtime.engine.region_kinds import Kind, Kinds, element, is_record_list, literal
+from mrsfi_runtime.engine.region_kinds import Kinds, bound, element, is_record, literal
 from mrsfi_runtime.engine.region_names import remark_on
 from mrsfi_runtime.engine.region_sources import Source
-
-_CONTAINER = "is a global list, dict or set and cannot be compiled; write a tuple of numbers"
-_HALVES = (
-    "may round halves otherwise when compiled; compare unrounded numbers, or write round(x * "
-    "100) / 100"
-)
-_ADDED = "may add floats otherwise from Python 3.12 on than when compiled; add in a loop"
-_KEYS = (
-    "may order elements of equal keys otherwise when compiled; sort tuples, or make every "
-    "key another"
-)
-_WHOLE_POWER = (
-    "is 0 when compiled if the exponent is below 0, and wraps beyond 64 bits; multiply in a loop"
-)
-_BELOW_ZERO = (
-    "is an error in Python and NaN when compiled if the difference is below 0; write max(…, "
-    "0.0) around it"
-)
-_BEYOND_ONE = (
-    "is an error in Python and NaN when compiled beyond -1 and 1; write min(max(…, -1.0), "
-    "1.0) around it"
-)
-_WRAPS = (
-    "may need more than 64 bits, where compiled integers wrap; mask the result with `& "
-    "0xFFFFFFFF`, or use smaller numbers"
-)
-_IDENTITY = (
-    "compares values when compiled, and objects in Python; write == or !=, or compare indices"
-)
-_COPIED = (
-    "copies a record when compiled, and makes two names of one in Python; assign field by field"
-)
-_HANDLER = "cannot be compiled; write `except Exception:`, or test before instead"
-_DEFAULT = "cannot be compiled as a default; keep what lasts in the fields of `ci`"
-_DIFFERS = "may differ in the last bit when compiled"
-_SET_ORDER = "takes a set in another order when compiled; write sorted(…)"
-_TEXT = "has another text when compiled if it is a float; compare numbers"
-_CUT = "keeps the float in Python and cuts it off when compiled; write int(…) or round(…)"
 
 _LARGEST = 2**63 - 1
 _WIDE = 2**32
 _SHOWN = 50
-_LIST_METHODS = frozenset(
-    ("append", "clear", "count", "extend", "index", "insert", "pop", "remove", "reverse")
-)
+_CONTAINERS = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp)
+_LIST_METHODS = ".append .clear .count .extend .index .insert .pop .remove .reverse"
+
+_LAST_BIT = "may differ in the last bit when compiled"
+_NO_TEXT = "cannot be compiled; leave texts to the analysis"
+_SET_ORDER = "takes a set in another order when compiled; write sorted(…)"
+_TEXT = "has another text when compiled if it is a float; compare numbers"
+_TOO_LARGE = "does not fit into 64 bits and wraps; use smaller numbers"
+
+
+class _Function(Kinds):
+    """A function that will be compiled, as rules see it."""
+
+    def __init__(self, function: ast.FunctionDef, source: Source) -> None:
+        super().__init__(function, source)
+        self.name = function.name
+        self.constants = {
+            name: value for name, value in source.constants.items() if name not in self.local
+        }
+        self.unmarked = source.functions.keys() - source.kernels.keys() - self.local
+        self.nodes = [*ast.walk(function)]
+        self.masked = {
+            id(inner)
+            for node in self.nodes
+            if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitAnd)
+            if any(_is_mask(side) for side in (node.left, node.right))
+            for inner in ast.walk(node)
+        }
+        self.defaults = {
+            id(default)
+            for node in self.nodes
+            if isinstance(node, ast.FunctionDef)
+            for default in node.args.defaults
+        }
+
+    def is_whole(self, node: ast.AST | None) -> bool:
+        """Whether an expression is certainly no float; where there is none, it is none."""
+        return node is None or _is_text(node) or self.of(node) in (int, bool)
 
 
 def remarks(function: ast.FunctionDef, source: Source) -> Iterator[tuple[int, bool, str]]:
@@ -68,11 +66,26 @@ def remarks(function: ast.FunctionDef, source: Source) -> Iterator[tuple[int, bo
         Line; whether it compiles, to something else; what was found, why it matters and what
         to write instead.
     """
-    rules = _Rules(function, source)
-    for node in ast.walk(function):
-        for does_compile, found, why in rules.of(node):
+    at = _Function(function, source)
+    for node in at.nodes:
+        for does_compile, why in _said(node, at):
             line = getattr(node, "lineno", function.lineno)
-            yield line, does_compile, f"found `{_shown(found)}`, which {why}"
+            yield line, does_compile, f"found `{_shown(node)}`, which {why}"
+
+
+def _said(node: ast.AST, at: _Function) -> Iterator[tuple[bool, str]]:
+    remark = remark_on(at.dotted(node))
+    if remark is not None:
+        yield remark
+    keys = {type(node).__name__}
+    if isinstance(node, ast.Call):
+        method = f".{node.func.attr}" if isinstance(node.func, ast.Attribute) else ""
+        keys |= {at.dotted(node.func), method}
+    for does_compile, rules in ((False, _NOT_COMPILED), (True, _DIFFERENT)):
+        for rule in rules:
+            found = not keys.isdisjoint(rule.syntax.split()) and rule.applies(node, at)
+            if found:
+                yield does_compile, rule.why.format(found)
 
 
 def _shown(node: ast.AST) -> str:
@@ -80,246 +93,8 @@ def _shown(node: ast.AST) -> str:
     return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
 
 
-Saying = tuple[bool, ast.AST, str]
-
-_SYNTAX: Mapping[type[ast.AST], str] = {
-    ast.GeneratorExp: "cannot be compiled; write a loop",
-    ast.SetComp: "cannot be compiled; write a loop",
-    ast.NamedExpr: "cannot be compiled; assign on a line of its own",
-    ast.With: "cannot be compiled; leave it out: a region reads and commands `ci` alone",
-    ast.Import: "cannot be compiled; import in the region 'imports'",
-    ast.ImportFrom: "cannot be compiled; import in the region 'imports'",
-    ast.Global: "cannot be compiled; keep what lasts in the fields of `ci`",
-    ast.ClassDef: "cannot be compiled; write functions, or constants in the region 'helpers'",
-    ast.Delete: "cannot be compiled; leave the name alone",
-}
-
-
-class _Rules:
-    """The rules, by the kind of syntax that they look at."""
-
-    def __init__(self, function: ast.FunctionDef, source: Source) -> None:
-        self._function = function
-        self._source = source
-        self._kinds = Kinds(function, source)
-        self._masked = {
-            id(inner)
-            for node in ast.walk(function)
-            if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitAnd)
-            if any(_is_mask(side) for side in (node.left, node.right))
-            for inner in ast.walk(node)
-        }
-        self._by_type: Mapping[type[ast.AST], Callable[..., Iterator[Saying]]] = {
-            ast.Name: self._name,
-            ast.Attribute: self._attribute,
-            ast.Call: self._call,
-            ast.BinOp: self._operation,
-            ast.UnaryOp: self._inversion,
-            ast.Compare: self._identity,
-            ast.Constant: self._constant,
-            ast.Assign: self._assignment,
-            ast.AugAssign: self._assignment,
-            ast.For: self._loop,
-            ast.ListComp: self._list,
-            ast.JoinedStr: self._text,
-            ast.ExceptHandler: self._handler,
-            ast.FunctionDef: self._defaults,
-        }
-
-    def of(self, node: ast.AST) -> Iterator[Saying]:
-        """Yield what is to be said of one node."""
-        if type(node) in _SYNTAX:
-            yield False, node, _SYNTAX[type(node)]
-        rule = self._by_type.get(type(node))
-        if rule is not None:
-            yield from rule(node)
-
-    def _name(self, node: ast.Name) -> Iterator[Saying]:
-        if node.id in self._kinds.local:
-            return
-        yield from self._remark(node)
-        value = self._source.constants.get(node.id)
-        if isinstance(value, ast.List | ast.Dict | ast.Set | ast.ListComp | ast.DictComp):
-            yield False, node, _CONTAINER
-        if node.id in self._source.functions.keys() - self._source.kernels.keys():
-            yield False, node, "is not marked @kernel and cannot be compiled; mark it"
-        number = None if value is None else literal(value)
-        if isinstance(number, int) and not _fits(number):
-            yield _too_large(node)
-
-    def _attribute(self, node: ast.Attribute) -> Iterator[Saying]:
-        yield from self._remark(node)
-
-    def _remark(self, node: ast.AST) -> Iterator[Saying]:
-        remark = remark_on(self._kinds.dotted(node))
-        if remark is not None:
-            yield remark.does_compile, node, f"{remark.why}; {remark.instead}"
-
-    def _call(self, node: ast.Call) -> Iterator[Saying]:
-        name = self._kinds.dotted(node.func)
-        if name in ("pow", "math.pow") and len(node.args) == 2:
-            yield from self._power(node, *node.args)
-        elif name in ("math.sqrt", "math.log", "math.acos", "math.asin") and node.args:
-            yield from self._domain(node, name)
-        elif name == self._function.name:
-            yield False, node, "calls its own function and cannot be compiled; write a loop"
-        elif name in ("min", "max") and node.keywords:
-            yield False, node, "cannot be compiled with keywords; write a loop"
-        elif name == "round" and len(node.args) == 2 and not self._is_int(node.args[0]):
-            yield True, node, _HALVES
-        else:
-            yield from self._call_of_container(node, name)
-
-    def _call_of_container(self, node: ast.Call, name: str) -> Iterator[Saying]:
-        first = node.args[0] if node.args else None
-        kind = self._kinds.of(first)
-        method = node.func.attr if isinstance(node.func, ast.Attribute) else ""
-        if name == "sum" and not (isinstance(first, ast.ListComp) and self._is_whole(first.elt)):
-            if element(kind) is not int:
-                yield True, node, _ADDED
-        elif name in ("list", "tuple", "enumerate") and kind is set:
-            yield True, node, _SET_ORDER
-        elif name in ("str", "repr") and not self._is_whole(first):
-            yield True, node, _TEXT
-        elif method:
-            yield from self._method(node, node.func, method)  # type: ignore[arg-type]
-        if (name == "sorted" or method == "sort") and any(k.arg == "key" for k in node.keywords):
-            yield True, node, _KEYS
-
-    def _method(self, node: ast.Call, function: ast.Attribute, method: str) -> Iterator[Saying]:
-        owner = function.value
-        is_of_state = isinstance(owner, ast.Attribute) and element(self._kinds.of(owner))
-        if is_of_state and method in _LIST_METHODS:
-            yield False, node, "cannot be compiled: lists of `ci` have no methods; write a loop"
-        if method == "pop" and self._kinds.of(owner) is set:
-            yield True, node, _SET_ORDER
-        if method == "format":
-            yield False, node, "cannot be compiled; leave texts to the analysis"
-
-    def _operation(self, node: ast.BinOp) -> Iterator[Saying]:
-        if isinstance(node.op, ast.Pow):
-            yield from self._power(node, node.left, node.right)
-        elif isinstance(node.op, ast.LShift | ast.Mult) and id(node) not in self._masked:
-            yield from self._growth(node)
-        elif isinstance(node.op, ast.Mod) and _is_text(node.left):
-            yield False, node, "cannot be compiled; leave texts to the analysis"
-        found = literal(node)
-        if isinstance(found, int) and not _fits(found):
-            yield _too_large(node)
-
-    def _power(self, node: ast.AST, base: ast.AST, exponent: ast.AST) -> Iterator[Saying]:
-        power = literal(exponent)
-        if literal(node) is not None or power in (0, 1):
-            return
-        if self._is_int(base) and self._is_int(exponent):
-            if power is None or power < 0:
-                yield True, node, _WHOLE_POWER
-            return
-        instead = {2: "write x * x", 0.5: "write math.sqrt(x)"}.get(power or 0, "multiply")
-        yield True, node, f"{'may differ' if power is None else _DIFFERS}; {instead}"
-
-    def _domain(self, node: ast.Call, name: str) -> Iterator[Saying]:
-        argument = node.args[0]
-        is_difference = isinstance(argument, ast.BinOp) and isinstance(argument.op, ast.Sub)
-        is_bounded = literal(argument) is not None or _is_call_of(argument, ("min", "max"))
-        if name in ("math.sqrt", "math.log"):
-            if is_difference:
-                yield True, node, _BELOW_ZERO
-        elif not is_bounded and not isinstance(argument, ast.Name):
-            yield True, node, _BEYOND_ONE
-
-    def _growth(self, node: ast.BinOp) -> Iterator[Saying]:
-        if literal(node) is not None or float in map(self._kinds.of, (node.left, node.right)):
-            return
-        if isinstance(node.op, ast.LShift):
-            count = literal(node.right)
-            is_wide = count is None or count >= 32
-        else:
-            sides = [literal(side) for side in (node.left, node.right)]
-            is_wide = any(isinstance(side, int) and abs(side) >= _WIDE for side in sides)
-        if is_wide:
-            yield True, node, _WRAPS
-
-    def _inversion(self, node: ast.UnaryOp) -> Iterator[Saying]:
-        if isinstance(node.op, ast.Invert) and self._kinds.of(node.operand) is bool:
-            yield True, node, "is always true in Python and a `not` when compiled; write not"
-
-    def _identity(self, node: ast.Compare) -> Iterator[Saying]:
-        operands = [node.left, *node.comparators]
-        for operator, (left, right) in zip(node.ops, pairwise(operands), strict=True):
-            is_singleton = _is_singleton(left) or _is_singleton(right)
-            if isinstance(operator, ast.Is | ast.IsNot) and not is_singleton:
-                yield True, node, _IDENTITY
-
-    def _constant(self, node: ast.Constant) -> Iterator[Saying]:
-        if isinstance(node.value, int) and not _fits(node.value):
-            yield _too_large(node)
-
-    def _assignment(self, node: ast.Assign | ast.AugAssign) -> Iterator[Saying]:
-        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-        kind = self._kinds.of(
-            node.value
-            if isinstance(node, ast.Assign)
-            else ast.BinOp(node.target, node.op, node.value)
-        )
-        for target in targets:
-            inner = target.elts if isinstance(target, ast.Tuple | ast.List) else [target]
-            for each in inner:
-                yield from self._stored(node, each, kind)
-
-    def _stored(self, node: ast.AST, target: ast.AST, kind: Kind) -> Iterator[Saying]:
-        if isinstance(target, ast.Starred):
-            yield False, node, "cannot be compiled; unpack by index"
-        is_field = isinstance(target, ast.Attribute | ast.Subscript)
-        if is_field and kind is float and self._is_int(target):
-            yield True, node, _CUT
-        if isinstance(target, ast.Subscript) and is_record_list(self._kinds.of(target.value)):
-            yield True, node, _COPIED
-
-    def _loop(self, node: ast.For) -> Iterator[Saying]:
-        if self._kinds.of(node.iter) is set:
-            yield True, node, _SET_ORDER
-
-    def _list(self, node: ast.ListComp) -> Iterator[Saying]:
-        first = node.generators[0]
-        if any(self._kinds.of(one.iter) is set for one in node.generators):
-            yield True, node, _SET_ORDER
-        is_of_records = is_record_list(self._kinds.of(first.iter))
-        if is_of_records and ast.dump(node.elt) == ast.dump(first.target).replace("Store", "Load"):
-            yield False, node, "is a list of records and cannot be compiled; list their indices"
-
-    def _text(self, node: ast.JoinedStr) -> Iterator[Saying]:
-        for part in node.values:
-            if not isinstance(part, ast.FormattedValue):
-                continue
-            if part.format_spec is not None or part.conversion != -1:
-                yield False, node, "cannot be compiled; leave texts to the analysis"
-            elif not self._is_whole(part.value):
-                yield True, node, _TEXT
-
-    def _is_int(self, node: ast.AST) -> bool:
-        return self._kinds.of(node) is int
-
-    def _is_whole(self, node: ast.AST | None) -> bool:
-        return self._kinds.of(node) in (int, bool) or node is None or _is_text(node)
-
-    def _handler(self, node: ast.ExceptHandler) -> Iterator[Saying]:
-        is_general = node.type is None or self._kinds.dotted(node.type) == "Exception"
-        if not is_general or node.name is not None:
-            yield False, node, _HANDLER
-
-    def _defaults(self, node: ast.FunctionDef) -> Iterator[Saying]:
-        for default in node.args.defaults:
-            if isinstance(default, ast.List | ast.Dict | ast.Set):
-                yield False, default, _DEFAULT
-
-
-def _fits(number: int) -> bool:
-    return -_LARGEST - 1 <= number <= _LARGEST
-
-
-def _too_large(node: ast.AST) -> Saying:
-    return True, node, "does not fit into 64 bits and wraps; use smaller numbers"
+def _fits(number: float | None) -> bool:
+    return not isinstance(number, int) or -_LARGEST - 1 <= number <= _LARGEST
 
 
 def _is_mask(node: ast.AST) -> bool:
@@ -327,13 +102,278 @@ def _is_mask(node: ast.AST) -> bool:
     return isinstance(mask, int) and 0 <= mask <= _LARGEST
 
 
-def _is_singleton(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and (node.value is None or isinstance(node.value, bool))
-
-
 def _is_text(node: ast.AST) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
-def _is_call_of(node: ast.AST, names: tuple[str, ...]) -> bool:
-    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in names
+def _is_singleton(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and (node.value is None or isinstance(node.value, bool))
+
+
+def _is_difference(node: ast.AST) -> bool:
+    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub)
+
+
+def _is_bounded(node: ast.AST) -> bool:
+    is_bounding = isinstance(node, ast.Call) and ast.unparse(node.func) in ("min", "max")
+    return is_bounding or isinstance(node, ast.Name) or literal(node) is not None
+
+
+def _is_formatted(part: ast.AST) -> bool:
+    """Whether a part of a text is a value with a format of its own."""
+    return isinstance(part, ast.FormattedValue) and (part.format_spec, part.conversion) != (
+        None,
+        -1,
+    )
+
+
+def _power(node: ast.BinOp | ast.Call, at: _Function) -> str | None:
+    """Return what is wrong with a power, if anything is."""
+    base, exponent = node.args[:2] if isinstance(node, ast.Call) else (node.left, node.right)
+    power = literal(exponent)
+    if literal(node) is not None or power in (0, 1):
+        return None
+    if at.of(base) is at.of(exponent) is int:
+        return None if power is not None and power >= 0 else _WHOLE_POWER
+    if power is None:
+        return "may differ; multiply"
+    instead = {2: "write x * x", 0.5: "write math.sqrt(x)"}.get(power, "multiply")
+    return f"{_LAST_BIT}; {instead}"
+
+
+_WHOLE_POWER = (
+    "is 0 when compiled if the exponent is below 0, and wraps beyond 64 bits; multiply in a loop"
+)
+
+
+def _is_wide(node: ast.BinOp, at: _Function) -> bool:
+    """Whether a product or a shift may need more than 64 bits."""
+    left, right = literal(node.left), literal(node.right)
+    is_known = literal(node) is not None or float in map(at.of, (node.left, node.right))
+    if is_known or id(node) in at.masked:
+        return False
+    if isinstance(node.op, ast.LShift):
+        return right is None or right >= 32
+    is_product = isinstance(node.op, ast.Mult)
+    return is_product and any(isinstance(x, int) and abs(x) >= _WIDE for x in (left, right))
+
+
+def _compares_objects(node: ast.Compare, _at: _Function) -> bool:
+    pairs = zip(node.ops, pairwise([node.left, *node.comparators]), strict=True)
+    return any(
+        isinstance(operator, ast.Is | ast.IsNot) and not any(map(_is_singleton, sides))
+        for operator, sides in pairs
+    )
+
+
+def _targets(node: ast.Assign | ast.AugAssign) -> Iterator[ast.AST]:
+    for target, _ in bound(node):
+        yield from target.elts if isinstance(target, ast.Tuple | ast.List) else [target]
+
+
+def _cuts_off(node: ast.Assign | ast.AugAssign, at: _Function) -> bool:
+    """Whether a float goes where integers are kept."""
+    is_float = any(at.of(value) is float for _, value in bound(node))
+    kept = [
+        target for target in _targets(node) if isinstance(target, ast.Attribute | ast.Subscript)
+    ]
+    return is_float and any(at.of(target) is int for target in kept)
+
+
+def _copies(node: ast.Assign | ast.AugAssign, at: _Function) -> bool:
+    """Whether a record is stored in a list of records."""
+    lists = [target.value for target in _targets(node) if isinstance(target, ast.Subscript)]
+    return any(is_record(element(at.of(each))) for each in lists)
+
+
+def _lists_records(node: ast.ListComp, at: _Function) -> bool:
+    first = node.generators[0]
+    is_same = ast.dump(node.elt) == ast.dump(first.target).replace("Store", "Load")
+    return is_same and is_record(element(at.of(first.iter)))
+
+
+def _is_narrow(node: ast.ExceptHandler, at: _Function) -> bool:
+    is_general = node.type is None or at.dotted(node.type) == "Exception"
+    return not is_general or node.name is not None
+
+
+def _is_of_state(node: ast.Call, at: _Function) -> bool:
+    """Whether a method is one of a list of the state."""
+    owner = node.func.value if isinstance(node.func, ast.Attribute) else None
+    return isinstance(owner, ast.Attribute) and element(at.of(owner)) is not None
+
+
+def _adds_floats(node: ast.Call, at: _Function) -> bool:
+    first = node.args[0] if node.args else None
+    is_whole = isinstance(first, ast.ListComp) and at.is_whole(first.elt)
+    return not is_whole and element(at.of(first)) is not int
+
+
+def _always(_node: ast.AST, _at: _Function) -> bool:
+    return True
+
+
+class Rule(NamedTuple):
+    """What is said of some syntax.
+
+    Attributes
+    ----------
+    syntax
+        What it looks at: kinds of nodes, and calls of functions and ``.methods``.
+    applies
+        Whether it has something to say of such a node of a function.
+    why
+        Why that matters and what to write instead, ``{}`` for what ``applies`` returned.
+    """
+
+    syntax: str
+    applies: Callable[[Any, _Function], object]
+    why: str
+
+
+_NOT_COMPILED: Sequence[Rule] = (
+    Rule("GeneratorExp SetComp", _always, "cannot be compiled; write a loop"),
+    Rule("NamedExpr", _always, "cannot be compiled; assign on a line of its own"),
+    Rule(
+        "With",
+        _always,
+        "cannot be compiled; leave it out: a region reads and commands `ci` alone",
+    ),
+    Rule("Import ImportFrom", _always, "cannot be compiled; import in the region 'imports'"),
+    Rule("Global", _always, "cannot be compiled; keep what lasts in the fields of `ci`"),
+    Rule(
+        "ClassDef",
+        _always,
+        "cannot be compiled; write functions, or constants in the region 'helpers'",
+    ),
+    Rule("Delete", _always, "cannot be compiled; leave the name alone"),
+    Rule(
+        "ExceptHandler",
+        _is_narrow,
+        "cannot be compiled; write `except Exception:`, or test before instead",
+    ),
+    Rule(
+        "List Dict Set",
+        lambda node, at: id(node) in at.defaults,
+        "cannot be compiled as a default; keep what lasts in the fields of `ci`",
+    ),
+    Rule(
+        "Name",
+        lambda node, at: isinstance(at.constants.get(node.id), _CONTAINERS),
+        "is a global list, dict or set and cannot be compiled; write a tuple of numbers",
+    ),
+    Rule(
+        "Name",
+        lambda node, at: node.id in at.unmarked,
+        "is not marked @kernel and cannot be compiled; mark it",
+    ),
+    Rule(
+        "Assign AugAssign",
+        lambda node, _: any(isinstance(target, ast.Starred) for target in _targets(node)),
+        "cannot be compiled; unpack by index",
+    ),
+    Rule(
+        "ListComp",
+        _lists_records,
+        "is a list of records and cannot be compiled; list their indices",
+    ),
+    Rule("BinOp", lambda node, _: isinstance(node.op, ast.Mod) and _is_text(node.left), _NO_TEXT),
+    Rule("JoinedStr", lambda node, _: any(map(_is_formatted, node.values)), _NO_TEXT),
+    Rule(".format", _always, _NO_TEXT),
+    Rule(
+        "Call",
+        lambda node, at: at.dotted(node.func) == at.name,
+        "calls its own function and cannot be compiled; write a loop",
+    ),
+    Rule(
+        "min max",
+        lambda node, _: node.keywords,
+        "cannot be compiled with keywords; write a loop",
+    ),
+    Rule(
+        _LIST_METHODS,
+        _is_of_state,
+        "cannot be compiled: lists of `ci` have no methods; write a loop",
+    ),
+)
+
+_DIFFERENT: Sequence[Rule] = (
+    Rule("Name", lambda node, at: not _fits(literal(at.constants.get(node.id))), _TOO_LARGE),
+    Rule("Constant BinOp", lambda node, _: not _fits(literal(node)), _TOO_LARGE),
+    Rule(
+        "BinOp",
+        _is_wide,
+        "may need more than 64 bits, where compiled integers wrap; mask the result with `& "
+        "0xFFFFFFFF`, or use smaller numbers",
+    ),
+    Rule("BinOp", lambda node, at: isinstance(node.op, ast.Pow) and _power(node, at), "{}"),
+    Rule("pow math.pow", lambda node, at: len(node.args) == 2 and _power(node, at), "{}"),
+    Rule(
+        "UnaryOp",
+        lambda node, at: isinstance(node.op, ast.Invert) and at.of(node.operand) is bool,
+        "is always true in Python and a `not` when compiled; write not",
+    ),
+    Rule(
+        "Compare",
+        _compares_objects,
+        "compares values when compiled, and objects in Python; write == or !=, or compare indices",
+    ),
+    Rule(
+        "Assign AugAssign",
+        _cuts_off,
+        "keeps the float in Python and cuts it off when compiled; write int(…) or round(…)",
+    ),
+    Rule(
+        "Assign AugAssign",
+        _copies,
+        "copies a record when compiled, and makes two names of one in Python; assign field by "
+        "field",
+    ),
+    Rule("For", lambda node, at: at.of(node.iter) is set, _SET_ORDER),
+    Rule(
+        "ListComp", lambda node, at: set in [at.of(one.iter) for one in node.generators], _SET_ORDER
+    ),
+    Rule("list tuple enumerate", lambda node, at: set in map(at.of, node.args[:1]), _SET_ORDER),
+    Rule(".pop", lambda node, at: at.of(node.func.value) is set, _SET_ORDER),
+    Rule(
+        "sorted .sort",
+        lambda node, _: "key" in [keyword.arg for keyword in node.keywords],
+        "may order elements of equal keys otherwise when compiled; sort tuples, or make every "
+        "key another",
+    ),
+    Rule(
+        "JoinedStr",
+        lambda node, at: (
+            not all(
+                at.is_whole(part.value)
+                for part in node.values
+                if isinstance(part, ast.FormattedValue) and not _is_formatted(part)
+            )
+        ),
+        _TEXT,
+    ),
+    Rule("str repr", lambda node, at: not all(map(at.is_whole, node.args[:1])), _TEXT),
+    Rule(
+        "round",
+        lambda node, at: len(node.args) == 2 and at.of(node.args[0]) is not int,
+        "may round halves otherwise when compiled; compare unrounded numbers, or write round(x * "
+        "100) / 100",
+    ),
+    Rule(
+        "sum",
+        _adds_floats,
+        "may add floats otherwise from Python 3.12 on than when compiled; add in a loop",
+    ),
+    Rule(
+        "math.sqrt math.log",
+        lambda node, _: any(map(_is_difference, node.args[:1])),
+        "is an error in Python and NaN when compiled if the difference is below 0; write max(…, "
+        "0.0) around it",
+    ),
+    Rule(
+        "math.acos math.asin",
+        lambda node, _: not all(map(_is_bounded, node.args[:1])),
+        "is an error in Python and NaN when compiled beyond -1 and 1; write min(max(…, -1.0), "
+        "1.0) around it",
+    ),
+)

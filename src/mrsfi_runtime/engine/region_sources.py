@@ -4,7 +4,6 @@ They are read, never run.
 """
 
 import ast
-import re
 import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,10 +11,9 @@ from functools import cached_property
 from importlib.machinery import PathFinder
 from pathlib import Path
 
+from mrsfi_runtime.markers import lines_in_regions
 from mrsfi_runtime.unfilled import FILES
 
-_BEGIN = re.compile(r"[ \t]*# protected region (\S+) (?:on|off) begin[ \t]*")
-_END = re.compile(r"[ \t]*# protected region \S+ end[ \t]*")
 _OURS = "mrsfi_runtime"
 
 
@@ -28,27 +26,30 @@ class Source:
         Where it is.
     has_regions
         Whether it is generated, so that only its regions are the team's.
+
+    Attributes
+    ----------
+    regions
+        Region of each line that stands in one; ``None`` where all is the team's.
+    tree, error
+        Its syntax; empty if it is no Python, and why.
     """
 
     def __init__(self, path: Path, *, has_regions: bool = False) -> None:
         self.path = path
-        self.text = path.read_text(encoding="utf-8", errors="replace")
-        self.regions = dict(_regions(self.text)) if has_regions else None
-
-    @cached_property
-    def tree(self) -> ast.Module:
-        """Its syntax.
-
-        Raises
-        ------
-        SyntaxError, ValueError
-            If it is no Python.
-        """
+        text = path.read_text(encoding="utf-8", errors="replace")
+        self.regions = lines_in_regions(text) if has_regions else None
+        self.tree = ast.Module([], [])
+        self.error: SyntaxError | ValueError | None = None
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Python says them again when it loads the file
-            tree = ast.parse(self.text)
-            compile(tree, str(self.path), "exec")  # finds a `return` outside of functions, say
-        return tree
+            try:
+                tree = ast.parse(text)
+                compile(tree, str(path), "exec")  # finds a `return` outside of functions, say
+            except (SyntaxError, ValueError) as error:
+                self.error = error
+            else:
+                self.tree = tree
 
     @cached_property
     def functions(self) -> Mapping[str, ast.FunctionDef]:
@@ -58,17 +59,27 @@ class Source:
     @cached_property
     def kernels(self) -> Mapping[str, ast.FunctionDef]:
         """The functions that the compiled engine compiles: those marked ``@kernel``."""
-        return {name: node for name, node in self.functions.items() if _is_kernel(node)}
+        return {
+            name: function
+            for name, function in self.functions.items()
+            if "kernel" in [ast.unparse(each).split(".")[-1] for each in function.decorator_list]
+        }
 
     @cached_property
     def constants(self) -> Mapping[str, ast.expr]:
         """What is assigned to its global names."""
-        return dict(_constants(self.tree))
+        return {
+            target.id: node.value
+            for node in self.tree.body
+            if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None
+            for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+            if isinstance(target, ast.Name)
+        }
 
     @cached_property
     def imports(self) -> Mapping[str, str]:
         """The dotted names that imported names stand for."""
-        return dict(_imports(self.tree))
+        return {bound: dotted for bound, dotted, _ in _imports(self.tree)}
 
     def place(self, line: int) -> str:
         """Return what a line belongs to, such as ``region 'g1.check'``."""
@@ -91,88 +102,41 @@ def sources(directory: Path, search_path: Sequence[str] | None = None) -> Iterat
         Folders in which imports are found, by default those of Python.
     """
     generated = [path for path in (directory / name for name in FILES) if path.is_file()]
+    folders = sys.path if search_path is None else search_path
     paths = [*generated]
     for path in paths:  # which grows
         source = Source(path, has_regions=path in generated)
         yield source
-        try:
-            tree = source.tree
-        except (SyntaxError, ValueError):
-            continue
-        folders = sys.path if search_path is None else search_path
-        paths += [own for own in _own_files(tree, folders) if own not in paths]
+        for _, _, dotted in _imports(source.tree):
+            paths += [own for own in _own_files(dotted, folders) if own not in paths]
 
 
-def _regions(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the lines that stand in regions, each with its region."""
-    region = ""
-    for number, line in enumerate(text.split("\n"), start=1):
-        begin = _BEGIN.fullmatch(line)
-        if begin is not None:
-            region = begin[1]
-        elif _END.fullmatch(line):
-            region = ""
-        elif region:
-            yield number, region
-
-
-def _is_kernel(function: ast.FunctionDef) -> bool:
-    return any(
-        isinstance(decorator, ast.Name | ast.Attribute)
-        and ast.unparse(decorator).rpartition(".")[2] == "kernel"
-        for decorator in function.decorator_list
-    )
-
-
-def _constants(tree: ast.Module) -> Iterator[tuple[str, ast.expr]]:
-    for node in tree.body:
-        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
-            continue
-        for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
-            if isinstance(target, ast.Name):
-                yield target.id, node.value
-
-
-def _imports(tree: ast.Module) -> Iterator[tuple[str, str]]:
-    """Yield the names that imports bind, each with the dotted name that it stands for."""
+def _imports(tree: ast.Module) -> Iterator[tuple[str, str, str]]:
+    """Yield the names that imports bind, what each stands for, and what is imported for that."""
     for node in tree.body:
         if isinstance(node, ast.Import):
             for name in node.names:
                 top = name.name.partition(".")[0]
-                yield (name.asname, name.name) if name.asname else (top, top)
+                yield name.asname or top, name.name if name.asname else top, name.name
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
             for name in node.names:
-                yield name.asname or name.name, f"{node.module}.{name.name}"
+                dotted = f"{node.module}.{name.name}"
+                yield name.asname or name.name, dotted, dotted
 
 
-def _own_files(tree: ast.Module, folders: Sequence[str]) -> Iterator[Path]:
-    """Yield the files of the team that are imported: no library, nothing of ours."""
-    for module in _imported_modules(tree):
-        path = _file_of(module, folders)
-        if path is not None and "site-packages" not in path.parts:
+def _own_files(dotted: str, folders: Sequence[str]) -> Iterator[Path]:
+    """Yield the team's files that an import runs, found as Python would: no library, none of ours.
+
+    The last part of the name may be taken from a module, or be a module.
+    """
+    names = dotted.split(".")
+    if names[0] == _OURS or names[0] in sys.stdlib_module_names:
+        return
+    for depth in range(1, len(names) + 1):
+        spec = PathFinder.find_spec(".".join(names[:depth]), folders)
+        path = Path(str(spec.origin)) if spec is not None and spec.has_location else Path()
+        if path.suffix == ".py" and "site-packages" not in path.parts:
             yield path
-
-
-def _imported_modules(tree: ast.Module) -> Iterator[str]:
-    """Yield the dotted names that imports may mean; a name taken from a module may be one."""
-    for node in tree.body:
-        if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            yield node.module
-            yield from (f"{node.module}.{name.name}" for name in node.names)
-
-
-def _file_of(module: str, folders: Sequence[str]) -> Path | None:
-    """Return the source of a module, found as Python would, without running anything."""
-    first, *rest = module.split(".")
-    if first == _OURS or first in sys.stdlib_module_names:
-        return None
-    spec = PathFinder.find_spec(first, folders)
-    for depth, _ in enumerate(rest, 2):
         if spec is None or spec.submodule_search_locations is None:
-            return None
-        name = ".".join(module.split(".")[:depth])
-        spec = PathFinder.find_spec(name, spec.submodule_search_locations)
-    is_source = spec is not None and spec.has_location and str(spec.origin).endswith(".py")
-    return Path(str(spec.origin)) if spec is not None and is_source else None
+            return
+        folders = spec.submodule_search_locations

@@ -13,9 +13,9 @@ from mrsfi_runtime.engine.compiled.layout import record_type
 from mrsfi_runtime.engine.compiled.reach import is_kernel
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.kernel.injections import OwnFault
+from mrsfi_runtime.markers import MARKER
 from mrsfi_runtime.mission import MissionCode
 
-_BEGIN = re.compile(r"# protected region (\S+) (?:on|off) begin")
 _PLACE = re.compile(r'File "([^"]+)", line (\d+)|Raised from (\S+) \((\d+)\)')
 
 _REASONS = (
@@ -72,7 +72,11 @@ def _where(directory: Path, function: Callable[..., Any], text: str) -> str:
     """Return file, line and region of what numba complains of."""
     path = Path(inspect.getfile(function))
     lines, first = inspect.getsourcelines(function)
-    begins = [(n, found[1]) for n, line in enumerate(lines) if (found := _BEGIN.search(line))]
+    begins = [
+        (n, found["id"])
+        for n, line in enumerate(lines)
+        if (found := MARKER.match(line)) and found["state"]
+    ]
     n_before, region = begins[0] if begins else (0, function.__name__)
     named = [
         int(line or other_line)
