@@ -33,7 +33,7 @@ from tests.interop.evl import (
 )
 from tests.interop.mutations import Mutator
 from tests.interop.recorder import INDEX
-from tests.support.broken.edits import BROKEN, Broken
+from tests.support.broken_models import BROKEN, Broken
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
 from tests.support.models.random_models import draw
 from tests.support.models.split import PARTS, Parts, split_folder, write_split

@@ -1,1 +1,0 @@
-"""Broken models: one edit of a flawless model for every constraint."""
