@@ -10,6 +10,7 @@ from m2t.difference import difference
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
 from tests.support.models.generation import ALL_TASKS, write_mission
+from tests.support.tables import rows
 
 ROBOT = """<robots ID="r4" name="Max" speed="1.0">
     <sensors ID="s7" name="s" type="DEPTH" samplesPerSecond="1"/>
@@ -38,72 +39,40 @@ def lines(old: Path, new: Path) -> list[str]:
 
 
 CHANGES = [
-    (MISSION, 'name="JEN" speed="4.0"', 'name="JEN" speed="6"', "robot r2: speed 4.0 → 6.0"),
-    (MISSION, 'duration="1000"', 'duration="900"', "mission: duration 1000 → 900"),
-    (MISSION, 'name="LEN"', 'name="L&#xE9;N"', "robot r1: name 'LEN' → 'LéN'"),
-    (
-        MISSION,
-        'name="SufficientEnergy" members="r2 r3 r1"',
-        'name="SufficientEnergy" members="r2 r3"',
-        "goal g3: members r2 r3 r1 → r2 r3",
-    ),
-    (
-        MISSION,
-        '<position x="250.0" y="-250.0" z="1.0"/>',
-        '<position x="251.0"/>',
-        "robot r1: position (250.0, -250.0, 1.0) → (251.0, 0.0, 0.0)",
-    ),
-    (
-        MISSION,
-        '<center y="500.0" z="1.0"/>',
-        "",
-        "area a7: center (0.0, 500.0, 1.0) → (0.0, 0.0, 0.0)",
-    ),
-    (MISSION, 'radius="2000.0"', 'radius="1500.0"', "area a15: radius 2000.0 → 1500.0"),
-    (
-        MISSION,
-        'totalEnergy="80000.0"',
-        'totalEnergy="1.0"',
-        "battery b2: totalEnergy 80000.0 → 1.0",
-    ),
-    (
-        MISSION,
-        'energyPerDistanceUnit="5.0"',
-        'energyPerDistanceUnit="4.0"',
-        "motion source ms1: energyPerDistanceUnit 5.0 → 4.0",
-    ),
-    (MISSION, 'Number="250"', 'Number="300"', "goal g4: task.targetSampleNumber 250 → 300"),
-    (MISSION, 'sensor="s4"', 'sensor="s2"', "goal g4: task.sensor s4 → s2"),
-    (
-        MISSION,
-        "mission:SufficientEnergy",
-        "mission:StayWithinMissionArea",
-        "goal g3: task SufficientEnergy → StayWithinMissionArea",
-    ),
-    (
-        MISSION,
-        '<body name="SPEED" type="Int"/>',
-        "",
-        (
-            "message m7: body POSITION:Coordinates SPEED:Int ENERGY:Double → "
-            "POSITION:Coordinates ENERGY:Double"
-        ),
-    ),
-    (MISSION, 'ID="m1" header="h"', 'ID="m1"', "message m1: header 'h' → none"),
-    (
-        MISSION,
-        '<servers ID="sv1" name="Offshore server"/>',
-        '<servers ID="sv1" name="Offshore server"><intProperties name="port" value="9"/></servers>',
-        "server sv1: intProperties none → 'port'=9",
-    ),
-    (MISSION, '<robots ID="r1"', '<robots colour="red" ID="r1"', "robot r1: colour none → 'red'"),
-    (MISSION, "</mission:Mission>", GOAL, "goal g7 added (Patrol)"),
-    (MISSION, '<servers ID="sv1"', ROBOT, "robot r4 added ('Max')"),
-    (FAULTS, 'NEW_X="200.0"', 'NEW_X="250.0"', "fault f9: NEW_X 200.0 → 250.0"),
-    (FAULTS, "mission.xmi#m4", "mission.xmi#m5", "fault f2: affectedMessage m4 → m5"),
-    (FAULTS, 'DELAY="200.0"', 'DELAY="200.0" DELAY_MIN="9"', "fault f8: DELAY_MIN none → 9.0"),
-    (FAULTS, 'ID="f1" name="f1"', 'ID="f1" name="f1" start="3"', "fault f1: start none → 3"),
-    (FAULTS, 'ID="fs"', 'ID="pool"', "fault specification pool: ID fs → pool"),
+    ("mission.xmi", "</mission:Mission>", GOAL, "goal g7 added (Patrol)"),
+    ("mission.xmi", '<servers ID="sv1"', ROBOT, "robot r4 added ('Max')"),
+    *rows("""
+mission.xmi | name="JEN" speed="4.0" | name="JEN" speed="6" | robot r2: speed 4.0 → 6.0
+mission.xmi | duration="1000" | duration="900" | mission: duration 1000 → 900
+mission.xmi | name="LEN" | name="L&#xE9;N" | robot r1: name 'LEN' → 'LéN'
+mission.xmi | name="SufficientEnergy" members="r2 r3 r1" | name="SufficientEnergy" members="r2 r3"
+    goal g3: members r2 r3 r1 → r2 r3
+mission.xmi | <position x="250.0" y="-250.0" z="1.0"/> | <position x="251.0"/>
+    robot r1: position (250.0, -250.0, 1.0) → (251.0, 0.0, 0.0)
+mission.xmi | <center y="500.0" z="1.0"/> | -
+    area a7: center (0.0, 500.0, 1.0) → (0.0, 0.0, 0.0)
+mission.xmi | radius="2000.0" | radius="1500.0" | area a15: radius 2000.0 → 1500.0
+mission.xmi | totalEnergy="80000.0" | totalEnergy="1.0" | battery b2: totalEnergy 80000.0 → 1.0
+mission.xmi | energyPerDistanceUnit="5.0" | energyPerDistanceUnit="4.0"
+    motion source ms1: energyPerDistanceUnit 5.0 → 4.0
+mission.xmi | Number="250" | Number="300" | goal g4: task.targetSampleNumber 250 → 300
+mission.xmi | sensor="s4" | sensor="s2" | goal g4: task.sensor s4 → s2
+mission.xmi | mission:SufficientEnergy | mission:StayWithinMissionArea
+    goal g3: task SufficientEnergy → StayWithinMissionArea
+mission.xmi | <body name="SPEED" type="Int"/> | -
+    message m7: body POSITION:Coordinates SPEED:Int ENERGY:Double → \
+POSITION:Coordinates ENERGY:Double
+mission.xmi | ID="m1" header="h" | ID="m1" | message m1: header 'h' → none
+mission.xmi | name="Offshore server"/>
+    name="Offshore server"><intProperties name="port" value="9"/></servers>
+    server sv1: intProperties none → 'port'=9
+mission.xmi | <robots ID="r1" | <robots colour="red" ID="r1" | robot r1: colour none → 'red'
+faults.xmi | NEW_X="200.0" | NEW_X="250.0" | fault f9: NEW_X 200.0 → 250.0
+faults.xmi | mission.xmi#m4 | mission.xmi#m5 | fault f2: affectedMessage m4 → m5
+faults.xmi | DELAY="200.0" | DELAY="200.0" DELAY_MIN="9" | fault f8: DELAY_MIN none → 9.0
+faults.xmi | ID="f1" name="f1" | ID="f1" name="f1" start="3" | fault f1: start none → 3
+faults.xmi | ID="fs" | ID="pool" | fault specification pool: ID fs → pool
+"""),
 ]
 
 

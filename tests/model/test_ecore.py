@@ -1,6 +1,5 @@
 """Metamodels are written as Eclipse writes them, and broken ones are refused with the line."""
 
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,8 @@ from m2t.metamodels import (
 from m2t.write.ecore import dumps_metamodel
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import edit, line_of
+from tests.support.own_metamodels import copy_metamodels
+from tests.support.tables import rows
 
 # Written by Eclipse EMF 2.43 for a metamodel that was scrambled by hand.
 BY_ECLIPSE = """<?xml version="1.0" encoding="UTF-8"?>
@@ -67,10 +68,9 @@ def _loaded(path: Path) -> Any:
     return ResourceSet().get_resource(URI(str(path))).contents[0]
 
 
-def _copy(folder: Path) -> Path:
-    for name in (MISSION_FILE, FAULTS_FILE):
-        shutil.copy(metamodel_folder() / name, folder / name)
-    return folder
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return copy_metamodels(tmp_path).parent
 
 
 def test_committed_metamodels_are_what_the_writer_writes() -> None:
@@ -127,8 +127,7 @@ def test_reference_to_an_unknown_metamodel_is_an_error() -> None:
         dumps_metamodel(load_metamodels().faults)
 
 
-def test_metamodels_with_comments_load(tmp_path: Path) -> None:
-    folder = _copy(tmp_path)
+def test_metamodels_with_comments_load(folder: Path) -> None:
     edit(folder / MISSION_FILE, "  <eClassifiers", "  <!-- robots --><?p i?>\n  <eClassifiers")
 
     both = read_metamodels(folder)
@@ -136,52 +135,34 @@ def test_metamodels_with_comments_load(tmp_path: Path) -> None:
     assert dumps_metamodel(both.mission) == (metamodel_folder() / MISSION_FILE).read_bytes()
 
 
-OWN = "is an unknown element of"
+BROKEN = """
+name="Mission" | name="Missions" | <ecore:EPackage | has no class Mission
+name="mission" | name="m" | <ecore:EPackage | expected the name mission
+name="SensorType" | name="Kind" | #//SensorType | '#//SensorType', which is no EEnum
+Ecore#//EDouble | Ecore#//EFloat | #//EFloat | has type 'EFloat'; expected EString
+lowerBound="1" | lowerBound="x" | lowerBound="x" | has lowerBound 'x', which is no
+lowerBound="2" | lowerBound="-1" | lowerBound="-1" | has bounds -1 and -1
+containment="true" | contained="true" | missionArea | has no attribute 'contained'
+defaultValueLiteral="1.0" | defaultValueLiteral="?" | "tolerance" eT | has the default '?'
+ecore:EReference | ecore:EFeature | EFeature | has xsi:type 'ecore:EFeature'
+name="DEPTH" | name="GPS_POSITION" | value="2" | has the name of line
+name="servers" | name="eContents" | "eContents" | a name that every element uses
+"robots" low | "robots" ordered="false" low | "robots" | values would change places
+name="center" | name="center" volatile="true" | "center" | do not keep its values
+name="center" | name="center" derived="true" | "center" | do not keep its values
+name="center" | name="the center" | "the center" | has name 'the center', which is no
+xsi:type="ecore:EEnum" | xsi:type="ecore:EDataType" | EDataType" | 'ecore:EDataType'
+"#//Sensor" | "ecore:EClass faults.ecore#//Fault" | name="sensors" | which is no EClass
+<eStructuralFeatures | <eOperations name="f"/><eStructuralFeatures | eOperations
+    is an unknown element of
+<eClassifiers | <eSubpackages name="p"/><eClassifiers | eSubpackages | is an unknown element of
+"""
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "place", "message"),
-    [
-        ('name="Mission"', 'name="Missions"', "<ecore:EPackage", "has no class Mission"),
-        ('name="mission"', 'name="m"', "<ecore:EPackage", "expected the name mission"),
-        ('name="SensorType"', 'name="Kind"', "#//SensorType", "'#//SensorType', which is no EEnum"),
-        ("Ecore#//EDouble", "Ecore#//EFloat", "#//EFloat", "has type 'EFloat'; expected EString"),
-        ('lowerBound="1"', 'lowerBound="x"', 'lowerBound="x"', "has lowerBound 'x', which is no"),
-        ('lowerBound="2"', 'lowerBound="-1"', 'lowerBound="-1"', "has bounds -1 and -1"),
-        ('containment="true"', 'contained="true"', "missionArea", "has no attribute 'contained'"),
-        (
-            'defaultValueLiteral="1.0"',
-            'defaultValueLiteral="?"',
-            '"tolerance" eT',
-            "has the default '?'",
-        ),
-        ("ecore:EReference", "ecore:EFeature", "EFeature", "has xsi:type 'ecore:EFeature'"),
-        ('name="DEPTH"', 'name="GPS_POSITION"', 'value="2"', "has the name of line"),
-        ('name="servers"', 'name="eContents"', '"eContents"', "a name that every element uses"),
-        ('"robots" low', '"robots" ordered="false" low', '"robots"', "values would change places"),
-        ('name="center"', 'name="center" volatile="true"', '"center"', "do not keep its values"),
-        ('name="center"', 'name="center" derived="true"', '"center"', "do not keep its values"),
-        (
-            'name="center"',
-            'name="the center"',
-            '"the center"',
-            "has name 'the center', which is no",
-        ),
-        ('xsi:type="ecore:EEnum"', 'xsi:type="ecore:EDataType"', 'EDataType"', "'ecore:EDataType'"),
-        (
-            '"#//Sensor"',
-            '"ecore:EClass faults.ecore#//Fault"',
-            'name="sensors"',
-            "which is no EClass",
-        ),
-        ("<eStructuralFeatures", '<eOperations name="f"/><eStructuralFeatures', "eOperations", OWN),
-        ("<eClassifiers", '<eSubpackages name="p"/><eClassifiers', "eSubpackages", OWN),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "place", "message"), rows(BROKEN))
 def test_broken_metamodel_is_refused_at_its_line(
-    tmp_path: Path, old: str, new: str, place: str, message: str
+    folder: Path, old: str, new: str, place: str, message: str
 ) -> None:
-    folder = _copy(tmp_path)
     path = folder / MISSION_FILE
     edit(path, old, new)
 
@@ -192,8 +173,7 @@ def test_broken_metamodel_is_refused_at_its_line(
     assert first.startswith(f"{path}:{line_of(path, place)}: ")
 
 
-def test_class_that_inherits_from_itself_is_refused(tmp_path: Path) -> None:
-    folder = _copy(tmp_path)
+def test_class_that_inherits_from_itself_is_refused(folder: Path) -> None:
     edit(
         folder / MISSION_FILE,
         'name="Stay" eSuperTypes="#//GoalTask"',

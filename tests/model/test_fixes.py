@@ -1,5 +1,6 @@
 """Every fix mends what its constraint found, and changes nothing else."""
 
+import itertools
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from m2t.load import inspect_folder, inspect_specification, load_mission_folder
 from tests.support.broken_models import BROKEN
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
 from tests.support.models.split import PARTS, write_split
+from tests.support.tables import rows
 
 BOUNDS = (
     '<fixedObstacleCoordinates NEW_X="200.0" NEW_X_MIN="{}.0" NEW_X_MAX="{}.0" NEW_Y="-450.0" '
@@ -19,81 +21,55 @@ BOUNDS = (
 
 
 class Mended(NamedTuple):
-    """An edit that breaks a constraint, and the lines that its fix removes and adds."""
+    """An edit that breaks a constraint, and the line that its fix removes and adds, if any."""
 
     constraint: str
     file: str
     old: str
     new: str
-    removed: tuple[str, ...]
-    added: tuple[str, ...]
+    removed: str
+    added: str
 
 
 MENDED = [
-    Mended(
-        "UniqueReference",
-        MISSION,
-        'members="r2 r3 r1">\n    <area ID="a2"',
-        'members="r2 r3 r2 r2 r1">\n    <area ID="a2"',
-        ('<goals ID="g2" name="StayWithinMissionArea" members="r2 r3 r2 r2 r1">',),
-        ('<goals ID="g2" name="StayWithinMissionArea" members="r2 r3 r1">',),
-    ),
-    Mended(
-        "GoalDependsOnOthers",
-        MISSION,
-        'name="GatherSamples" members="r2"',
-        'name="GatherSamples" members="r2" dependentGoals="g1 g4"',
-        ('<goals ID="g4" name="GatherSamples" members="r2" dependentGoals="g1 g4">',),
-        ('<goals ID="g4" name="GatherSamples" members="r2" dependentGoals="g1">',),
-    ),
-    Mended(
-        "AvoidCollisionMembers",
-        MISSION,
-        'name="AvoidCollision" members="r2 r3 r1"',
-        'name="AvoidCollision" members="r3"',
-        ('<goals ID="g1" name="AvoidCollision" members="r3">',),
-        ('<goals ID="g1" name="AvoidCollision" members="r3 r2 r1">',),
-    ),
-    Mended(
-        "UniqueMessageField",
-        MISSION,
-        '<body name="TEMPERATURE" type="Int"/>',
-        '<body name="TEMPERATURE" type="Int"/>\n      <body name="TEMPERATURE" type="Double"/>',
-        ('<body name="TEMPERATURE" type="Double"/>',),
-        (),
-    ),
-    Mended(
-        "RandomBoundsOrdered",
-        FAULTS,
-        'LOWER_BOUND="1" UPPER_BOUND="50"',
-        'LOWER_BOUND="51" UPPER_BOUND="50"',
-        ('<randomSampleRate LOWER_BOUND="51" UPPER_BOUND="50">',),
-        ('<randomSampleRate LOWER_BOUND="50" UPPER_BOUND="51">',),
-    ),
     Mended(
         "SearchBoundsOrdered",
         FAULTS,
         'NEW_X="200.0" NEW_Y="-450.0"',
         'NEW_X="200.0" NEW_X_MIN="9.0" NEW_X_MAX="8.0" NEW_Y="-450.0" NEW_Y_MIN="1.0" '
         'NEW_Y_MAX="0.0"',
-        (BOUNDS.format(9, 8, 1, 0),),
-        (BOUNDS.format(8, 9, 0, 1),),
+        BOUNDS.format(9, 8, 1, 0),
+        BOUNDS.format(8, 9, 0, 1),
     ),
-    Mended(
-        "WholeTicks",
-        FAULTS,
-        'DELAY="200.0"',
-        'DELAY="2.5" DELAY_MAX="3.7"',
-        ('<delayMessage DELAY="2.5" DELAY_MAX="3.7">',),
-        ('<delayMessage DELAY="2.0" DELAY_MAX="4.0">',),
-    ),
-    Mended(
-        "WindowOrdered",
-        FAULTS,
-        '<faults ID="f2" name="f2"',
-        '<faults ID="f2" name="f2" start="9" finish="8"',
-        ('<faults ID="f2" name="f2" start="9" finish="8">',),
-        ('<faults ID="f2" name="f2" start="8" finish="9">',),
+    *itertools.starmap(
+        Mended,
+        rows(r"""
+UniqueReference | mission.xmi
+    members="r2 r3 r1">\n    <area ID="a2" | members="r2 r3 r2 r2 r1">\n    <area ID="a2"
+    <goals ID="g2" name="StayWithinMissionArea" members="r2 r3 r2 r2 r1">
+    <goals ID="g2" name="StayWithinMissionArea" members="r2 r3 r1">
+GoalDependsOnOthers | mission.xmi
+    name="GatherSamples" members="r2" | name="GatherSamples" members="r2" dependentGoals="g1 g4"
+    <goals ID="g4" name="GatherSamples" members="r2" dependentGoals="g1 g4">
+    <goals ID="g4" name="GatherSamples" members="r2" dependentGoals="g1">
+AvoidCollisionMembers | mission.xmi
+    name="AvoidCollision" members="r2 r3 r1" | name="AvoidCollision" members="r3"
+    <goals ID="g1" name="AvoidCollision" members="r3">
+    <goals ID="g1" name="AvoidCollision" members="r3 r2 r1">
+UniqueMessageField | mission.xmi | <body name="TEMPERATURE" type="Int"/>
+    <body name="TEMPERATURE" type="Int"/>\n      <body name="TEMPERATURE" type="Double"/>
+    <body name="TEMPERATURE" type="Double"/> | -
+RandomBoundsOrdered | faults.xmi
+    LOWER_BOUND="1" UPPER_BOUND="50" | LOWER_BOUND="51" UPPER_BOUND="50"
+    <randomSampleRate LOWER_BOUND="51" UPPER_BOUND="50">
+    <randomSampleRate LOWER_BOUND="50" UPPER_BOUND="51">
+WholeTicks | faults.xmi | DELAY="200.0" | DELAY="2.5" DELAY_MAX="3.7"
+    <delayMessage DELAY="2.5" DELAY_MAX="3.7"> | <delayMessage DELAY="2.0" DELAY_MAX="4.0">
+WindowOrdered | faults.xmi
+    <faults ID="f2" name="f2" | <faults ID="f2" name="f2" start="9" finish="8"
+    <faults ID="f2" name="f2" start="9" finish="8">
+    <faults ID="f2" name="f2" start="8" finish="9">
+"""),
     ),
 ]
 
@@ -120,8 +96,10 @@ def test_a_fix_changes_the_lines_that_are_wrong_and_no_other(tmp_path: Path, cas
     assert list(mending.contents) == [path]
     assert mending.respelt == ()
     lines = mending.difference[2:]
-    assert [line[1:].strip() for line in lines if line.startswith("-")] == list(case.removed)
-    assert [line[1:].strip() for line in lines if line.startswith("+")] == list(case.added)
+    assert [line[1:].strip() for line in lines if line.startswith("-")] == [case.removed]
+    assert [line[1:].strip() for line in lines if line.startswith("+")] == (
+        [case.added] if case.added else []
+    )
     path.write_bytes(mending.contents[path])
     assert inspect_folder(folder).diagnostics == ()
 

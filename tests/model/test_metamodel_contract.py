@@ -2,7 +2,6 @@
 
 import random
 import re
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +14,12 @@ from m2t.metamodels import (
     features,
     lineage,
     load_metamodels,
-    metamodel_folder,
     read_metamodels,
 )
 from mrsfi_runtime.errors import ModelError
 from tests.support.cli import edit
 from tests.support.features import is_contained, reference_type
+from tests.support.own_metamodels import ECORE_TYPE, copy_metamodels
 
 NEEDED = [
     (package, class_name, name)
@@ -29,15 +28,12 @@ NEEDED = [
     for name in needs
 ]
 CLASSES = [(package, name) for package, classes in CONTRACT.items() for name in classes]
-ECORE_TYPE = "ecore:EDataType http://www.eclipse.org/emf/2002/Ecore#//"
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Return a folder with copies of both metamodels."""
-    for name in (MISSION_FILE, FAULTS_FILE):
-        shutil.copy(metamodel_folder() / name, tmp_path / name)
-    return tmp_path
+    return copy_metamodels(tmp_path).parent
 
 
 def _class(package: str, name: str) -> Any:

@@ -209,8 +209,7 @@ WindowInsideMission | ID="f2" | ID="f2" start="1000" finish="1001" | ID="f2"
 
 
 def _broken(file: str, table: str) -> list[Broken]:
-    texts = ((text.replace(r"\n", "\n") for text in row) for row in rows(table))
-    return [Broken(*row, file) for row in texts]
+    return [Broken(*row, file) for row in rows(table)]
 
 
 def _too_long(feature: str, old: str, place: str, element: str, most: int) -> Broken:

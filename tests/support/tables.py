@@ -4,8 +4,15 @@ import re
 
 
 def rows(table: str) -> list[tuple[str, ...]]:
-    """Return the cells of each row; an indented line goes on with its row, ``-`` is empty."""
+    r"""Return the cells of each row.
+
+    An indented line goes on with the row before it, ``-`` is an empty cell, ``\n`` a new line.
+    """
     return [
-        tuple("" if cell == "-" else cell for cell in re.split(r"\s*\n\s+|\s+\|\s+", row))
+        tuple("" if cell == "-" else cell.replace(r"\n", "\n") for cell in _cells(row))
         for row in re.split(r"\n(?! )", table.strip("\n"))
     ]
+
+
+def _cells(row: str) -> list[str]:
+    return re.split(r"\s*\n\s+|\s+\|\s+", row)
