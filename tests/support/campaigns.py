@@ -1,30 +1,16 @@
-"""Synthetic campaigns: a mission, its pool, and evaluations as a search would leave them."""
+"""Synthetic campaigns: evaluations of the paper's mission as a search would leave them."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
-from mrsfi_runtime.api import AvoidCollision, GatherSamples, StayWithinMissionArea, SufficientEnergy
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
-from mrsfi_runtime.model.mission import Area, Coordinates, Goal, Mission, Obstacle, Robot, Sensor
+from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.mission import Area, Coordinates
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.fault_types import FAULT_TYPES
-
-STARTS = {"LEN": (250.0, -250.0), "JEN": (-250.0, 250.0), "KAL": (250.0, 250.0)}
-OBSTACLES = (
-    (0, 500, 50),
-    (500, 500, 40),
-    (500, 0, 45),
-    (500, -500, 25),
-    (0, -500, 30),
-    (-500, -500, 28),
-    (-500, 0, 45),
-    (-500, 500, 15),
-)
+from tests.support.search import PAPER_FAULTS
 
 SETTINGS = CampaignSettings(seed=7)
 
@@ -32,68 +18,6 @@ SETTINGS = CampaignSettings(seed=7)
 def area(identifier: str, x: float, y: float, radius: float) -> Area:
     """Return a disc."""
     return Area(identifier, Coordinates(x, y), radius)
-
-
-def mission() -> Mission:
-    """Return a mission with the places and goals of the paper's."""
-    robots = tuple(
-        Robot(
-            f"r{i}",
-            name,
-            Coordinates(x, y),
-            4.0,
-            (Sensor(f"s{i}", f"s{i}", "DEPTH", 2.0, 5),),
-        )
-        for i, (name, (x, y)) in enumerate(STARTS.items(), start=1)
-    )
-    obstacles = tuple(
-        Obstacle(f"o{i}", area(f"b{i}", x, y, radius))
-        for i, (x, y, radius) in enumerate(OBSTACLES, start=1)
-    )
-    members = tuple(robot.id for robot in robots)
-    gather = tuple(
-        Goal(
-            f"g{i + 3}",
-            "GatherSamples",
-            (f"r{i}",),
-            GatherSamples(250, f"s{i}"),
-            area(f"a{i}", *STARTS[robots[i - 1].name], 150),
-        )
-        for i in (1, 2, 3)
-    )
-    return Mission(
-        name="waters",
-        duration=1000,
-        area=area("a0", 0, 0, 2000),
-        robots=robots,
-        servers=(),
-        obstacles=obstacles,
-        goals=(
-            Goal("g1", "AvoidCollision", members, AvoidCollision(members)),
-            Goal("g2", "StayWithinMissionArea", members, StayWithinMissionArea()),
-            Goal("g3", "SufficientEnergy", members, SufficientEnergy()),
-            *gather,
-        ),
-    )
-
-
-def pool() -> FaultPool:
-    """Return a pool with one fault of each type, ``f1`` to ``f30``."""
-    return FaultPool(
-        "fs",
-        tuple(
-            Fault(f"f{i}", kind, "m1", tuple(0.0 for _ in kind.parameters), name=f"f{i}")
-            for i, kind in enumerate(FAULT_TYPES.values(), start=1)
-        ),
-    )
-
-
-@dataclass(frozen=True)
-class Code:
-    """What a report needs to know about the code that a campaign flew."""
-
-    mission: Mission
-    pool: FaultPool
 
 
 def outcome(believed: Sequence[int], n_faults: int = 0) -> Outcome:
@@ -122,7 +46,7 @@ def evaluation(
     """Return an evaluation; by default of a specification that no other index has."""
     flown = specification
     if flown is None:
-        flown = (TimedFault("f1", index, index + 10, (float(index),)),)
+        flown = (TimedFault("f8", index, index + 10, (float(index),)),)
     return Evaluation(
         index=index,
         generation=generation,
@@ -135,13 +59,12 @@ def evaluation(
 
 def random_specification(random: Random, n_faults: int = 20) -> Specification:
     """Return faults of the pool with windows and values, the message faults favoured."""
-    types = list(FAULT_TYPES.values())
     timed = []
     for _ in range(n_faults):
         number = min(random.randrange(30), random.randrange(30))
         start = random.randrange(900)
         finish = random.randrange(start, 1000)
-        values = tuple(random.uniform(-500, 500) for _ in types[number].parameters)
+        values = tuple(random.uniform(-500, 500) for _ in PAPER_FAULTS[number].values)
         timed.append(TimedFault(f"f{number + 1}", start, finish, values))
     return tuple(timed)
 

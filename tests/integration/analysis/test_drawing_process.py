@@ -3,11 +3,11 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.analysis.drawing_process import Drawing, DrawingProcess, draw_here
-from tests.support.campaigns import mission
+from tests.support.search import paper_mission
 
 
 def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
-    drawing = Drawing("mission_map", (mission(),))
+    drawing = Drawing("mission_map", (paper_mission(),))
     draw_here([(drawing, tmp_path / "here")])()
 
     with DrawingProcess() as drawing_process:
@@ -19,7 +19,7 @@ def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
 
 
 def test_what_saving_met_is_raised_here(tmp_path: Path) -> None:
-    drawings = [(Drawing("mission_map", (mission(),)), tmp_path / "missing" / "map")]
+    drawings = [(Drawing("mission_map", (paper_mission(),)), tmp_path / "missing" / "map")]
 
     with DrawingProcess() as drawing_process, pytest.raises(FileNotFoundError, match="missing"):
         drawing_process.draw(drawings)()
@@ -35,7 +35,7 @@ def test_what_cannot_be_drawn_anywhere_is_raised_here(
 
 
 def test_a_studio_that_is_killed_leaves_the_drawing_to_this_process(tmp_path: Path) -> None:
-    drawing = Drawing("mission_map", (mission(),))
+    drawing = Drawing("mission_map", (paper_mission(),))
     draw_here([(drawing, tmp_path / "here")])()
 
     with DrawingProcess() as drawing_process:
@@ -61,7 +61,7 @@ def test_a_studio_that_never_draws_ends_with_its_block(error: type[BaseException
 
 
 def test_what_was_drawn_ahead_is_the_same(tmp_path: Path) -> None:
-    drawing = Drawing("mission_map", (mission(),))
+    drawing = Drawing("mission_map", (paper_mission(),))
     draw_here([(drawing, tmp_path / "here")])()
 
     with DrawingProcess(drawing) as drawing_process:

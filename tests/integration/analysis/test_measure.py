@@ -11,10 +11,12 @@ from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.campaigns import Code, mission, pool, statistics
+from tests.support.campaigns import statistics
 from tests.support.measures import FLOWN_TWICE, HIDING, MASKED, MEANS
+from tests.support.search import paper_mission
+from tests.support.world import paper_code
 
-CODE = Code(mission(), pool())
+CODE = paper_code()
 
 
 def report_of(folder: Path, settings: CampaignSettings, found: list[Evaluation]) -> str:
@@ -40,7 +42,7 @@ def table(folder: Path, name: str) -> list[list[str]]:
 def test_a_report_uses_the_measure_and_says_which_it_is(
     settings: CampaignSettings, found: list[Evaluation], rows: list[list[str]], tmp_path: Path
 ) -> None:
-    measure = Measure.of(settings, mission())
+    measure = Measure.of(settings, paper_mission())
     best = max(found, key=lambda each: each.fitness[0])
 
     report = report_of(tmp_path / "run", settings, found)

@@ -12,8 +12,9 @@ from mrsfi_runtime.analysis import plots
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
 from mrsfi_runtime.analysis.patterns import find_patterns
 from mrsfi_runtime.analysis.trend import GenerationFitness, Trend
-from tests.support.campaigns import mission, pool, random_specification
+from tests.support.campaigns import random_specification
 from tests.support.drawing import save
+from tests.support.search import paper_mission, pool_of
 
 TREND = Trend(
     tuple(GenerationFitness(i, 10.0 * i, 5.0, 10.0 * i + 9, 0.0) for i in range(6)), 10.0, 0.0, 1, 0
@@ -27,14 +28,14 @@ def types_figure() -> Figure:
     from random import Random
 
     top = [random_specification(Random(i)) for i in range(3)]
-    return plots.fault_types(find_patterns(top, top, pool()), 3)
+    return plots.fault_types(find_patterns(top, top, pool_of()), 3)
 
 
 FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
     "map": (
-        lambda: plots.mission_map(mission()),
+        lambda: plots.mission_map(paper_mission()),
         {
-            "Mission waters: working area",
+            "Mission uuv_sampling: working area",
             "Whole mission area",
             "LEN",
             "JEN",
@@ -150,7 +151,7 @@ def test_a_png_has_the_size_of_its_figure(tmp_path: Path) -> None:
 
 
 def test_a_dollar_in_a_name_is_a_dollar(tmp_path: Path) -> None:
-    waters = mission()
+    waters = paper_mission()
     robot = replace(waters.robots[0], name="a$x^2$<&")
 
     _, svg = save(
@@ -161,7 +162,7 @@ def test_a_dollar_in_a_name_is_a_dollar(tmp_path: Path) -> None:
 
 
 def test_the_map_is_true_to_scale() -> None:
-    figure = plots.mission_map(mission())
+    figure = plots.mission_map(paper_mission())
 
     assert [axes.get_aspect() for axes in figure.axes[:2]] == [1.0, 1.0]
     near, far = figure.axes[:2]
@@ -178,7 +179,7 @@ def test_one_generation_and_one_point_can_be_drawn(tmp_path: Path) -> None:
         "best": plots.best_fitness(trend, "fitness"),
         "by_generation": plots.generation_fronts({0: zero}),
         "front": plots.whole_front(zero, [(0, 0)], None),
-        "types": plots.fault_types(find_patterns([()], [()], pool()), 1),
+        "types": plots.fault_types(find_patterns([()], [()], pool_of()), 1),
     }.items():
         png, svg = save(figure, tmp_path / name)
         assert png.stat().st_size > 0

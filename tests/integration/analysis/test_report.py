@@ -14,16 +14,15 @@ from mrsfi_runtime.record.campaign import CampaignStore, Generation
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import (
-    Code,
     evaluation,
     generations_of_evaluations,
-    mission,
-    pool,
     statistics,
     write_campaign,
 )
+from tests.support.search import pool_of
+from tests.support.world import paper_code
 
-CODE = Code(mission(), pool())
+CODE = paper_code()
 SINGLE = ["figure_05_mission_map", "figure_06_mean_fitness", "figure_07_best_fitness"]
 FOCUSED = ["figure_05_mission_map", "figure_08_mean_fitness", "figure_09_best_fitness"]
 FRONTS = ["figure_10_front_by_generation", "figure_11_front"]
@@ -111,12 +110,12 @@ def test_the_ten_most_critical_specifications_are_written(focused: Path) -> None
 
 def test_values_are_written_by_the_names_of_their_parameters() -> None:
     rows = specification_rows(
-        pool(), (TimedFault("f1", 0, 5, (7.0,)), TimedFault("f23", 1, 2, (1.0, 2.0, 3.0)))
+        pool_of(), (TimedFault("f8", 0, 5, (7.0,)), TimedFault("f9", 1, 2, (1.0, 2.0, 3.0)))
     )
 
     assert rows == (
-        ("f1", 0, 5, {"DELAY": 7.0}),
-        ("f23", 1, 2, {"NEW_X": 1.0, "NEW_Y": 2.0, "NEW_Z": 3.0}),
+        ("f8", 0, 5, {"DELAY": 7.0}),
+        ("f9", 1, 2, {"NEW_X": 1.0, "NEW_Y": 2.0, "NEW_Z": 3.0}),
     )
 
 

@@ -16,9 +16,10 @@ from mrsfi_runtime.analysis.fronts import (
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.campaigns import evaluation, mission
+from tests.support.campaigns import evaluation
+from tests.support.search import paper_mission
 
-MEASURE = Measure.of(CampaignSettings(), mission())
+MEASURE = Measure.of(CampaignSettings(), paper_mission())
 VECTORS = st.integers(1, 4).flatmap(
     lambda n: st.lists(st.tuples(*[st.integers(0, 6)] * n), max_size=30)
 )

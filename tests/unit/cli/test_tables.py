@@ -6,9 +6,10 @@ from rich.table import Table
 
 from mrsfi_runtime.cli.console import print_table
 from mrsfi_runtime.cli.tables import critical_tables, plain_table
-from tests.support.campaigns import evaluation, pool
+from tests.support.campaigns import evaluation
+from tests.support.search import pool_of
 
-FAULTS = tuple(fault.id for fault in pool())
+FAULTS = tuple(fault.id for fault in pool_of())
 
 
 def _tables(n_goals: int) -> tuple[Table, Table]:
@@ -16,7 +17,7 @@ def _tables(n_goals: int) -> tuple[Table, Table]:
         goals=tuple(f"g{number}" for number in range(1, n_goals + 1)), is_shown_by_outcomes=True
     )
     believed = tuple(900 + number if number % 3 else 0 for number in range(n_goals))
-    return critical_tables(measure, pool(), [evaluation(123, believed, fitness=809.8)])
+    return critical_tables(measure, pool_of(), [evaluation(123, believed, fitness=809.8)])
 
 
 def _printed(capsys: pytest.CaptureFixture[str], *tables: Table) -> list[str]:

@@ -11,7 +11,8 @@ from mrsfi_runtime.analysis.fronts import non_dominated
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.run_results import RunResult, front_volume, measure_run
-from tests.support.campaigns import evaluation, mission
+from tests.support.campaigns import evaluation
+from tests.support.search import paper_mission
 
 SIX = (0, 0, 0, 0, 0, 0)
 
@@ -24,7 +25,7 @@ def measured(
 ) -> RunResult:
     return measure_run(
         CampaignSettings(seed=3, goals=goals, violations=counts),
-        waters or mission(),
+        waters or paper_mission(),
         [evaluation(index, found) for index, found in enumerate(believed)],
         n_failures=2,
         seconds=1.5,
