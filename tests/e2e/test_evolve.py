@@ -100,22 +100,6 @@ def test_a_folder_in_use_ends_with_9_and_stays_as_it_is(flown: Path) -> None:
     assert contents(flown) == before
 
 
-def test_a_mission_whose_regions_fail_ends_with_6(place: Path) -> None:
-    edit(
-        place / "generated" / MISSION / "collective_intelligence.py",
-        "return goal_tasks.avoid_collision.violated(ci, G1)",
-        "return 1 // (ci.mission.tick - 7) == 0",
-    )
-
-    arguments = ("evolve", MISSION, *SMALL, "--engine", "reference")
-
-    error = mrsfi(*arguments, cwd=place, expected=6).stderr
-
-    assert "ZeroDivisionError" in error
-    assert error.startswith(f"mrsfi: generated/{MISSION}/collective_intelligence.py:")
-    assert not (place / "runs").exists()
-
-
 def test_ctrl_c_ends_with_130_and_leaves_a_campaign_that_can_be_reported(place: Path) -> None:
     arguments = ("evolve", MISSION, "--population", "4", "--generations", "5000")
 

@@ -125,12 +125,3 @@ def test_diff_of_nothing_ends_with_2_and_of_no_model_with_3(place: Path) -> None
 
     assert "nowhere" in mrsfi("diff", "nowhere", MISSION, cwd=place, expected=2).stderr
     assert "text.xmi:1" in mrsfi("diff", "text.xmi", MISSION, cwd=place, expected=3).stderr
-
-
-@pytest.mark.parametrize("command", ["import", "diff"])
-def test_help_has_examples(command: str, place: Path) -> None:
-    text = mrsfi(command, "--help", cwd=place).stdout
-
-    assert f"Usage: mrsfi {command} " in text
-    assert f"Examples:\n    mrsfi {command}" in text
-    assert f"\n  {command} " in mrsfi("--help", cwd=place).stdout

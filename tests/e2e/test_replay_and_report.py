@@ -46,18 +46,6 @@ def test_replay_of_all_confirms_every_evaluation(campaign: Path, tmp_path: Path)
     }
 
 
-def test_a_critical_specification_flies_as_its_evaluation_did(campaign: Path, place: Path) -> None:
-    best = mrsfi_json("replay", campaign, "--best", cwd=place)
-
-    flown = mrsfi_json("simulate", "uuv_sampling", "--faults", critical(campaign), cwd=place)
-
-    assert flown["digest"] == best["digest"]
-
-
-def critical(campaign: Path) -> Path:
-    return campaign / "critical" / "01.xmi"
-
-
 def test_a_forged_digest_ends_with_7(campaign: Path, tmp_path: Path) -> None:
     execute(campaign, "UPDATE evaluation SET digest = 'forged' WHERE idx = 2")
 
@@ -110,9 +98,3 @@ def test_an_evaluation_that_is_not_there_ends_with_9(campaign: Path, tmp_path: P
         "99999"
         in mrsfi("replay", campaign, "--evaluation", "99999", cwd=tmp_path, expected=9).stderr
     )
-
-
-def test_a_record_of_a_newer_version_ends_with_9(campaign: Path, tmp_path: Path) -> None:
-    execute(campaign, "PRAGMA user_version = 99")
-
-    assert "99" in mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr

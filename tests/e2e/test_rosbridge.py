@@ -156,17 +156,6 @@ def test_two_sides_meet_on_a_server(place, url, client):
     assert (code, told) == (130, "mrsfi: interrupted\n")
 
 
-def test_the_ci_may_be_started_before_the_simulation(place, url):
-    meet = (*ROSBRIDGE, "--url", url)
-    with process("simulate", MISSION, *meet, "--side", "ci", "--json", cwd=place) as flight:
-        time.sleep(2.0)  # it asks for a simulation ten times a second
-        assert flight.poll() is None
-        with process("simulate", MISSION, *meet, "--side", "simulation", cwd=place):
-            output, _ = flight.communicate(timeout=60)
-
-    assert json.loads(output) == mrsfi_json("simulate", MISSION, cwd=place)
-
-
 def test_a_simulation_that_is_killed_ends_the_flight_with_its_tick_and_signal(place):
     with process("simulate", MISSION, *ROSBRIDGE, "--trace", "t.csv", cwd=place) as flight:
         wait_for(lambda: has_lines(place / "t.csv", 100))
@@ -179,23 +168,6 @@ def test_a_simulation_that_is_killed_ends_the_flight_with_its_tick_and_signal(pl
     )
 
 
-def test_a_server_that_is_killed_ends_both_sides_with_their_tick(place):
-    with process("bridge", "--port", "0") as server:
-        meet = (*ROSBRIDGE, "--url", re.search(r"ws://\S+", server.stdout.readline())[0])
-        with (
-            process("simulate", MISSION, *meet, "--side", "simulation", cwd=place) as simulation,
-            process(
-                "simulate", MISSION, *meet, "--side", "ci", "--trace", "t.csv", cwd=place
-            ) as flight,
-        ):
-            wait_for(lambda: has_lines(place / "t.csv", 100))
-            server.kill()
-            ends = [ended(flight), ended(simulation)]
-
-    assert [code for code, _ in ends] == [8, 8]
-    assert all(re.search(r"run 1, tick \d+: the connection to ws://", told) for _, told in ends)
-
-
 def test_a_ci_that_is_killed_leaves_no_process_behind(place):
     with process("simulate", MISSION, *ROSBRIDGE, "--trace", "t.csv", cwd=place) as flight:
         wait_for(lambda: has_lines(place / "t.csv", 100))
@@ -203,22 +175,6 @@ def test_a_ci_that_is_killed_leaves_no_process_behind(place):
         flight.kill()
         flight.wait()
         wait_for(lambda: not is_running(orphan))
-
-
-def test_a_ci_that_is_killed_ends_the_simulation_with_its_tick(place, url):
-    meet = (*ROSBRIDGE, "--url", url, "--timeout", "2")
-    with (
-        process("simulate", MISSION, *meet, "--side", "simulation", cwd=place) as simulation,
-        process(
-            "simulate", MISSION, *meet, "--side", "ci", "--trace", "t.csv", cwd=place
-        ) as flight,
-    ):
-        wait_for(lambda: has_lines(place / "t.csv", 100))
-        flight.kill()
-        code, told = ended(simulation)
-
-    assert code == 8
-    assert re.search(r"run 1, tick \d+: the collective intelligence was silent for 2 s", told)
 
 
 def test_a_flight_that_is_interrupted_leaves_no_process_behind(place):

@@ -67,19 +67,6 @@ def test_stale_generated_code_is_not_flown(place: Path) -> None:
     assert "mrsfi generate" in mrsfi("simulate", MISSION, cwd=place, expected=4).stderr
 
 
-def test_a_region_that_fails_ends_with_6_and_names_the_tick(place: Path) -> None:
-    edit(
-        place / "generated" / MISSION / "collective_intelligence.py",
-        "return goal_tasks.avoid_collision.violated(ci, G1)",
-        "return 1 // (ci.mission.tick - 7) == 0",
-    )
-
-    error = mrsfi("simulate", MISSION, cwd=place, expected=6).stderr
-
-    assert "tick 7" in error
-    assert "ZeroDivisionError" in error
-
-
 def test_each_fault_is_audited_alone_and_written_as_a_page(place: Path) -> None:
     rows = mrsfi_json(
         "simulate", MISSION, "--each-fault", "100:900", "--markdown", "page.md", cwd=place

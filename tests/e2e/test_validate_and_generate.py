@@ -38,12 +38,6 @@ def test_validate_of_a_broken_model_ends_with_3_and_names_the_line(place: Path) 
     assert "1 error" in text.splitlines()[-1]
 
 
-def test_validate_reports_a_file_that_is_no_xml(place: Path) -> None:
-    (place / "models" / MISSION / "mission.xmi").write_text("no XML at all", encoding="utf-8")
-
-    assert "mission.xmi:1: error: " in mrsfi("validate", MISSION, cwd=place, expected=3).stdout
-
-
 def test_validate_checks_a_written_specification(place: Path) -> None:
     models = place / "models" / MISSION
     sound = stop_specification(models / "sound.xmi", [(100, 200)])
@@ -105,29 +99,6 @@ def test_generate_of_a_broken_model_ends_with_3_and_writes_nothing(place: Path) 
     mrsfi("generate", MISSION, cwd=place, expected=3)
 
     assert contents(place) == before
-
-
-def test_deleting_a_goal_with_hand_written_code_ends_with_4_and_keeps_the_file(place: Path) -> None:
-    code = place / "generated" / MISSION / "collective_intelligence.py"
-    edit(
-        code,
-        "return goal_tasks.gather_samples.violated(ci, G6)",
-        "return ci.mission.tick > 900 and goal_tasks.gather_samples.violated(ci, G6)",
-    )
-    mission = place / "models" / MISSION / "mission.xmi"
-    text = mission.read_text(encoding="utf-8")
-    first = text.index('  <goals ID="g6"')
-    last = text.index("</goals>", first) + len("</goals>\n")
-    mission.write_text(text[:first] + text[last:], encoding="utf-8")
-    faults = place / "models" / MISSION / "faults.xmi"
-    edit(faults, "#m12", "#m11")
-    before = contents(place / "generated")
-
-    error = mrsfi("generate", MISSION, cwd=place, expected=4).stderr
-
-    assert "collective_intelligence.py" in error
-    assert "g6" in error
-    assert contents(place / "generated") == before
 
 
 def test_a_goal_that_is_violated_without_faults_is_worth_a_warning(place: Path) -> None:

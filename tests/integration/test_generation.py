@@ -19,7 +19,6 @@ from mrsfi_runtime.api import (
     Track,
     Visit,
 )
-from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, pool_from_text
 from mrsfi_runtime.model.mission import (
@@ -65,16 +64,6 @@ def test_mission_becomes_five_files_and_a_manifest(models, target):
 
     assert result.written == FILES
     assert sorted(contents(target)) == sorted((*FILES, "manifest.json"))
-
-
-def test_second_run_changes_nothing(models, target):
-    generate(models, target)
-    before = {path: path.stat().st_mtime_ns for path in (target, *target.iterdir())}
-
-    result = generate(models, target)
-
-    assert (result.written, result.unchanged, result.removed) == ((), FILES, ())
-    assert {path: path.stat().st_mtime_ns for path in (target, *target.iterdir())} == before
 
 
 def test_result_does_not_depend_on_the_hash_seed(tmp_path, models):
@@ -303,12 +292,3 @@ def test_comment_in_a_model_makes_the_manifest_stale_only(models, target):
 
     assert stale(models, target) == ("manifest.json",)
     assert diff(models, target) == ""
-
-
-def test_invalid_model_generates_nothing(models, target):
-    edit(models / "mission.xmi", 'ID="r1" name="LEN"', 'ID="r1"')
-
-    with pytest.raises(ModelError, match=r"mission\.xmi"):
-        generate(models, target)
-
-    assert not target.exists()

@@ -19,7 +19,7 @@ from tests.integration.network import (
     child_of,
     wait_for_tick,
 )
-from tests.support.cli import ROOT, edit, mrsfi
+from tests.support.cli import ROOT, mrsfi
 from tests.support.interrupted import (
     MISSION,
     SEARCH,
@@ -27,7 +27,6 @@ from tests.support.interrupted import (
     digest,
     evaluations,
     finished,
-    workspace,
 )
 from tests.support.rosbridge import process
 from tests.tiers import slow
@@ -78,51 +77,26 @@ def test_a_server_lost_in_mid_run_ends_both_sides_with_8(
     assert all(problem in errors for errors in told)
 
 
-def test_a_killed_simulation_ends_the_ci_with_8_and_the_server_goes_on(note: Note) -> None:
+@pytest.mark.parametrize(
+    ("side", "silent"), [("ci", "the simulation"), ("simulation", "the collective intelligence")]
+)
+def test_a_killed_side_ends_the_other_with_8_and_the_server_goes_on(
+    side: str, silent: str, note: Note
+) -> None:
     with (
         bridge() as server,
         process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
         process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
     ):
+        sides = [ci, simulation] if side == "ci" else [simulation, ci]
         wait_for_tick(server.url, 1, 100)
-        simulation.kill()
-        errors = ended_with_8(ci, note, "simulation killed: the CI")
+        sides[1].kill()
+        errors = ended_with_8(sides[0], note, f"{silent} killed: the {side}")
 
         assert 100 <= tick_of(errors) < 1000
-        assert "the simulation was silent for 2 s" in errors
+        assert f"{silent} was silent for 2 s" in errors
         with Witness(server.url) as witness:
             assert witness.is_served()
-
-
-def test_a_killed_ci_ends_the_simulation_with_8_and_the_server_goes_on(note: Note) -> None:
-    with (
-        bridge() as server,
-        process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
-        process(*FLIGHT, "--url", server.url, "--side", "ci") as ci,
-    ):
-        wait_for_tick(server.url, 1, 100)
-        ci.kill()
-        errors = ended_with_8(simulation, note, "CI killed: the simulation")
-
-        assert 100 <= tick_of(errors) < 1000
-        assert "the collective intelligence was silent for 2 s" in errors
-        with Witness(server.url) as witness:
-            assert witness.is_served()
-
-
-def test_a_region_that_raises_ends_its_run_with_6_and_the_server_goes_on(tmp_path: Path) -> None:
-    workspace(tmp_path)
-    code = tmp_path / "generated" / MISSION / "collective_intelligence.py"
-    raising = "    return 1 // (60 - ci.mission.tick) == 7"
-    edit(code, "    return goal_tasks.sufficient_energy.violated(ci, ENERGY)", raising)
-    line = code.read_text(encoding="utf-8").splitlines().index(raising) + 1
-    words = ("simulate", MISSION, "--engine", "rosbridge")
-
-    with bridge() as server, Witness(server.url) as witness:
-        errors = mrsfi(*words, "--url", server.url, cwd=tmp_path, expected=6).stderr
-
-        assert f"{code.name}:{line}: mission 'tight margins' failed at tick 60" in errors
-        assert witness.is_served()
 
 
 def test_a_killed_command_leaves_no_simulation_behind() -> None:

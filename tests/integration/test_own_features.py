@@ -1,7 +1,5 @@
 """What a team adds to the metamodel: it reaches the regions as constants, or is an error."""
 
-from random import Random
-
 import pytest
 
 from m2t.generate import generate
@@ -213,28 +211,6 @@ def test_an_enumeration_becomes_the_name_of_its_literal(models, own_metamodels):
     )
 
     assert constants(models) == {"A_COLOURS": ("BLUE", "RED")}
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_no_random_addition_is_dropped(models, own_metamodels, seed):  # noqa: F811
-    rng = Random(seed)
-    said = []
-    for n in range(1, 9):
-        class_name, tag = rng.choice(sorted(TAGS.items()))
-        kind, text = rng.choice(
-            (("EDouble", f"{n}3.125"), ("EInt", f"{n}77"), ("EString", f"x{n}"))
-        )
-        own_metamodels.extend(class_name, attribute(f"extra{n}", kind))
-        added = mission(models).read_text().replace(tag, f'{tag} extra{n}="{text}"', 1)
-        mission(models).write_text(added)
-        said.append((f"_EXTRA{n} = ", str(float(text)) if kind == "EDouble" else text))
-
-    constants(models)
-
-    generated = models.parent.parent / "generated" / models.name / "collective_intelligence.py"
-    lines = generated.read_text(encoding="utf-8").splitlines()
-    for name, value in said:
-        assert [line for line in lines if name in line and value in line], name
 
 
 def test_a_class_that_extends_two_that_code_reads_is_refused(models, own_metamodels):  # noqa: F811

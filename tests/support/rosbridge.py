@@ -231,24 +231,6 @@ def numbers(change: Callable[..., Sequence[int]]) -> Tamper:
     return renumbered
 
 
-def swapped(topic: str, n: int) -> Tamper:
-    """Return a tamper that swaps the n-th message on a topic with the frame after it."""
-    held: list[str] = []
-
-    def hold(frame: str) -> list[str]:
-        held.append(frame)
-        return []
-
-    change = nth(topic, n, hold)
-
-    def tamper(frame: str) -> list[str]:
-        if held:
-            return [frame, held.pop()]
-        return change(frame)
-
-    return tamper
-
-
 @contextmanager
 def process(*words: str | Path, cwd: Path = ROOT) -> Iterator[subprocess.Popen[str]]:
     """Run ``mrsfi`` in a process that ends with the test."""
