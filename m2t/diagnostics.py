@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from mrsfi_runtime.errors import ModelError
 
@@ -230,7 +230,7 @@ class Report:
     """
 
     def __init__(self) -> None:
-        self._found: list[Diagnostic] = []
+        self._found: dict[Diagnostic, None] = {}
         self.n_errors = 0
         self.n_unsound = 0
 
@@ -248,7 +248,9 @@ class Report:
         self._add(Diagnostic(path, line, path.name, defect.constraint, severity, message))
 
     def _add(self, found: Diagnostic) -> None:
-        self._found.append(found)
+        if found in self._found:  # of what several classes inherit, say
+            return
+        self._found[found] = None
         is_error = found.severity == "error"
         self.n_errors += is_error
         self.n_unsound += is_error and found.constraint != "UniqueReference"
@@ -262,10 +264,34 @@ class Report:
             With all errors found so far, one a line.
         """
         if self.n_errors:
-            raise ModelError("\n".join(str(found) for found in self if found.severity == "error"))
+            raise self.error()
+
+    def error(self) -> ModelError:
+        """Return the error that says all that is wrong so far."""
+        return ModelError("\n".join(str(found) for found in self if found.severity == "error"))
 
     def __iter__(self) -> Iterator[Diagnostic]:
         return iter(self._found)
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """Places findings about objects at the lines of their nodes."""
+
+    nodes: Mapping[Any, "Node"]
+    report: Report
+
+    def add(self, element: Any, constraint: str, finding: str) -> None:
+        """Add a finding that completes a sentence which begins with the element."""
+        self.report.add(self.nodes[element], constraint, finding)
+
+    def describe(self, element: Any) -> str:
+        """Return the name of an element in messages."""
+        return self.nodes[element].description
+
+    def line(self, element: Any) -> int:
+        """Return the line of an element."""
+        return self.nodes[element].line
 
 
 def shown(text: str) -> str:

@@ -5,7 +5,7 @@ from typing import Any
 
 from pyecore.ecore import EEnum
 
-from m2t.metamodels import Slot, slots
+from m2t.metaclasses import Slot, slots
 
 
 def values(element: Any, slot: Slot) -> list[Any]:

@@ -8,10 +8,9 @@ from typing import Any
 from m2t.check.references import referred_files, resolve
 from m2t.check.structure import ModelTree, ReadModel, check_claims, check_structure
 from m2t.constraints.faults import check_faults
-from m2t.constraints.findings import Findings
 from m2t.constraints.identity import check_identities
 from m2t.constraints.mission import check_mission
-from m2t.diagnostics import Diagnostic, Report
+from m2t.diagnostics import Diagnostic, Findings, Report
 from m2t.metamodels import load_metamodels
 from m2t.objects import ModelLoader
 from m2t.read.addresses import local_path

@@ -11,7 +11,7 @@ from pyecore.resources.xmi import XMIResource
 
 from m2t.check.structure import ModelTree
 from m2t.elements import put
-from m2t.metamodels import Slot, slots
+from m2t.metaclasses import Slot, slots
 from m2t.read.nodes import Node
 
 

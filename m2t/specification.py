@@ -14,7 +14,8 @@ from typing import Any, TypeAlias
 from m2t.constraints.faults import fault_types
 from m2t.elements import copies
 from m2t.load import LoadedModels, load_mission_folder
-from m2t.metamodels import load_metamodels, slots
+from m2t.metaclasses import slots
+from m2t.metamodels import load_metamodels
 from m2t.saving import addresses
 from m2t.write.xmi import dumps, write_atomically
 from mrsfi_runtime.errors import SpecificationError

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 from pyecore.ecore import EEnum
 
 from m2t.diagnostics import Defect, shown
-from m2t.metamodels import Slot
+from m2t.metaclasses import Slot
 
 MAX_MAGNITUDE = 1e12
 MAX_NAME_LENGTH = 200

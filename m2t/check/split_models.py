@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from m2t.diagnostics import Defect, shown
-from m2t.metamodels import concrete_classes
+from m2t.metaclasses import concrete_classes
 from m2t.read.addresses import contained_path
 from m2t.read.model_files import ModelFile, ModelFiles
 from m2t.read.nodes import Node

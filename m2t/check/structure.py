@@ -12,7 +12,7 @@ from typing import Any
 from m2t.check.attribute_values import require_value
 from m2t.check.split_models import find_part, named_class
 from m2t.diagnostics import Defect, Report, listed, shown
-from m2t.metamodels import Slot, concrete_classes, slots
+from m2t.metaclasses import Slot, concrete_classes, slots
 from m2t.namespaces import XMI, XSI
 from m2t.read.model_files import ROOT_ATTRIBUTES, ModelFile, ModelFiles
 from m2t.read.nodes import Node

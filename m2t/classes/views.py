@@ -19,7 +19,7 @@ from m2t.classes.names import (
     reserved,
 )
 from m2t.environment import literal
-from m2t.metamodels import Slot, lineage, slots
+from m2t.metaclasses import Slot, lineage, slots
 
 _GENMODEL = "http://www.eclipse.org/emf/2002/GenModel"
 _PYTHON_TYPES: Mapping[str, str] = MappingProxyType(

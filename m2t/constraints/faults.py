@@ -8,10 +8,12 @@ Source paper, section III-B b).
 from collections.abc import Sequence
 from typing import Any
 
-from m2t.constraints.findings import Findings, number
+from m2t.constraints.findings import number
+from m2t.diagnostics import Findings
 from m2t.elements import values
+from m2t.metaclasses import is_kind, slots
 from m2t.metamodel_contract import BOUNDS
-from m2t.metamodels import is_kind, meaning, slots
+from m2t.metamodels import meaning
 from mrsfi_runtime.model.fault_types import OF_ROBOT, Field, Mode
 
 

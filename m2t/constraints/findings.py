@@ -1,32 +1,9 @@
-"""How constraints report: by object of the model, not by node of the file."""
+"""How findings of constraints are worded."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from m2t.diagnostics import Report, listed
-from m2t.read.nodes import Node
+from m2t.diagnostics import listed
 from m2t.write.xmi import java_double
-
-
-@dataclass(frozen=True, slots=True)
-class Findings:
-    """Places findings about objects at their lines."""
-
-    nodes: Mapping[Any, Node]
-    report: Report
-
-    def add(self, element: Any, constraint: str, finding: str) -> None:
-        """Add a finding that completes a sentence which begins with the element."""
-        self.report.add(self.nodes[element], constraint, finding)
-
-    def describe(self, element: Any) -> str:
-        """Return the name of an element in messages."""
-        return self.nodes[element].description
-
-    def line(self, element: Any) -> int:
-        """Return the line of an element."""
-        return self.nodes[element].line
 
 
 def identities(elements: Any) -> str:

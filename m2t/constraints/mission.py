@@ -12,9 +12,9 @@ from typing import Any
 from pyecore.ecore import EObject
 
 from m2t.constraints.contact import Discs
-from m2t.constraints.findings import Findings, identities, number
-from m2t.diagnostics import shown
-from m2t.metamodels import base_class, is_kind
+from m2t.constraints.findings import identities, number
+from m2t.diagnostics import Findings, shown
+from m2t.metaclasses import base_class, is_kind
 from mrsfi_runtime.model.mission import ROBOT_RADIUS
 
 ROBOT_FIELDS = ("POSITION", "SPEED", "ENERGY")

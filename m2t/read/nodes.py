@@ -231,6 +231,20 @@ def read_xml(path: Path, report: Report) -> XmlFile | None:
     return None
 
 
+def read_root(path: Path, report: Report) -> Node:
+    """Return the root element of an XML file.
+
+    Raises
+    ------
+    ModelError
+        If the file cannot be used.
+    """
+    xml = read_xml(path, report)
+    if xml is None:
+        raise report.error()
+    return xml.root
+
+
 def _detected(content: bytes) -> str:
     """Return the encoding of a file that declares none, as the byte order mark tells it."""
     return "UTF-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else "UTF-8"

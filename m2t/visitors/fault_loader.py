@@ -7,8 +7,9 @@ from m2t.constraints.faults import fault_types, is_set
 from m2t.elements import values
 from m2t.environment import Call, Expression, Name, Table, literal
 from m2t.load import LoadedModels
+from m2t.metaclasses import Slot, slots
 from m2t.metamodel_contract import BOUNDS, CONTRACT
-from m2t.metamodels import Slot, load_metamodels, meaning, slots
+from m2t.metamodels import load_metamodels, meaning
 from m2t.visitors.mission_loader import functions, plain
 from mrsfi_runtime.model.fault_types import FaultType, Parameter
 

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 from m2t.elements import values
 from m2t.environment import Expression
-from m2t.metamodels import Slot, base_class, is_read, slots
+from m2t.metaclasses import Slot, base_class, is_read, slots
 from m2t.naming import constant, snake_case
 from m2t.read.nodes import Node
 from m2t.visitors.mission_loader import plain

@@ -16,7 +16,7 @@ from typing import Any
 from pyecore.ecore import EEnum
 
 from m2t.elements import values
-from m2t.metamodels import Slot, slots
+from m2t.metaclasses import Slot, slots
 from m2t.namespaces import XMI, XSI
 from mrsfi_runtime.errors import ModelError
 

@@ -18,7 +18,8 @@ from typing import Any
 from lxml import etree
 from pyecore.ecore import EClass, EEnum
 
-from m2t.metamodels import conforms, features, lineage, load_metamodels
+from m2t.metaclasses import conforms, features, lineage
+from m2t.metamodels import load_metamodels
 from tests.support.features import is_contained, is_reference, reference_type
 from tests.support.models.copies import FAULTS, MISSION
 

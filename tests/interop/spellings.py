@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from lxml import etree
 from pyecore.ecore import EClass
 
-from m2t.metamodels import features, load_metamodels
+from m2t.metaclasses import features
+from m2t.metamodels import load_metamodels
 from tests.support.features import is_contained, is_reference
 
 _XSI = "http://www.w3.org/2001/XMLSchema-instance"

@@ -97,7 +97,7 @@ def test_a_type_may_inherit_its_meaning_from_an_abstract_class(faults: Path) -> 
 WRONG = r"""
 RobotFault | - | 'Odd' says no mode; expected an annotation of source
 RobotFault | mode=JAM property=SPEED | 'Odd' has mode 'JAM'; expected one of DELAY, BLOCK
-RobotFault | property=SPEED | 'Odd' has mode ''; expected one of DELAY, BLOCK
+RobotFault | property=SPEED | 'Odd' says no mode; expected an annotation of source
 RobotFault | mode=ZERO property=COLOUR
     'Odd' has property 'COLOUR'; expected one of POSITION, SPEED
 RobotFault | mode=ZERO
@@ -124,9 +124,9 @@ RobotFault | mode=INCREMENT property=SPEED; BY range=ENERGY
 RobotFault | mode=INCREMENT property=SPEED; BY range=PERCENT
     'Odd' has parameter BY as its percentage; mode INCREMENT takes value
 RobotFault | mode=INCREMENT property=SPEED; BY range=SPEED role=MEAN
-    'BY' has role 'MEAN'; expected LOWEST, HIGHEST, or none
+    'BY' has role 'MEAN'; expected one of LOWEST, HIGHEST
 RobotFault | mode=INCREMENT property=SPEED; BY range=SPEED search=no
-    'BY' has search 'no'; expected true or false
+    'BY' has search 'no'; expected one of true, false
 RobotFault | mode=INCREMENT property=SPEED; BY range=SPEED mode=STOP
     'BY' has the key 'mode'; expected range, role, search, each once
 RobotFault | mode=INCREMENT property=SPEED
@@ -158,7 +158,7 @@ WRONG_TEXTS = [
     (STOPS + meaning(), "'Odd' says nothing; expected details with a key and a value; delete it"),
     (
         STOPS.replace("property", "mode"),
-        "'Odd' has the key 'mode'; expected mode, property, each once",
+        "'Odd' has the key 'mode' again; expected each once",
     ),
     (
         STOPS + '<eAnnotations source="http://mrsfi.org/colour"/>',

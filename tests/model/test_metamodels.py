@@ -5,7 +5,8 @@ from typing import Any
 import pytest
 
 from m2t.check.attribute_values import RANGES
-from m2t.metamodels import conforms, features, lineage, load_metamodels
+from m2t.metaclasses import conforms, features, lineage
+from m2t.metamodels import load_metamodels
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.features import reference_type
 

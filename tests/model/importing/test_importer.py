@@ -9,7 +9,7 @@ import pytest
 from m2t.difference import difference
 from m2t.importing.importer import Imported, import_published
 from m2t.load import LoadedModels, inspect_folder, load_mission_folder, load_specification
-from m2t.metamodels import features
+from m2t.metaclasses import features
 from tests.support.features import is_contained, is_reference
 from tests.support.models.copies import MODELS, edit
 from tests.support.models.generation import ALL_TASKS, write_mission

@@ -3,7 +3,7 @@
 import pytest
 from pyecore.ecore import EAttribute, EClass, EString
 
-from m2t.metamodels import features, lineage
+from m2t.metaclasses import features, lineage
 
 
 @pytest.fixture

@@ -1,0 +1,265 @@
+"""Check the nodes of an ``.ecore`` file, and let pyecore load what is sound.
+
+pyecore takes unknown types and bounds for granted, fails with exceptions of all kinds, and finds
+some defects only when the metamodel is used.
+"""
+
+import re
+from collections.abc import Mapping
+from io import BytesIO
+from types import MappingProxyType
+from typing import Any
+
+from lxml import etree
+from pyecore.resources import URI, ResourceSet
+
+from m2t.diagnostics import Report, shown
+from m2t.namespaces import ECORE, XMI, XSI
+from m2t.read.nodes import Node
+from mrsfi_runtime.errors import ModelError
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
+_SWITCH = re.compile(r"true|false")
+_COUNT = re.compile(r"-1|[0-9]{1,6}", re.ASCII)
+_INTEGER = re.compile(r"-?[0-9]{1,9}", re.ASCII)
+_NUMBER = re.compile(r"-?[0-9]{1,15}(\.[0-9]{1,15})?", re.ASCII)
+_ANY = re.compile(r".*", re.DOTALL)
+_SOME = re.compile(r".+", re.DOTALL)
+
+VALUE_TYPES: Mapping[str, re.Pattern[str]] = MappingProxyType(
+    {"EString": _ANY, "EInt": _INTEGER, "EDouble": _NUMBER, "EBoolean": _SWITCH}
+)
+"""Types of attributes beside enumerations, and what their defaults look like."""
+
+_MAX_ANCESTORS = 50
+_ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
+
+_FEATURE = {
+    "name": _NAME,
+    "eType": _SOME,
+    "lowerBound": _COUNT,
+    "upperBound": _COUNT,
+    **dict.fromkeys(("ordered", "unique", "changeable", "volatile", "transient"), _SWITCH),
+    **dict.fromkeys(("unsettable", "derived"), _SWITCH),
+}
+_ATTRIBUTES: Mapping[str, Mapping[str, re.Pattern[str]]] = MappingProxyType(
+    {
+        "EPackage": {"name": _NAME, "nsURI": _SOME, "nsPrefix": _NAME},
+        "EClass": {
+            "name": _NAME,
+            "abstract": _SWITCH,
+            "interface": _SWITCH,
+            "eSuperTypes": _ANY,
+            "instanceClassName": _SOME,
+        },
+        "EEnum": {"name": _NAME, "serializable": _SWITCH, "instanceClassName": _SOME},
+        "EEnumLiteral": {"name": _NAME, "value": _INTEGER, "literal": _NAME},
+        "EAttribute": {**_FEATURE, "iD": _SWITCH, "defaultValueLiteral": _ANY},
+        "EReference": {**_FEATURE, "containment": _SWITCH, "resolveProxies": _SWITCH},
+        "EAnnotation": {"source": _ANY},
+        "details": {"key": _ANY, "value": _ANY},
+    }
+)
+_REQUIRED: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "EPackage": ("name", "nsURI", "nsPrefix"),
+        **dict.fromkeys(("EClass", "EEnum", "EEnumLiteral"), ("name",)),
+        **dict.fromkeys(("EAttribute", "EReference"), ("name", "eType")),
+    }
+)
+_ANNOTATED = {"eAnnotations": ("EAnnotation",)}
+_CHILDREN: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "EPackage": {**_ANNOTATED, "eClassifiers": ("EClass", "EEnum")},
+        "EClass": {**_ANNOTATED, "eStructuralFeatures": ("EAttribute", "EReference")},
+        "EEnum": {**_ANNOTATED, "eLiterals": ("EEnumLiteral",)},
+        "EEnumLiteral": _ANNOTATED,
+        "EAttribute": _ANNOTATED,
+        "EReference": _ANNOTATED,
+        "EAnnotation": {**_ANNOTATED, "details": ("details",)},
+        "details": {},
+    }
+)
+
+
+class MetamodelReader:
+    """Reads metamodel files one after the other; later ones may refer to earlier ones.
+
+    Parameters
+    ----------
+    report
+        Takes the diagnostics.
+
+    Attributes
+    ----------
+    nodes
+        Node of every element that was read, of all files.
+    """
+
+    def __init__(self, report: Report) -> None:
+        self.nodes: dict[Any, Node] = {}
+        self._report = report
+        self._resources = ResourceSet()
+        self._kinds: dict[Node, str] = {}
+        self._classifiers: dict[str, Node] = {}
+
+    def read(self, root: Node) -> Any:
+        """Return the package of a file, in which every reference leads to what it should.
+
+        Parameters
+        ----------
+        root
+            Root element of the file; the package has the name of the file.
+
+        Raises
+        ------
+        ModelError
+            With all that is wrong with the file.
+        """
+        if (root.namespace, root.tag) != (ECORE, "EPackage"):
+            finding = f"is the root; expected EPackage of namespace {ECORE}; restore the file"
+            self._report.add(root, "RootElement", finding)
+            raise self._report.error()
+        self._check(root, "EPackage")
+        if root.attributes.get("name") != root.path.stem:
+            finding = f"is the package; expected the name {root.path.stem}; restore it"
+            self._report.add(root, "RootElement", finding)
+        classifiers = root.tagged("eClassifiers")
+        for node in classifiers:
+            name = f"{root.path.name}#//{node.attributes.get('name')}"
+            self._classifiers.setdefault(name, node)
+        for node in root.walk():
+            self._check_references(node)
+        for node in classifiers:
+            self._check_ancestors(node)
+        self._report.require_no_errors()
+        return self._loaded(root)
+
+    def _loaded(self, root: Node) -> Any:
+        """Let pyecore load a checked file; remember which node each element comes from."""
+        try:
+            resource = self._resources.get_resource(_CheckedFile(str(root.path)))
+            package = resource.contents[0]
+        except Exception as error:  # pyecore raises anything
+            raise ModelError(
+                f"{root.path}:{root.line}: {root.path.name} cannot be loaded "
+                f"({type(error).__name__}: {error}); expected a metamodel of classes and "
+                "enumerations; restore the file"
+            ) from error
+        self._place(package, root)
+        return package
+
+    def _place(self, element: Any, node: Node) -> None:
+        self.nodes[element] = node
+        for tag in ("eAnnotations", "eClassifiers", "eStructuralFeatures", "eLiterals"):
+            for part, child in zip(getattr(element, tag, ()), node.tagged(tag), strict=True):
+                self._place(part, child)
+
+    def _check(self, node: Node, kind: str) -> None:
+        """Check a node, and all below it, as an element of a kind."""
+        self._kinds[node] = kind
+        if node.text.strip():
+            finding = f"holds the text {shown(node.text.strip())}; expected none; delete it"
+            self._report.add(node, "NoText", finding)
+        for name in _REQUIRED.get(kind, ()):
+            if name not in node.attributes:
+                finding = f"has no {name}; every {kind} needs one; add it"
+                self._report.add(node, "RequiredFeature", finding)
+        self._check_attributes(node, kind)
+        for child in node.children:
+            self._check_child(node, kind, child)
+
+    def _check_attributes(self, node: Node, kind: str) -> None:
+        for name, text in node.attributes.items():
+            pattern = _ATTRIBUTES[kind].get(name)
+            if pattern is None:
+                listed = ", ".join(_ATTRIBUTES[kind])
+                finding = f"has no attribute {shown(name)}; expected {listed}; correct it"
+                self._report.add(node, "KnownFeature", finding)
+            elif not pattern.fullmatch(text):
+                finding = f"has {name} {shown(text)}, which is no such value; correct it"
+                self._report.add(node, "NumberSyntax", finding)
+        for namespace, name in node.qualified:
+            if (namespace, name) not in {(XSI, "type"), (XMI, "version")}:
+                finding = f"has attribute {shown(name)} of namespace {shown(namespace)}; delete it"
+                self._report.add(node, "KnownFeature", finding)
+
+    def _check_child(self, node: Node, kind: str, child: Node) -> None:
+        kinds = _CHILDREN[kind].get(child.tag) if not child.namespace else None
+        if kinds is None:
+            listed = ", ".join(_CHILDREN[kind]) or "none"
+            finding = f"is an unknown element of {node.description}; expected {listed}; correct it"
+            self._report.add(child, "KnownFeature", finding)
+            return
+        text = child.xsi_type
+        prefix, _, name = (text or "").rpartition(":")
+        if text is None and len(kinds) == 1:
+            self._check(child, kinds[0])
+        elif name in kinds and child.prefixes.get(prefix) == ECORE:
+            self._check(child, name)
+        else:
+            listed = ", ".join(f"ecore:{entry}" for entry in kinds)
+            finding = f"has xsi:type {shown(text or '')}; expected {listed}; choose one"
+            self._report.add(child, "ConcreteType", finding)
+
+    def _check_references(self, node: Node) -> None:
+        """Check what a node refers to; of an annotation, that it says everything once."""
+        kind, target = self._kinds.get(node), node.attributes.get("eType", "")
+        if kind == "EClass":
+            for parent in node.attributes.get("eSuperTypes", "").split():
+                self._require(node, parent, "EClass")
+        elif kind == "EReference":
+            self._require(node, target, "EClass")
+        elif kind == "EAttribute" and not target.startswith(_ECORE_TYPE):
+            self._require(node, target, "EEnum")
+        elif kind == "EAttribute" and target.removeprefix(_ECORE_TYPE) not in VALUE_TYPES:
+            expected = f"{', '.join(VALUE_TYPES)} or an enumeration"
+            finding = f"has type {shown(target.removeprefix(_ECORE_TYPE))}; expected {expected}"
+            self._report.add(node, "ReferenceType", f"{finding}; choose one")
+        elif kind == "EAnnotation":
+            keys = [entry.attributes.get("key", "") for entry in node.tagged("details")]
+            for key in {key for key in keys if keys.count(key) > 1}:
+                finding = f"has the key {shown(key)} again; expected each once; delete one"
+                self._report.add(node, "KnownFeature", finding)
+
+    def _require(self, node: Node, target: str, kind: str) -> None:
+        found = self._target(node, target)
+        if found is None or self._kinds.get(found) != kind:
+            finding = f"refers to {shown(target)}, which is no {kind}; correct the reference"
+            self._report.add(node, "ResolvedReference", finding)
+
+    def _target(self, node: Node, target: str) -> Node | None:
+        """Return the classifier that a reference names, in this file or an earlier one."""
+        name = target.rpartition(" ")[2]
+        return self._classifiers.get(f"{node.path.name}{name}" if name.startswith("#") else name)
+
+    def _parents(self, node: Node) -> list[Node]:
+        targets = node.attributes.get("eSuperTypes", "").split()
+        found = [self._target(node, target) for target in targets]
+        return [parent for parent in found if parent is not None]
+
+    def _check_ancestors(self, node: Node) -> None:
+        """Refuse a class that inherits in a circle, twice from one class, or from too many."""
+        parents = self._parents(node)
+        ancestors = dict.fromkeys(parents)
+        has_doubles = len(ancestors) < len(parents)
+        pending = list(ancestors)
+        while pending and len(ancestors) <= _MAX_ANCESTORS:
+            parents = self._parents(pending.pop())
+            pending += [parent for parent in parents if parent not in ancestors]
+            ancestors |= dict.fromkeys(parents)
+        if has_doubles or node in ancestors:
+            finding = "inherits from itself, or twice from one class; correct eSuperTypes"
+            self._report.add(node, "ResolvedReference", finding)
+        if len(ancestors) > _MAX_ANCESTORS:
+            finding = f"inherits from more than {_MAX_ANCESTORS} classes; expected fewer; join some"
+            self._report.add(node, "FileSize", finding)
+
+
+class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
+    """A file that pyecore reads without comments, which it would take for elements."""
+
+    def create_instream(self) -> BytesIO:
+        """Return the content."""
+        parser = etree.XMLParser(remove_comments=True, remove_pis=True, resolve_entities=False)
+        return BytesIO(etree.tostring(etree.parse(self.plain, parser)))
