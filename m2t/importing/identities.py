@@ -1,14 +1,15 @@
 """Give every element of an imported model a readable ID."""
 
 import re
-from collections import Counter
+from collections import defaultdict
+from itertools import count
 from typing import Any
 
 from m2t.diagnostics import shown
 from m2t.elements import contained
-from m2t.importing.notes import Notes
+from m2t.importing.notes import Kind, Notes
 from m2t.importing.reading import PublishedReader
-from m2t.metamodels import slots
+from m2t.metaclasses import slots
 from m2t.naming import identifier, snake_case
 from mrsfi_runtime.errors import ModelError
 
@@ -40,7 +41,9 @@ def give_ids(root: Any, reader: PublishedReader, notes: Notes) -> None:
     for element in [element for element in identified if not namer.keeps_own(element)]:
         namer.derive(element)
     for element in identified:
-        _name_by_id(element, reader, notes)
+        if _has(element, "name") and not element.name:
+            element.name = element.ID
+            notes.add("default", reader.origins[element], "name", "is absent; set to the ID")
 
 
 class _Namer:
@@ -51,40 +54,41 @@ class _Namer:
         self._notes = notes
         self._taken: set[str] = set()
         self._kept: set[str] = set()
-        self._counts: Counter[str] = Counter()
+        self._numbers: dict[str, count[int]] = defaultdict(lambda: count(2))
 
     def keeps_own(self, element: Any) -> bool:
         """Give an element the ID of the file, if that can be used."""
-        own, is_name = self._own(element)
+        own = self._own(element)
         if own is None or not _USABLE.fullmatch(own) or not self._take(own):
             return False
         self._kept.add(own)
         element.ID = own
-        if is_name:
-            node = self._reader.origins[element]
-            self._notes.add("renamed", node, "ID", "has no ID; its name is its ID now")
+        if element not in self._reader.own_ids:
+            self._note("renamed", element, "has no ID; its name is its ID now")
         return True
 
     def derive(self, element: Any) -> None:
         """Give an element an ID that is made from its own or from its place."""
-        own, _ = self._own(element)
-        base = self._place(element)
-        if own is not None:
-            legal = _UNUSABLE.sub("_", own).strip("_.-")[:_LONGEST_BASE]
-            word = snake_case(element.eClass.name)
-            base = legal if legal[:1].isalpha() else f"{word}_{legal}" if legal else base
-        new = base
+        own = self._own(element)
+        legal = _UNUSABLE.sub("_", own or "").strip("_.-")[:_LONGEST_BASE]
+        if legal and not legal[0].isalpha():
+            legal = f"{snake_case(element.eClass.name)}_{legal}"
+        base = new = legal or self._place(element)
         while not self._take(new):
-            self._counts[base] += 1
-            new = f"{base}_{self._counts[base] + 1}"
-        self._note(element, own, new)
+            new = f"{base}_{next(self._numbers[base])}"
         element.ID = new
+        if own is None:
+            self._note("renamed", element, f"has no ID; is now {new}")
+            return
+        self._note("renamed", element, f"{shown(own)} is now {new}")
+        if own in self._kept:
+            message = f"{shown(own)} is the ID of more than one element; the first keeps it"
+            self._note("inconsistent", element, message)
 
-    def _own(self, element: Any) -> tuple[str | None, bool]:
-        own = self._reader.own_ids.get(element)
-        if own is None and element.eClass.name == "Fault":
-            return element.name, True
-        return own, False
+    def _own(self, element: Any) -> str | None:
+        """Return the ID that the file gives an element; a fault without one goes by its name."""
+        name = element.name if element.eClass.name == "Fault" else None
+        return self._reader.own_ids.get(element, name)
 
     def _take(self, identity: str) -> bool:
         try:
@@ -110,21 +114,8 @@ class _Namer:
             return word
         return f"{container.ID if _has(container, 'ID') else self._place(container)}_{word}"
 
-    def _note(self, element: Any, own: str | None, new: str) -> None:
-        node = self._reader.origins[element]
-        if own is None:
-            self._notes.add("renamed", node, "ID", f"has no ID; is now {new}")
-            return
-        self._notes.add("renamed", node, "ID", f"{shown(own)} is now {new}")
-        if own in self._kept:
-            message = f"{shown(own)} is the ID of more than one element; the first keeps it"
-            self._notes.add("inconsistent", node, "ID", message)
-
-
-def _name_by_id(element: Any, reader: PublishedReader, notes: Notes) -> None:
-    if _has(element, "name") and not element.name:
-        element.name = element.ID
-        notes.add("default", reader.origins[element], "name", "is absent; set to the ID")
+    def _note(self, kind: Kind, element: Any, message: str) -> None:
+        self._notes.add(kind, self._reader.origins[element], "ID", message)
 
 
 def _has(element: Any, name: str) -> bool:

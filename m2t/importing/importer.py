@@ -7,9 +7,8 @@ from typing import Any
 
 from m2t.check.attribute_values import MAX_NAME_LENGTH
 from m2t.constraints.faults import check_faults
-from m2t.constraints.findings import Findings
 from m2t.constraints.mission import check_mission
-from m2t.diagnostics import Report
+from m2t.diagnostics import Findings, Report, shown
 from m2t.elements import contained
 from m2t.importing.campaign_files import campaign_files
 from m2t.importing.identities import give_ids
@@ -18,9 +17,9 @@ from m2t.importing.published import ROOT, SETUP_NAMESPACE
 from m2t.importing.reading import PublishedReader
 from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metamodels import load_metamodels
-from m2t.read.nodes import Node, read_xml
+from m2t.read.nodes import Node, read_root
 from m2t.write.xmi import dumps, write_atomically
-from mrsfi_runtime.errors import ModelError, UsageError
+from mrsfi_runtime.errors import UsageError
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,11 +79,15 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
     """
     _require_free(folder, is_forced=is_forced)
     report, notes = Report(), Notes()
-    xml = read_xml(path, report)
-    report.require_no_errors()
-    setup = None if xml is None else xml.root
-    if setup is None or (setup.namespace, setup.tag) != (SETUP_NAMESPACE, ROOT):
-        raise _wrong_root(path, setup)
+    setup = read_root(path, report)
+    if (setup.namespace, setup.tag) != (SETUP_NAMESPACE, ROOT):
+        finding = (
+            f"of namespace {shown(setup.namespace)} is the root; expected {ROOT} of namespace "
+            f"{SETUP_NAMESPACE}, as in the files published for the paper's prototype; models of "
+            "mrsfi need no import"
+        )
+        report.add(setup, "RootElement", finding)
+        report.require_no_errors()
     reader = PublishedReader(setup, _duration(setup), report, notes)
     mission, specifications = _roots(setup, reader, report)
     reader.resolve()
@@ -118,16 +121,6 @@ def _require_free(folder: Path, *, is_forced: bool) -> None:
     if not (folder / MISSION_XMI).is_file():
         message = f"{folder}: exists and holds no {MISSION_XMI}, so that it is no mission folder; "
         raise UsageError(f"{message}name another with --out")
-
-
-def _wrong_root(path: Path, root: Node | None) -> ModelError:
-    found = "nothing" if root is None else f"{root.tag} of namespace '{root.namespace}'"
-    line = 1 if root is None else root.line
-    return ModelError(
-        f"{path}:{line}: the root is {found}; expected {ROOT} of namespace '{SETUP_NAMESPACE}', as "
-        "in the files published for the paper's prototype; models of mrsfi need no import "
-        "[RootElement]"
-    )
 
 
 def _duration(setup: Node) -> int:

@@ -53,7 +53,5 @@ class Notes:
         self._notes.append(note)
 
     def __iter__(self) -> Iterator[Note]:
-        """Yield the notes in the order of the file, by kind."""
-        for kind in KINDS:
-            found = [note for note in self._notes if note.kind == kind]
-            yield from sorted(found, key=lambda note: note.line)
+        """Return the notes in the order of the file, by kind."""
+        return iter(sorted(self._notes, key=lambda note: (KINDS.index(note.kind), note.line)))

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 SETUP_NAMESPACE = "acs_project_setup"
-NAMESPACES = frozenset({SETUP_NAMESPACE, "acs_project_mission", "acs_project_fault"})
+NAMESPACES = frozenset({"", SETUP_NAMESPACE, "acs_project_mission", "acs_project_fault"})
 ROOT = "Setup"
 
 RENAMED: Mapping[str, Mapping[str, str]] = MappingProxyType(
@@ -32,8 +32,11 @@ BACK_REFERENCES = frozenset({"parentID", "goal_ID"})
 ZERO_VALUES = frozenset({"VAL", "CAPACITY"})
 """Attributes of the old Zero types, whose value can only be zero."""
 
-OPTIONAL = frozenset({"header", "start", "finish"})
+OPTIONAL = frozenset({"header", "name", "start", "finish"})
 """Attributes that stay unset if the file does not give them; bounds of search do as well."""
+
+USUAL: Mapping[str, str] = MappingProxyType({"EDouble": "0.0", "EInt": "0", "EString": ""})
+"""What any other absent attribute means, by its type."""
 
 DEFAULTS: Mapping[tuple[str, str], Callable[[int], str]] = MappingProxyType(
     {

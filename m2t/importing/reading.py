@@ -2,11 +2,10 @@
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 from m2t.check.attribute_values import require_value
-from m2t.check.structure import report_count
+from m2t.check.structure import Reference, report_count
 from m2t.diagnostics import Defect, Report, shown
 from m2t.elements import copies, put, values
 from m2t.importing.notes import Notes
@@ -16,10 +15,12 @@ from m2t.importing.published import (
     NAMESPACES,
     OPTIONAL,
     RENAMED,
+    USUAL,
     WRAPPED,
     ZERO_VALUES,
 )
-from m2t.metamodels import Slot, concrete_classes, conforms, slots
+from m2t.metaclasses import Slot, concrete_classes, conforms, slots
+from m2t.metamodel_contract import BOUNDS
 from m2t.namespaces import XMI
 from m2t.read.nodes import Node, follow
 
@@ -35,12 +36,9 @@ class _Given:
         self.node = node
         self.attributes = dict(node.attributes)
         self.children: dict[str, list[Node]] = {}
-        self.strangers: list[Node] = []
         for child in node.children:
-            if child.namespace and child.namespace not in NAMESPACES:
-                self.strangers.append(child)
-            else:
-                self.children.setdefault(child.tag, []).append(child)
+            name = child.tag if child.namespace in NAMESPACES else f"{child.namespace} {child.tag}"
+            self.children.setdefault(name, []).append(child)
 
     def take_text(self, name: str) -> str | None:
         """Return an attribute, which may be written as an element."""
@@ -53,10 +51,10 @@ class _Given:
         return self.children.pop(name, [])
 
     def rename(self, old: str, new: str) -> None:
-        if old in self.attributes:
-            self.attributes[new] = self.attributes.pop(old)
-        if old in self.children:
-            self.children[new] = self.children.pop(old)
+        places: tuple[dict[str, Any], dict[str, Any]] = (self.attributes, self.children)
+        for kept in places:
+            if old in kept:
+                kept[new] = kept.pop(old)
 
     def unwrap(self, name: str, inner: str) -> Iterator["_Given"]:
         """Lift what a wrapper holds; yield the wrapper with what is left."""
@@ -73,16 +71,6 @@ class _Given:
             yield wrapper
         if lifted:
             self.children[name] = lifted
-
-
-@dataclass(frozen=True, slots=True)
-class _Pending:
-    """A reference to resolve once all elements are read."""
-
-    instance: Any
-    slot: Slot
-    node: Node
-    targets: tuple[str, ...]
 
 
 class PublishedReader:
@@ -110,7 +98,7 @@ class PublishedReader:
         self._report = report
         self._notes = notes
         self._objects: dict[Node, Any] = {}
-        self._pending: list[_Pending] = []
+        self._references: list[Reference] = []
         self._by_xmi_id: dict[str, Node] = {}
         self._by_id: dict[str, list[Node]] = {}
         for node in root.walk():
@@ -125,10 +113,8 @@ class PublishedReader:
         if "ID" in node.attributes:
             self._by_id.setdefault(node.attributes["ID"], []).append(node)
         identity = node.xmi_id
-        if identity is None:
-            return
-        first = self._by_xmi_id.setdefault(identity, node)
-        if first is not node:
+        first = node if identity is None else self._by_xmi_id.setdefault(identity, node)
+        if identity is not None and first is not node:
             self._report.add(
                 node,
                 "UniqueId",
@@ -154,18 +140,25 @@ class PublishedReader:
 
     def resolve(self) -> None:
         """Resolve all references; copy areas and coordinates that are referred to."""
-        for pending in self._pending:
-            found = [self._target(pending, target) for target in pending.targets]
+        for reference in self._references:
+            instance, slot = self._objects[reference.source], reference.slot
+            found = [self._target(reference, text) for text in reference.targets]
             targets = [target for target in found if target is not None]
-            if len(targets) > 1 and not pending.slot.many:
-                report_count(pending.node, pending.slot, len(targets), self._report)
-            elif pending.slot.is_contained:
-                for target in targets:
-                    made = copies([target])
-                    self.origins |= dict.fromkeys(made.values(), pending.node)
-                    put(pending.instance, pending.slot, made[target])
-            else:
-                self._refer(pending, targets)
+            if len(targets) > 1 and not slot.many:
+                report_count(reference.node, slot, len(targets), self._report)
+                continue
+            if slot.is_contained:
+                targets = [self._copied(target, reference.node) for target in targets]
+            elif len(set(targets)) < len(targets):
+                message = "names an element more than once; kept once"
+                self._notes.add("inconsistent", reference.node, slot.name, message)
+            for target in dict.fromkeys(targets):
+                put(instance, slot, target)
+
+    def _copied(self, target: Any, node: Node) -> Any:
+        made = copies([target])
+        self.origins |= dict.fromkeys(made.values(), node)
+        return made[target]
 
     def require_all(self, element: Any) -> None:
         """Report what the metamodel requires of an element and the file does not give."""
@@ -185,18 +178,12 @@ class PublishedReader:
     def _feature(self, instance: Any, slot: Slot, given: _Given) -> None:
         if slot.name == "task":
             self._task(instance, slot, given)
-        elif slot.is_contained:
-            self._contain(instance, slot, given)
-        elif slot.is_reference:
-            texts = given.attributes.pop(slot.name, "").split()
-            texts.extend(_href(child) for child in given.take_children(slot.name))
-            self._pending.append(_Pending(instance, slot, given.node, tuple(texts)))
-        elif slot.is_id:
-            own = given.take_text(slot.name)
-            if own is not None:
-                self.own_ids[instance] = own
-        else:
+        elif slot.holds_elements:
+            self._elements(instance, slot, given)
+        elif not slot.is_id:
             self._attribute(instance, slot, given)
+        elif (own := given.take_text(slot.name)) is not None:
+            self.own_ids[instance] = own
 
     def _task(self, goal: Any, slot: Slot, given: _Given) -> None:
         """Take the one of nine containments that the old format has in place of a class."""
@@ -216,18 +203,19 @@ class PublishedReader:
         for child, metaclass in tasks[:1]:
             put(goal, slot, self.element(child, metaclass))
 
-    def _contain(self, instance: Any, slot: Slot, given: _Given) -> None:
-        children = given.take_children(slot.name)
-        wanted = slot.type
-        if wanted.name in _COPIED:
+    def _elements(self, instance: Any, slot: Slot, given: _Given) -> None:
+        """Read the elements that a feature contains; note those that it refers to."""
+        parts = given.take_children(slot.name)
+        if slot.is_reference or slot.type.name in _COPIED:
+            links = [child for child in parts if slot.is_reference or "href" in child.attributes]
+            parts = [child for child in parts if child not in links]
             texts = given.attributes.pop(slot.name, "").split()
-            texts += [_href(child) for child in children if "href" in child.attributes]
-            self._pending.append(_Pending(instance, slot, given.node, tuple(texts)))
-            children = [child for child in children if "href" not in child.attributes]
-        if len(children) > 1 and not slot.many:
-            report_count(given.node, slot, len(children), self._report)
-        for child in children if slot.many else children[:1]:
-            put(instance, slot, self.element(child, wanted))
+            texts += [child.attributes.get("href", child.text.strip()) for child in links]
+            self._references.append(Reference(given.node, slot, given.node, tuple(texts)))
+        if len(parts) > 1 and not slot.many:
+            report_count(given.node, slot, len(parts), self._report)
+        for child in parts if slot.many else parts[:1]:
+            put(instance, slot, self.element(child, slot.type))
 
     def _attribute(self, instance: Any, slot: Slot, given: _Given) -> None:
         text = given.take_text(slot.name)
@@ -245,42 +233,35 @@ class PublishedReader:
 
     def _default(self, instance: Any, slot: Slot, node: Node) -> str | None:
         """Return and note what an absent attribute means; ``None`` if it stays unset."""
-        name = slot.name
-        if name in OPTIONAL or name.endswith(("_MIN", "_MAX")) or name == "name":
+        if slot.name in OPTIONAL or slot.name.endswith(BOUNDS):
             return None
-        special = DEFAULTS.get((instance.eClass.name, name))
+        special = DEFAULTS.get((instance.eClass.name, slot.name))
         if special is not None:
-            text = special(self._duration)
-            self._notes.add("default", node, name, f"is absent; set to {text}")
-            return text
-        usual = {"EDouble": "0.0", "EInt": "0", "EString": ""}.get(slot.type.name)
-        if usual is not None and instance.eClass.name != "MessageData":
-            meaning = f"{usual} in Eclipse" if usual else "empty"
-            self._notes.add("default", node, name, f"is absent, which means {meaning}")
-            return usual
-        return None
+            text, meaning = special(self._duration), "; set to {}"
+        elif slot.type.name in USUAL and instance.eClass.name != "MessageData":
+            text = USUAL[slot.type.name]
+            meaning = ", which means {} in Eclipse" if text else ", which means empty"
+        else:
+            return None
+        self._notes.add("default", node, slot.name, f"is absent{meaning.format(text)}")
+        return text
 
-    def _target(self, pending: _Pending, text: str) -> Any:
+    def _target(self, reference: Reference, text: str) -> Any:
         """Return the object that a reference leads to; ``None`` after a report."""
         node = self._find(text.rpartition("#")[2])
         target = None if node is None else self._objects.get(node)
-        wanted = pending.slot.type
-        if target is None:
-            self._add_error(
-                pending,
-                "ResolvedReference",
-                f"refers to {shown(text)} as {pending.slot.name}, which is no element of the "
-                f"file; expected the xmi:id of a {wanted.name}",
-            )
-        elif not conforms(target.eClass, wanted):
-            self._add_error(
-                pending,
-                "ReferenceType",
-                f"refers to {shown(text)} as {pending.slot.name}, which is a "
-                f"{target.eClass.name}; expected a {wanted.name}",
-            )
-            return None
-        return target
+        wanted = reference.slot.type
+        if target is not None and conforms(target.eClass, wanted):
+            return target
+        constraint, found = "ResolvedReference", "no element of the file"
+        if target is not None:
+            constraint, found = "ReferenceType", f"a {target.eClass.name}"
+        finding = (
+            f"refers to {shown(text)} as {reference.slot.name}, which is {found}; expected the "
+            f"xmi:id of a {wanted.name}; correct the reference"
+        )
+        self._report.add(reference.node, constraint, finding)
+        return None
 
     def _find(self, fragment: str) -> Node | None:
         """Return a node by xmi:id, by path of Eclipse, or by an ID that only one element has."""
@@ -291,17 +272,6 @@ class PublishedReader:
         known = self._by_id.get(fragment, [])
         return known[0] if len(known) == 1 else None
 
-    def _refer(self, pending: _Pending, targets: list[Any]) -> None:
-        distinct = list(dict.fromkeys(targets))
-        if len(distinct) < len(targets):
-            message = "names an element more than once; kept once"
-            self._notes.add("inconsistent", pending.node, pending.slot.name, message)
-        for target in distinct:
-            put(pending.instance, pending.slot, target)
-
-    def _add_error(self, pending: _Pending, constraint: str, finding: str) -> None:
-        self._report.add(pending.node, constraint, f"{finding}; correct the reference")
-
     def _drop(self, given: _Given, class_name: str) -> None:
         """Note all that is left of an element."""
         node = given.node
@@ -311,39 +281,34 @@ class PublishedReader:
             if namespace != XMI and node.parent is not None:
                 self._notes.add("dropped", node, name, f"belongs to no model ({shown(text)})")
         for child in [child for kept in given.children.values() for child in kept]:
-            self._notes.add("dropped", child, child.tag, "is an element that is not known here")
-        for child in given.strangers:
-            self._notes.add("dropped", child, child.tag, "is an element of another namespace")
+            is_ours = child.namespace in NAMESPACES
+            what = "that is not known here" if is_ours else "of another namespace"
+            self._notes.add("dropped", child, child.tag, f"is an element {what}")
         if node.text.strip() and class_name:
             message = f"is text between elements ({shown(node.text.strip())})"
             self._notes.add("dropped", node, "text", message)
 
     def _drop_attribute(self, node: Node, name: str, text: str, class_name: str) -> None:
+        reason, contradiction = f"is not known here ({shown(text)})", ""
         if name in BACK_REFERENCES:
-            self._notes.add("dropped", node, name, "repeats the container's ID")
-            self._compare_with_container(node, name, text)
+            reason, contradiction = "repeats the container's ID", _misplaced(node, text)
         elif name in ZERO_VALUES and class_name.startswith("Zero"):
-            self._notes.add("dropped", node, name, "is zero by the type of the fault")
+            reason = "is zero by the type of the fault"
             if not _ZERO.fullmatch(text.strip()):
-                message = f"is {shown(text)} in a fault of type {class_name}; read as zero"
-                self._notes.add("inconsistent", node, name, message)
+                contradiction = f"is {shown(text)} in a fault of type {class_name}; read as zero"
         elif name == "ID":
-            self._notes.add("dropped", node, name, "nothing refers to the element by ID")
-        else:
-            self._notes.add("dropped", node, name, f"is not known here ({shown(text)})")
-
-    def _compare_with_container(self, node: Node, name: str, text: str) -> None:
-        container = node.parent
-        if container is None:
-            return
-        known = (container.attributes.get("ID"), container.xmi_id)
-        if any(known) and text not in known:
-            message = f"is {shown(text)}, but {container.description} contains it; kept it there"
-            self._notes.add("inconsistent", node, name, message)
+            reason = "nothing refers to the element by ID"
+        self._notes.add("dropped", node, name, reason)
+        if contradiction:
+            self._notes.add("inconsistent", node, name, contradiction)
 
 
-def _href(child: Node) -> str:
-    return child.attributes.get("href", child.text.strip())
+def _misplaced(node: Node, container_id: str) -> str:
+    """Return how an element's container contradicts what it says of it; empty if it does not."""
+    known = () if node.parent is None else (node.parent.attributes.get("ID"), node.parent.xmi_id)
+    if node.parent is None or not any(known) or container_id in known:
+        return ""
+    return f"is {shown(container_id)}, but {node.parent.description} contains it; kept it there"
 
 
 def _whole(text: str) -> str:
