@@ -173,6 +173,19 @@ def test_an_error_in_a_callback_is_seen(ends):
     assert isinstance(ends.take(1)[0], KeyError)
 
 
+def test_an_error_in_what_takes_a_reply_is_seen(ends):
+    ends.first.provide(RESET, lambda _request: {"success": True, "message": ""})
+    ends.second.watch(ends.arrived.put)
+    ends.settle()
+
+    try:
+        ends.second.call(RESET, {}, lambda reply: reply.values["nothing"])
+    except KeyError as error:  # on the local bus it is the caller's
+        ends.arrived.put(error)
+
+    assert isinstance(ends.take(1)[0], KeyError)
+
+
 def test_a_closed_transport_delivers_nothing(ends):
     ends.second.subscribe(SPEED, ends.arrived.put)
     publish = ends.first.advertise(SPEED)

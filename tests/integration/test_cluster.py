@@ -8,7 +8,7 @@ from shutil import copytree
 
 import pytest
 
-from mrsfi_runtime.engine.flights import Failure
+from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import COMPILED, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError, UsageError
@@ -119,7 +119,7 @@ def test_a_region_that_fails_gives_the_failure_that_it_gives_here(
         pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)
         found = list(pool.evaluate_many(specifications[:2]))
 
-    assert all(isinstance(result, Failure) for result in found)
+    assert all(isinstance(result, FailedFlight) for result in found)
     assert found == expected
 
 

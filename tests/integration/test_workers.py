@@ -4,7 +4,7 @@ from multiprocessing import active_children
 
 import pytest
 
-from mrsfi_runtime.engine.flights import Failure
+from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
@@ -55,5 +55,5 @@ def test_a_failed_evaluation_comes_back_with_its_traceback(tmp_path, n_workers):
     with WorkerPool(load_code(folder), 1, n_workers) as pool:
         results = list(pool.evaluate_many(SPECIFICATIONS[:2]))
 
-    assert all(isinstance(result, Failure) for result in results)
+    assert all(isinstance(result, FailedFlight) for result in results)
     assert all("ZeroDivisionError" in result.traceback for result in results)

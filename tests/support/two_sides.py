@@ -2,7 +2,7 @@
 
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
-from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker
+from mrsfi_runtime.hosting.lockstep import Flight
 from mrsfi_runtime.hosting.simulation_host import SimulationHost
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode
@@ -17,9 +17,10 @@ class TwoSides(PlainEngine):
         patience = Patience()
         self._simulation = SimulationHost(second, code.simulation, code.mission, patience)
         self._lockstep = BusLockstep(first, code.mission, code.interface, code.truth, patience)
+        self.interface = self._lockstep.interface
 
     def close(self) -> None:
         """Do nothing: the ends belong to others."""
 
-    def _fly(self, make_flight: FlightMaker, seed: int) -> Flight:
-        return self._lockstep.fly(seed, make_flight)
+    def _fly(self, flight: Flight, seed: int) -> None:
+        self._lockstep.fly(flight, seed)

@@ -5,16 +5,14 @@ import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Self, TypeAlias
 
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError
-from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker, Observer
+from mrsfi_runtime.hosting.lockstep import Flight, Observer
 from mrsfi_runtime.hosting.own_effects import guarded
 from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.kernel.injections import Plan, plan
 from mrsfi_runtime.kernel.packing import state_bytes
-from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import MissionCode, failed
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -23,13 +21,13 @@ from mrsfi_runtime.model.targets import require_no_overlap
 
 
 @dataclass(frozen=True, slots=True)
-class Failure:
-    """An evaluation whose mission code failed, with the traceback as text."""
+class FailedFlight:
+    """What comes of an evaluation whose mission code failed: the traceback as text."""
 
     traceback: str
 
 
-Evaluated: TypeAlias = Outcome | Failure
+Evaluated: TypeAlias = Outcome | FailedFlight
 """What comes of an evaluation."""
 
 
@@ -42,12 +40,7 @@ class Evaluator(ABC):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        where: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     @abstractmethod
@@ -127,7 +120,7 @@ class Engine(Evaluator):
         try:
             return self.evaluate(specification, seed)
         except EvaluationError:
-            return Failure(traceback.format_exc())
+            return FailedFlight(traceback.format_exc())
 
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
@@ -143,35 +136,36 @@ class Engine(Evaluator):
 
 
 class PlainEngine(Engine):
-    """Flies on plain Python objects: any Python is allowed in a region, and a debugger works."""
+    """Flies on plain Python objects: any Python is allowed in a region, and a debugger works.
+
+    Attributes
+    ----------
+    interface
+        Brings the messages of the simulation, and takes commands for it.
+    """
+
+    interface: SimInterface
 
     @abstractmethod
-    def _fly(self, make_flight: FlightMaker, seed: int) -> Flight:
-        """Return the flight that ``make_flight`` makes, after its last tick."""
+    def _fly(self, flight: Flight, seed: int) -> None:
+        """Begin a flight, and fly it to its last tick."""
 
     def _evaluate(
         self, specification: Specification, seed: int, pool: FaultPool, observer: Observer | None
     ) -> Outcome:
         code = self.code
         laid_out = plan(code.mission, pool, specification)
-        made: list[Flight] = []
         own = {fault.kind.effect: fault.kind for fault in pool if fault.kind.effect >= 0}
         functions = code.functions
         if own:
             functions = functions._replace(apply=guarded(functions.apply, own))
-
-        def make_flight(interface: SimInterface, world: State) -> Flight:
-            flight = Flight(functions, code.mission, seed, interface, world, laid_out, observer)
-            made.append(flight)
-            return flight
-
+        flight = Flight(functions, code.mission, seed, self.interface, laid_out, observer)
         try:
-            flight = self._fly(make_flight, seed)
+            self._fly(flight, seed)
         except MrsfiError:
             raise
         except Exception as error:
-            tick = made[0].world.mission.tick if made else 0
-            what = f"mission '{code.mission.name}' failed at tick {tick}"
+            what = f"mission '{code.mission.name}' failed at tick {flight.world.mission.tick}"
             raise failed(error, code.directory, what) from error
         return _outcome(flight, laid_out)
 

@@ -8,7 +8,7 @@ Source paper, section III-G and Figure 4.
 """
 
 from mrsfi_runtime.engine.flights import PlainEngine
-from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker, fly
+from mrsfi_runtime.hosting.lockstep import Flight
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.transport.local_bus import LocalBus
 
@@ -20,13 +20,14 @@ class ReferenceEngine(PlainEngine):
         super().__init__(code, seed)
         bus = LocalBus()
         self._simulation = code.simulation(bus, code.mission)
-        self._interface = code.interface(bus)
+        self.interface = code.interface(bus)
 
     def close(self) -> None:
         """Do nothing: the engine holds nothing but memory."""
 
-    def _fly(self, make_flight: FlightMaker, seed: int) -> Flight:
+    def _fly(self, flight: Flight, seed: int) -> None:
         self._simulation.reset(seed)
-        flight = make_flight(self._interface, self._simulation.world)
-        fly(self._simulation, flight, self.code.mission.duration)
-        return flight
+        flight.begin(self._simulation.world)
+        for tick in range(self.code.mission.duration):
+            self._simulation.step(tick)
+            flight.step(tick)

@@ -25,7 +25,7 @@ from mrsfi_runtime.errors import (
 )
 from mrsfi_runtime.hosting.bundle import BundlingTransport
 from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
-from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker
+from mrsfi_runtime.hosting.lockstep import Flight
 from mrsfi_runtime.hosting.lockstep_topics import GO_BUNDLE
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode
@@ -181,6 +181,7 @@ class RosbridgeEngine(PlainEngine):
         self._may_be_deaf = is_bundled and not has_simulation
         transport = BundlingTransport.of_ci(self._transport) if is_bundled else self._transport
         self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
+        self.interface = self._lockstep.interface
 
     @property
     def simulation_pid(self) -> int | None:
@@ -191,10 +192,10 @@ class RosbridgeEngine(PlainEngine):
         """Close the connection and end the simulation process."""
         self._opened.close()
 
-    def _fly(self, make_flight: FlightMaker, seed: int) -> Flight:
+    def _fly(self, flight: Flight, seed: int) -> None:
         _require_seed(seed)
         try:
-            return self._lockstep.fly(seed, make_flight)
+            self._lockstep.fly(flight, seed)
         except TransportTimeout as error:
             if not self._may_be_deaf or self._lockstep.tick:
                 raise

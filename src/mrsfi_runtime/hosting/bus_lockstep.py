@@ -15,7 +15,8 @@ from mrsfi_runtime.errors import (
     TransportError,
     TransportTimeout,
 )
-from mrsfi_runtime.hosting.lockstep import Flight, FlightMaker
+from mrsfi_runtime.hosting.counted_topics import CountedTopics
+from mrsfi_runtime.hosting.lockstep import Flight
 from mrsfi_runtime.hosting.lockstep_topics import (
     CLOCK,
     FAILURE,
@@ -28,7 +29,6 @@ from mrsfi_runtime.hosting.lockstep_topics import (
     Tick,
     numbers,
 )
-from mrsfi_runtime.hosting.message_count import CountedTopics, MessageCount
 from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.hosting.truth import take_true_values
 from mrsfi_runtime.hosting.waiting import Completion, Patience
@@ -48,6 +48,8 @@ class BusLockstep:
     ----------
     tick
         The tick that the run has reached.
+    interface
+        Brings a flight the messages of the simulation, and takes its commands.
 
     Parameters
     ----------
@@ -75,8 +77,7 @@ class BusLockstep:
         self._mission = mission
         self._patience = patience
         self._completion = Completion()
-        self._received = MessageCount("simulation")
-        self._topics = CountedTopics(transport, self._received, self._proceed)
+        self._topics = CountedTopics(transport, "simulation", self._proceed)
         self._truth: dict[int, Payload] = {}
         self._n_truths = len(truth)
         self._session = secrets.randbelow(_SESSIONS) * RUNS_OF_A_SESSION
@@ -85,7 +86,7 @@ class BusLockstep:
         self._is_thinking = False
         self._setup = transport.advertise(SETUP)
         self._go = transport.advertise(GO)
-        self._interface = interface(self._topics)
+        self.interface = interface(self._topics)
         for index, topic in enumerate(truth):
             self._topics.subscribe(topic, partial(self._truth.__setitem__, index))
         self._topics.subscribe(CLOCK, lambda _payload: None)
@@ -96,23 +97,17 @@ class BusLockstep:
     @property
     def tick(self) -> int:
         """Return the tick that the run has reached."""
-        return self._received.tick
+        return self._topics.tick
 
-    def fly(self, seed: int, make_flight: FlightMaker) -> Flight:
-        """Fly a run to its end.
+    def fly(self, flight: Flight, seed: int) -> None:
+        """Fly a run to its end; its true state is moved by what the simulation says is true.
 
         Parameters
         ----------
+        flight
+            A flight over ``interface`` that has not begun.
         seed
             Mission seed.
-        make_flight
-            Makes the flight, once the simulation is ready for it. Its true state is moved by
-            what the simulation says is true.
-
-        Returns
-        -------
-        Flight
-            The flight, after its last tick.
 
         Raises
         ------
@@ -124,20 +119,23 @@ class BusLockstep:
         """
         try:
             self._prepare(seed)
-            flight = self._flight = self._new_flight(seed, make_flight)
             self._completion = Completion()
-            self._received.open()
-            flight.begin(tells_all=True)  # the simulation may be somebody else's
+            self._truth.clear()
+            self._is_thinking = False
+            self._flight = flight
+            self._topics.open()
+            world = initial_state(self._mission, seed)
+            flight.begin(world, tells_all=True)  # the simulation may be somebody else's
+            world.commands, world.switches = flight.sent.commands, flight.sent.switches
             self._send_go(0)
             self._completion.wait(self._overdue)
-            self._received.close()
+            self._topics.close()
             self._call(STOP, self._patience.tick)
             self._flight = None
         except TransportError as error:
             raise type(error)(f"run {self._n_runs}, {self._where()}: {error}") from error
         finally:
             self._end()
-        return flight
 
     @property
     def _run(self) -> int:
@@ -186,19 +184,9 @@ class BusLockstep:
         completion.wait(overdue)
         return replies[0]
 
-    def _new_flight(self, seed: int, make_flight: FlightMaker) -> Flight:
-        self._interface.reset()
-        self._truth.clear()
-        self._is_thinking = False
-        self._topics.begin()
-        flight = make_flight(self._interface, initial_state(self._mission, seed))
-        flight.world.commands = flight.sent.commands  # as if they had reached it at once
-        flight.world.switches = flight.sent.switches
-        return flight
-
     def _end(self) -> None:
         """End the run on this side; tell the simulation, unless it knows."""
-        self._received.close()
+        self._topics.close()
         flight, self._flight = self._flight, None
         if flight is None:
             return
@@ -206,7 +194,7 @@ class BusLockstep:
             self._transport.call(STOP, {}, lambda _reply: None)
 
     def _fail(self, error: Exception) -> None:
-        self._received.close()  # the run stays at the tick at which it failed
+        self._topics.close()  # the run stays at the tick at which it failed
         self._completion.fail(error)
 
     def _where(self) -> str:
@@ -215,18 +203,18 @@ class BusLockstep:
     def _overdue(self, silence: float) -> MrsfiError | None:
         if self._is_thinking:
             return None
-        return self._received.overdue(silence, self._patience.tick)
+        return self._topics.overdue(silence, self._patience.tick)
 
     def _on_failure(self, payload: Payload) -> None:
-        if self._received.is_open:
+        if self._topics.is_open:
             raise TransportError(f"the simulation failed: {payload.get('data')}")
 
     def _on_tick(self, payload: Payload) -> None:
         told = numbers(TICK, payload, Tick)
-        if not self._received.is_open or told.run != self._run:
+        if not self._topics.is_open or told.run != self._run:
             return
         self._completion.advance()
-        is_complete = self._received.announce(told.tick, told.n_messages)
+        is_complete = self._topics.announced(told.tick, told.n_messages)
         if told.n_commands != self._topics.n_sent:
             raise ProtocolError(
                 f"the simulation flew with {told.n_commands} commands; {self._topics.n_sent} were "
@@ -238,7 +226,7 @@ class BusLockstep:
 
     def _proceed(self) -> None:
         """Take the CI's step: all messages of the tick are there."""
-        flight, tick = self._flight, self._received.tick
+        flight, tick = self._flight, self._topics.tick
         if flight is None:
             return
         self._take_truth(flight)
@@ -247,12 +235,12 @@ class BusLockstep:
         self._is_thinking = True
         flight.step(tick)
         self._is_thinking = False
-        if not self._received.is_open:
+        if not self._topics.is_open:
             return
         if is_last:
             self._completion.end()
             return
-        self._received.turn()
+        self._topics.turn()
         self._send_go(tick + 1)
         self._completion.advance()
 
@@ -264,7 +252,7 @@ class BusLockstep:
             )
         for index, payload in self._truth.items():
             take_true_values(flight.world, index, payload.get("data"))
-        flight.world.mission.tick = self._received.tick
+        flight.world.mission.tick = self._topics.tick
 
     def _send_go(self, tick: int) -> None:
         self._go({"data": [self._run, tick, self._topics.announce()]})

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.hosting.sides import SimInterface, Simulation
+from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.flight import MissionFunctions, answer, no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
@@ -28,7 +28,7 @@ class Flight:
     Attributes
     ----------
     world
-        The true state, moved by others.
+        The true state, moved by others; the belief until it begins.
     belief
         Local state of the collective intelligence.
     sent
@@ -44,8 +44,6 @@ class Flight:
         The mission, and its seed.
     interface
         Brings the messages of the simulation, and takes commands for it.
-    world
-        The true state before the first tick.
     plan
         Faults of the run.
     observer
@@ -58,12 +56,10 @@ class Flight:
         mission: Mission,
         seed: int,
         interface: SimInterface,
-        world: State,
         plan: Plan,
         observer: Observer | None = None,
     ) -> None:
-        self.world = world
-        self.belief = initial_state(mission, seed)
+        self.world = self.belief = initial_state(mission, seed)
         self.sent = _orders(self.belief)
         self.verdicts = no_verdicts(len(mission.goals))
         self._functions = functions
@@ -72,17 +68,20 @@ class Flight:
         self._inbox = initial_state(mission, seed)
         self._orders = _orders(self.belief)
         self._observer = observer
-        interface.reset()
 
-    def begin(self, *, tells_all: bool = False) -> None:
+    def begin(self, world: State, *, tells_all: bool = False) -> None:
         """Send the commands that act from the very first motion.
 
         Parameters
         ----------
+        world
+            The true state before the first tick.
         tells_all
             Whether to send all of them, to a simulation that may not know the first headings;
             otherwise the forged ones alone.
         """
+        self.world = world
+        self._interface.reset()
         issue(self.belief, self._orders, self._plan, 0)
         self._send(tells_all=tells_all)
 
@@ -132,28 +131,6 @@ class Flight:
             if tells_all or switch.active != sent.switches[index].active:
                 sent.switches[index].active = switch.active
                 interface.sensors[index].set_active(switch.active == 1)
-
-
-FlightMaker: TypeAlias = Callable[[SimInterface, State], Flight]
-"""Makes a flight before its first tick, of an interface and a true state that others move."""
-
-
-def fly(simulation: Simulation, flight: Flight, duration: int) -> None:
-    """Fly a mission to its end in one thread.
-
-    Parameters
-    ----------
-    simulation
-        Owns the true state of the flight; before its first tick.
-    flight
-        Counts violations.
-    duration
-        Number of ticks.
-    """
-    flight.begin()
-    for tick in range(duration):
-        simulation.step(tick)
-        flight.step(tick)
 
 
 def _orders(state: State) -> Orders:

@@ -6,6 +6,7 @@ Source paper, section III-F.
 """
 
 from mrsfi_runtime.errors import MrsfiError
+from mrsfi_runtime.hosting.counted_topics import CountedTopics
 from mrsfi_runtime.hosting.lockstep_topics import (
     CLOCK,
     FAILURE,
@@ -19,7 +20,6 @@ from mrsfi_runtime.hosting.lockstep_topics import (
     Setup,
     numbers,
 )
-from mrsfi_runtime.hosting.message_count import CountedTopics, MessageCount
 from mrsfi_runtime.hosting.sides import Simulation
 from mrsfi_runtime.hosting.waiting import Completion, Patience
 from mrsfi_runtime.model.mission import Mission
@@ -50,8 +50,7 @@ class SimulationHost:
     ) -> None:
         self._patience = patience
         self._completion = Completion()
-        self._received = MessageCount("collective intelligence")
-        self._topics = CountedTopics(transport, self._received, self._fly)
+        self._topics = CountedTopics(transport, "collective intelligence", self._fly)
         self._run = 0
         self._failed_at: str | None = None
         self._setup: Setup | None = None
@@ -85,9 +84,9 @@ class SimulationHost:
         """Return run and tick, for messages."""
         if self._failed_at is not None:
             return self._failed_at
-        if not self._received.is_open:
+        if not self._topics.is_open:
             return "no run"
-        return f"run {self._run % RUNS_OF_A_SESSION}, tick {self._received.tick}"
+        return f"run {self._run % RUNS_OF_A_SESSION}, tick {self._topics.tick}"
 
     def tell_failure(self, error: Exception) -> None:
         """Tell the CI why the simulation cannot go on."""
@@ -95,11 +94,11 @@ class SimulationHost:
 
     def _fail(self, error: Exception) -> None:
         self._failed_at = self.where()
-        self._received.close()  # the run stays at the tick at which it failed
+        self._topics.close()  # the run stays at the tick at which it failed
         self._completion.fail(error)
 
     def _overdue(self, silence: float) -> MrsfiError | None:
-        return self._received.overdue(silence, self._patience.tick)
+        return self._topics.overdue(silence, self._patience.tick)
 
     def _on_setup(self, payload: Payload) -> None:
         self._setup = numbers(SETUP, payload, Setup)
@@ -109,28 +108,27 @@ class SimulationHost:
             return {"success": False, "message": f"no message on {SETUP.name} came yet"}
         self._run, seed = self._setup
         self._simulation.reset(seed)
-        self._topics.begin()
-        self._received.open()
+        self._topics.open()
         self._completion.advance()
         return {"success": True, "message": f"run {self._run}"}
 
     def _on_stop(self, _request: Payload) -> Payload:
-        self._received.close()
+        self._topics.close()
         return {"success": True, "message": ""}
 
     def _on_go(self, payload: Payload) -> None:
         go = numbers(GO, payload, Go)
-        if not self._received.is_open or go.run != self._run:
+        if not self._topics.is_open or go.run != self._run:
             return
         self._completion.advance()
-        if self._received.announce(go.tick, go.n_commands):
+        if self._topics.announced(go.tick, go.n_commands):
             self._fly()
 
     def _fly(self) -> None:
-        tick = self._received.tick
-        self._received.turn()
+        tick = self._topics.tick
+        self._topics.turn()
         self._simulation.step(tick)
         self._simulation.publish_truth()
         self._clock({"clock": {"secs": tick, "nsecs": 0}})
-        self._tick({"data": [self._run, tick, self._topics.announce(), self._received.n_before]})
+        self._tick({"data": [self._run, tick, self._topics.announce(), self._topics.n_before]})
         self._completion.advance()

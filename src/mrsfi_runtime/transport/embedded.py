@@ -12,8 +12,8 @@ from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_runtime.errors import TransportClosed
 from mrsfi_runtime.transport.bridge_errors import as_ours
+from mrsfi_runtime.transport.listened import ListenedTransport
 from mrsfi_runtime.transport.topics import (
-    FailureListener,
     Payload,
     Provider,
     Publisher,
@@ -25,7 +25,7 @@ from mrsfi_runtime.transport.topics import (
 T = TypeVar("T")
 
 
-class EmbeddedTransport:
+class EmbeddedTransport(ListenedTransport):
     """A client of an embedded bridge; its callbacks run in the bridge's thread.
 
     Parameters
@@ -35,9 +35,8 @@ class EmbeddedTransport:
     """
 
     def __init__(self, bridge: EmbeddedBridge) -> None:
+        super().__init__()
         self._bridge = bridge
-        self._listener: FailureListener | None = None
-        self._lost: TransportClosed | None = None
         self._thread = 0
         self._thread = self._run(get_ident)
         self._client = self._run(bridge.local_client)
@@ -60,52 +59,31 @@ class EmbeddedTransport:
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
         """Have a callback receive every message of a topic."""
-
-        def receive(payload: Payload) -> None:
-            try:
-                callback(payload)
-            except Exception as error:  # noqa: BLE001 - the listener decides
-                self._tell(error)
-
+        receive = self.told(callback)
         self._run(lambda: self._client.subscribe(topic.name, topic.type, receive))
 
     def provide(self, service: Service, provider: Provider) -> None:
         """Answer the calls of a service."""
-
-        def answer(request: Payload) -> Payload:
-            try:
-                return provider(request)
-            except Exception as error:
-                self._tell(error)
-                raise
-
+        answer = self.told(provider)
         self._run(lambda: self._client.advertise_service(service.name, service.type, answer))
 
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
         """Call a service."""
 
         def reply(is_answer: bool, values: Any) -> None:
-            try:
-                on_reply(Reply(values) if is_answer else Reply({}, str(values)))
-            except Exception as error:  # noqa: BLE001 - the listener decides
-                self._tell(error)
+            on_reply(Reply(values) if is_answer else Reply({}, str(values)))
 
-        self._run(lambda: self._client.call(service.name, request, reply))
-
-    def watch(self, listener: FailureListener) -> None:
-        """Have a function told of errors in callbacks; there is no connection to lose."""
-        self._listener = listener
+        self._run(lambda: self._client.call(service.name, request, self.told(reply)))
 
     def close(self) -> None:
         """Give up all topics and services."""
-        if self._lost is None:
+        if self.lost is None:
             self._run(self._client.close)
-            self._lost = TransportClosed("the embedded transport was closed")
+            self.lost = TransportClosed("the embedded transport was closed")
 
     def _run(self, function: Callable[[], T]) -> T:
         """Run a function in the bridge's thread and return what it returns."""
-        if self._lost is not None:
-            raise self._lost
+        self.require_open()
         try:
             return self._run_there(function)
         except BridgeError as error:
@@ -131,7 +109,3 @@ class EmbeddedTransport:
         if errors:
             raise errors[0]
         return results[0]
-
-    def _tell(self, error: Exception) -> None:
-        if self._listener is not None:
-            self._listener(error)

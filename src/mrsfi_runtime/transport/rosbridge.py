@@ -21,8 +21,8 @@ from urllib.parse import urlsplit
 import roslibpy
 
 from mrsfi_runtime.errors import TransportClosed, TransportTimeout, UsageError
+from mrsfi_runtime.transport.listened import ListenedTransport
 from mrsfi_runtime.transport.topics import (
-    FailureListener,
     Payload,
     Provider,
     Publisher,
@@ -44,7 +44,7 @@ for _name in ("autobahn", "roslibpy", "twisted"):  # the listener hears of what 
     logging.getLogger(_name).addHandler(logging.NullHandler())
 
 
-class RosbridgeTransport:
+class RosbridgeTransport(ListenedTransport):
     """One connection to a rosbridge server.
 
     Attributes
@@ -73,10 +73,9 @@ class RosbridgeTransport:
     """
 
     def __init__(self, url: str, client: Client = "asyncio", timeout: float = 10.0) -> None:
+        super().__init__()
         self.url = without_token(url)
         self._client = client
-        self._listener: FailureListener | None = None
-        self._lost: TransportClosed | None = None
         self._is_closing = False
         self._opened = Event()
         self._closed = Event()
@@ -101,33 +100,24 @@ class RosbridgeTransport:
         ros_topic.advertise()
 
         def publish(payload: Payload) -> None:
-            if self._lost is not None:
-                raise self._lost
+            self.require_open()
             ros_topic.publish(payload)
 
         return publish
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
         """Have a callback receive every message of a topic."""
-
-        def receive(payload: Payload) -> None:
-            try:
-                callback(payload)
-            except Exception as error:  # noqa: BLE001 - the listener decides
-                self._tell(error)
-
-        self._topic(topic).subscribe(receive)
+        self._topic(topic).subscribe(self.told(callback))
 
     def provide(self, service: Service, provider: Provider) -> None:
         """Answer the calls of a service; a provider that raises answers with a failure."""
+        provide = self.told(provider)
 
         def answer(request: Any, response: Any) -> bool:
-            try:
-                response.update(provider(dict(request)))
-            except Exception as error:  # noqa: BLE001 - the listener decides
-                self._tell(error)
-                return False
-            return True
+            with suppress(Exception):  # the listener decides
+                response.update(provide(dict(request)))
+                return True
+            return False
 
         self._service(service).advertise(answer)
 
@@ -139,19 +129,12 @@ class RosbridgeTransport:
         TransportClosed
             If the connection is lost.
         """
-        if self._lost is not None:
-            raise self._lost
+        self.require_open()
         self._service(service).call(
             roslibpy.ServiceRequest(request),
-            lambda values: on_reply(Reply(dict(values))),
-            lambda problem: on_reply(Reply({}, str(problem) or "the service failed")),
+            self.told(lambda values: on_reply(Reply(dict(values)))),
+            self.told(lambda problem: on_reply(Reply({}, str(problem) or "the service failed"))),
         )
-
-    def watch(self, listener: FailureListener) -> None:
-        """Have a function told of a lost connection, and of errors in callbacks."""
-        self._listener = listener
-        if self._lost is not None:
-            listener(self._lost)
 
     def close(self) -> None:
         """Close the connection; roslibpy's thread stays for the next one."""
@@ -159,8 +142,8 @@ class RosbridgeTransport:
         if self._ros.is_connected:
             self._ros.close()
             self._closed.wait(_CLOSING)
-        if self._lost is None:
-            self._lost = TransportClosed(f"the connection to {self.url} was closed")
+        if self.lost is None:
+            self.lost = TransportClosed(f"the connection to {self.url} was closed")
 
     def _topic(self, topic: Topic) -> Any:
         return roslibpy.Topic(self._ros, topic.name, topic.type, reconnect_on_close=False)
@@ -170,7 +153,7 @@ class RosbridgeTransport:
 
     def _wait_open(self, timeout: float) -> None:
         is_open = self._opened.wait(timeout)
-        if is_open and self._lost is None:
+        if is_open and self.lost is None:
             return
         self._is_closing = True
         self._ros.call_later(0, self._stop_reconnecting)
@@ -195,8 +178,8 @@ class RosbridgeTransport:
     def _on_close(self, _protocol: Any) -> None:
         self._stop_reconnecting()
         if not self._is_closing:
-            self._lost = TransportClosed(f"the connection to {self.url} was lost")
-            self._tell(self._lost)
+            self.lost = TransportClosed(f"the connection to {self.url} was lost")
+            self.tell(self.lost)
         self._opened.set()
         self._closed.set()
 
@@ -206,10 +189,6 @@ class RosbridgeTransport:
             self._ros.factory.stopTrying()
         else:
             self._ros.factory.maxRetries = 0
-
-    def _tell(self, error: Exception) -> None:
-        if self._listener is not None:
-            self._listener(error)
 
 
 class _JoinedWrites:

@@ -33,12 +33,13 @@ class BusEngine(PlainEngine):
     def __init__(self, code, seed, lockstep):
         super().__init__(code, seed)
         self.lockstep = lockstep
+        self.interface = lockstep.interface
 
     def close(self):
         pass
 
-    def _fly(self, make_flight, seed):
-        return self.lockstep.fly(seed, make_flight)
+    def _fly(self, flight, seed):
+        self.lockstep.fly(flight, seed)
 
 
 def specification(code, seed):

@@ -29,21 +29,20 @@ def flight(heard):
             name = f"/{robot.id}/{channel}"
             bus.subscribe(Topic(name, kind), partial(heard.__setitem__, name))
     laid_out = plan(CODE.mission, CODE.pool, ())
-    interface = CODE.interface(bus)
-    world = initial_state(CODE.mission, SEED)
-    return Flight(CODE.functions, CODE.mission, SEED, interface, world, laid_out)
+    return Flight(CODE.functions, CODE.mission, SEED, CODE.interface(bus), laid_out)
 
 
 def test_its_own_simulation_knows_how_a_mission_begins(flight, heard):
-    flight.begin()
+    flight.begin(initial_state(CODE.mission, SEED))
 
     assert heard == {}
 
 
 def test_a_simulation_of_others_is_told_every_command(flight, heard):
-    flight.begin(tells_all=True)
-
     start = initial_state(CODE.mission, SEED)
+
+    flight.begin(start, tells_all=True)
+
     expected = {}
     for robot, command in zip(CODE.mission.robots, start.commands, strict=True):
         heading = {"x": command.heading_x, "y": command.heading_y, "z": 0.0}

@@ -10,7 +10,7 @@ from typing import Any, cast
 from distributed import WorkerPlugin, get_worker
 
 from mrsfi_runtime.engine.cluster.shipment import Shipment
-from mrsfi_runtime.engine.flights import Engine, Evaluated, Failure
+from mrsfi_runtime.engine.flights import Engine, Evaluated, FailedFlight
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.mission import load_code
@@ -152,7 +152,9 @@ class MissionPlugin(WorkerPlugin):
         return self._engines[key]
 
     def _as_at_home(self, result: Evaluated) -> Evaluated:
-        return Failure(self._told(result.traceback)) if isinstance(result, Failure) else result
+        if isinstance(result, FailedFlight):
+            return FailedFlight(self._told(result.traceback))
+        return result
 
     def _told(self, text: str) -> str:
         return self._shipment.told_as_at_home(text, self._folder)
