@@ -6,7 +6,8 @@ from typing import Any, TypeAlias
 
 from mrsfi_bridge.encodings import PLAIN, Outgoing
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.names import check_name
+from mrsfi_bridge.protocol import check_name
+from mrsfi_bridge.settings import Limits
 from mrsfi_bridge.structures import Structure
 from mrsfi_bridge.type_table import TypeTable
 
@@ -43,10 +44,8 @@ class Broker:
     ----------
     types
         Types that topics may have.
-    max_topics
-        Topics at a time.
-    max_latched_bytes
-        What the last messages of latched topics may take together.
+    limits
+        How many topics, and what the last messages of latched ones may take together.
 
     Attributes
     ----------
@@ -54,13 +53,11 @@ class Broker:
         Topics in use, by name, in the order in which they came.
     """
 
-    def __init__(self, types: TypeTable, max_topics: int, max_latched_bytes: int) -> None:
+    def __init__(self, types: TypeTable, limits: Limits) -> None:
         self._types = types
-        self._max_topics = max_topics
-        self._max_latched_bytes = max_latched_bytes
+        self._limits = limits
         self._n_latched_bytes = 0
         self.topics: dict[str, Topic] = {}
-        self._used: dict[Hashable, set[Topic]] = {}
 
     def advertise(
         self, client: Hashable, name: str, type_name: str, *, is_latched: bool = False
@@ -73,15 +70,15 @@ class Broker:
             If the type is unknown or conflicts, or there are too many topics.
         """
         topic = self._topic(name, type_name)
-        self._use(client, topic)
         publication = topic.publishers.setdefault(client, Publication(is_latched))
         publication.is_latched = is_latched
 
     def unadvertise(self, client: Hashable, name: str) -> None:
         """End the publications of a client on a topic, and forget what they latched."""
         topic = self.topics.get(name)
-        if topic is not None and self._stop_publishing(client, topic):
-            self._release(client, topic)
+        if topic is not None and (publication := topic.publishers.pop(client, None)):
+            self._n_latched_bytes -= publication.n_bytes
+            self._release(topic)
 
     def publish(self, client: Hashable, name: str, message: Any) -> None:
         """Deliver a message to all subscribers of a topic.
@@ -117,7 +114,6 @@ class Broker:
             If the type is unknown or conflicts, or there are too many topics.
         """
         topic = self._topic(name, type_name)
-        self._use(client, topic)
         is_known = client in topic.subscribers
         topic.subscribers[client] = receive
         latched = [publication.last for publication in topic.publishers.values()]
@@ -129,34 +125,26 @@ class Broker:
         """End the subscription of a client to a topic."""
         topic = self.topics.get(name)
         if topic is not None and topic.subscribers.pop(client, None) is not None:
-            self._release(client, topic)
+            self._release(topic)
 
     def leave(self, client: Hashable) -> None:
         """End everything that a client does on topics."""
-        for topic in tuple(self._used.get(client, ())):
-            self._stop_publishing(client, topic)
-            topic.subscribers.pop(client, None)
-            self._release(client, topic)
+        for name in tuple(self.topics):
+            self.unadvertise(client, name)
+            self.unsubscribe(client, name)
 
     def _latch(self, topic: Topic, publication: Publication, outgoing: Outgoing) -> None:
         """Keep a message for those who subscribe later."""
         n_bytes = len(outgoing.frames(topic.name, PLAIN))
         n_all_bytes = self._n_latched_bytes + n_bytes - publication.n_bytes
-        if n_all_bytes > self._max_latched_bytes:
-            limit = self._max_latched_bytes
+        limit = self._limits.latched_bytes
+        if n_all_bytes > limit:
             raise ProtocolError(f"topic '{topic.name}': latched messages take {limit} bytes")
         self._n_latched_bytes = n_all_bytes
         publication.last, publication.n_bytes = outgoing, n_bytes
 
-    def _stop_publishing(self, client: Hashable, topic: Topic) -> bool:
-        publication = topic.publishers.pop(client, None)
-        if publication is None:
-            return False
-        self._n_latched_bytes -= publication.n_bytes
-        return True
-
     def _topic(self, name: str, type_name: str | None) -> Topic:
-        """Return the topic of a name, after checks that its type agrees."""
+        """Return the topic of a name, made if it is new, after checks that its type agrees."""
         topic = self.topics.get(name)
         if topic is not None:
             wanted = topic.structure if type_name is None else self._types.message(type_name)
@@ -167,21 +155,13 @@ class Broker:
         check_name(name, "topic")
         if type_name is None:
             raise ProtocolError(f"topic '{name}' has no type yet; name one")
-        if len(self.topics) >= self._max_topics:
-            raise ProtocolError(f"topic '{name}': there are {self._max_topics} topics, the limit")
-        return Topic(name, self._types.message(type_name))
+        limit = self._limits.topics
+        if len(self.topics) >= limit:
+            raise ProtocolError(f"topic '{name}': there are {limit} topics, the limit")
+        topic = self.topics[name] = Topic(name, self._types.message(type_name))
+        return topic
 
-    def _use(self, client: Hashable, topic: Topic) -> None:
-        self.topics[topic.name] = topic
-        self._used.setdefault(client, set()).add(topic)
-
-    def _release(self, client: Hashable, topic: Topic) -> None:
-        """Forget what nobody uses any more."""
-        if client in topic.publishers or client in topic.subscribers:
-            return
-        used = self._used[client]
-        used.discard(topic)
-        if not used:
-            del self._used[client]
+    def _release(self, topic: Topic) -> None:
+        """Forget a topic that nobody uses any more."""
         if not topic.publishers and not topic.subscribers:
-            self.topics.pop(topic.name, None)
+            del self.topics[topic.name]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.frames import OP_BINARY, OP_CONT, OP_TEXT, CloseCode, Frame
-from websockets.http11 import Request
+from websockets.http11 import Request, Response
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 from websockets.typing import Origin
@@ -20,10 +20,6 @@ from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.session import LOGGER, Session
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from websockets.http11 import Response
-
     from mrsfi_bridge.server import BridgeServer
 
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
@@ -52,8 +48,6 @@ class Connection(asyncio.Protocol):
             max_size=self._limits.frame_bytes,
             logger=_WIRE,
         )
-        self._transport: asyncio.Transport | None = None
-        self._set_option: Callable[[int, int, int], None] | None = None
         self._session: Session | None = None
         self._outbox: list[bytes] = []
         self._message = bytearray()
@@ -61,8 +55,6 @@ class Connection(asyncio.Protocol):
         self._since = self._heard = self._now()
         self._pinged: float | None = None
         self._ending: float | None = None
-        self._held = 0
-        self.name = "?"
 
     @property
     def is_client(self) -> bool:
@@ -76,18 +68,19 @@ class Connection(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Prepare the socket of a new client."""
-        self._transport = cast("asyncio.Transport", transport)
+        self._transport: asyncio.Transport = cast("asyncio.Transport", transport)
         peer = transport.get_extra_info("peername") or ("?", 0)
         self.name = f"{peer[0]}:{peer[1]}"
-        raw = transport.get_extra_info("socket")
-        raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._set_option = raw.setsockopt
+        self._socket: socket.socket = transport.get_extra_info("socket")
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         if not self._server.enter(self):
             self.abort("too many sockets")
 
     def data_received(self, data: bytes) -> None:
         """Carry out what a client sent."""
-        self._acknowledge()
+        if _QUICKACK is not None:  # acknowledged at once: no client waits for it before it sends
+            with suppress(OSError):
+                self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
         self._heard = self._now()
         self._pinged = None
         self._protocol.receive_data(data)
@@ -131,11 +124,10 @@ class Connection(asyncio.Protocol):
 
     def write(self) -> None:
         """Write everything that waits, in one go."""
-        transport = self._transport
-        writes = self._outbox
+        transport, writes = self._transport, self._outbox
         writes.extend(self._protocol.data_to_send())
         self._outbox = []
-        if transport is None or transport.is_closing():
+        if transport.is_closing():
             return
         is_end = b"" in writes[-1:]
         content = b"".join(writes)
@@ -167,16 +159,9 @@ class Connection(asyncio.Protocol):
     def abort(self, reason: str) -> None:
         """Cut the client off, and forget what waits for it."""
         LOGGER.warning("%s: cut off: %s", self.name, reason)
-        if self._transport is not None:
-            self._transport.abort()
+        self._transport.abort()
 
     # What comes in.
-
-    def _acknowledge(self) -> None:
-        """Have the kernel acknowledge at once, so that no client waits for it before it sends."""
-        if _QUICKACK is not None and self._set_option is not None:
-            with suppress(OSError):
-                self._set_option(socket.IPPROTO_TCP, _QUICKACK, 1)
 
     def _take_events(self) -> None:
         for event in self._protocol.events_received():
@@ -199,7 +184,7 @@ class Connection(asyncio.Protocol):
         self._server.hub.counts.clients += 1
         LOGGER.info("%s: connected", self.name)
 
-    def _answer(self, request: Request) -> "Response":
+    def _answer(self, request: Request) -> Response:
         if not self._server.admits_client():
             text = f"{self._limits.clients} clients are connected, the limit\n"
             return self._protocol.reject(http.HTTPStatus.SERVICE_UNAVAILABLE, text)
@@ -239,17 +224,13 @@ class Connection(asyncio.Protocol):
 
     def _count_held(self) -> None:
         """Refuse a client for which too much waits; tell the server how much it is."""
-        if self._transport is None:
-            return
         n_bytes = self._transport.get_write_buffer_size()
         if n_bytes > self._limits.queue_bytes:
             self.refuse(
                 f"too slow: {n_bytes} bytes wait for you, the limit is {self._limits.queue_bytes}"
             )
         n_bytes += self._n_unread()
-        if n_bytes > _FEW_BYTES or self._held:
-            self._held = n_bytes if n_bytes > _FEW_BYTES else 0
-            self._server.hold(self, self._held)
+        self._server.hold(self, n_bytes if n_bytes > _FEW_BYTES else 0)
 
     def _n_unread(self) -> int:
         n_fragments = 0 if self._session is None else self._session.n_waiting_bytes

@@ -1,9 +1,10 @@
-"""Messages on their way to clients: JSON, PNG, CBOR, whole or in fragments.
+"""Messages on their way to clients: JSON, PNG, CBOR with typed arrays, whole or in fragments.
 
 References
 ----------
 https://github.com/RobotWebTools/rosbridge_suite/blob/ros1/ROSBRIDGE_PROTOCOL.md, sections 3.1
-and 3.2.
+and 3.2. RFC 8949 (CBOR), RFC 8746 (typed arrays); what ROS nodes send each other:
+http://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes.
 """
 
 import base64
@@ -11,13 +12,15 @@ import json
 import math
 import struct
 import zlib
+from collections.abc import Iterator
 from itertools import count
 from typing import Any, NamedTuple
 
+import cbor2
 from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
-from mrsfi_bridge.structures import Structure, now
-from mrsfi_bridge.wire import cbor, packed, tagged
+from mrsfi_bridge.definitions import SCALAR, TIMES, VARIABLE, Field
+from mrsfi_bridge.structures import BYTE_ARRAYS, Structure, now
 
 COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
 
@@ -44,6 +47,37 @@ _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 _MAX_FRAGMENTS = 4096
 _MAX_KEPT = 8
 """Encodings of one message that are kept."""
+
+_FORMATS = {
+    "bool": "?",
+    "byte": "b",
+    "char": "B",
+    "int8": "b",
+    "uint8": "B",
+    "int16": "h",
+    "uint16": "H",
+    "int32": "i",
+    "uint32": "I",
+    "int64": "q",
+    "uint64": "Q",
+    "float32": "f",
+    "float64": "d",
+}
+"""Formats of ``struct``; both binary forms are little-endian."""
+
+_TAGS = {
+    "uint16": 69,
+    "uint32": 70,
+    "uint64": 71,
+    "byte": 72,
+    "int8": 72,
+    "int16": 77,
+    "int32": 78,
+    "int64": 79,
+    "float32": 85,
+    "float64": 86,
+}
+"""CBOR tags of typed arrays."""
 
 _fragment_ids = count()
 
@@ -86,9 +120,9 @@ class Outgoing:
 
     def _encode(self, topic: str, encoding: Encoding) -> bytes:
         if encoding.compression == "cbor":
-            return _binary(topic, tagged(self.structure, self.message))
+            return _binary(topic, _tagged(self.structure, self.message))
         if encoding.compression == "cbor-raw":
-            content = packed(self.structure, self.message)
+            content = _packed(self.structure, self.message)
             return _binary(topic, {**now(), "bytes": content})
         return text_frames({"op": "publish", "topic": topic, "msg": self.message}, encoding)
 
@@ -138,7 +172,7 @@ def _chunk(kind: bytes, content: bytes) -> bytes:
 
 
 def _binary(topic: str, message: Any) -> bytes:
-    return _frame(OP_BINARY, cbor({"op": "publish", "topic": topic, "msg": message}))
+    return _frame(OP_BINARY, cbor2.dumps({"op": "publish", "topic": topic, "msg": message}))
 
 
 def _frame(opcode: Opcode, content: bytes) -> bytes:
@@ -174,4 +208,75 @@ def _finite(value: Any) -> Any:
         return {key: _finite(part) for key, part in value.items()}
     if isinstance(value, list):
         return [_finite(part) for part in value]
+    return value
+
+
+def _tagged(structure: Structure, message: dict[str, Any]) -> dict[str, Any]:
+    """Return a message as CBOR is to have it: bytes as bytes, numbers as typed arrays."""
+    return {
+        field.name: _tagged_field(field, structure, message[field.name])
+        for field in structure.definition.fields
+    }
+
+
+def _packed(structure: Structure, message: dict[str, Any]) -> bytes:
+    """Return a message as ROS nodes send it to each other."""
+    return b"".join(_packed_parts(structure, message))
+
+
+def _tagged_field(field: Field, structure: Structure, value: Any) -> Any:
+    nested = structure.nested.get(field.type)
+    if field.length == SCALAR:
+        return value if nested is None else _tagged(nested, value)
+    if nested is not None:
+        return [_tagged(nested, element) for element in value]
+    if field.type in BYTE_ARRAYS:
+        return base64.b64decode(value)
+    if field.type in _TAGS:
+        return cbor2.CBORTag(_TAGS[field.type], _packed_numbers(field.type, value))
+    return value
+
+
+def _packed_parts(structure: Structure, message: dict[str, Any]) -> Iterator[bytes]:
+    for field in structure.definition.fields:
+        value = message[field.name]
+        nested = structure.nested.get(field.type)
+        if field.length == SCALAR:
+            yield _packed_one(field.type, nested, value)
+            continue
+        content = base64.b64decode(value) if field.type in BYTE_ARRAYS else value
+        if field.length == VARIABLE:
+            yield struct.pack("<I", len(content))
+        if isinstance(content, bytes):
+            yield content
+        elif field.type in _FORMATS:
+            yield _packed_numbers(field.type, content)
+        else:
+            yield from (_packed_one(field.type, nested, element) for element in content)
+
+
+def _packed_one(type_name: str, nested: Structure | None, value: Any) -> bytes:
+    if nested is not None:
+        return _packed(nested, value)
+    if type_name == "string":
+        content: bytes = value.encode()
+        return struct.pack("<I", len(content)) + content
+    if type_name in TIMES:
+        part = "I" if type_name == "time" else "i"
+        return struct.pack(f"<{part}{part}", value["secs"], value["nsecs"])
+    return _packed_numbers(type_name, [value])
+
+
+def _packed_numbers(type_name: str, values: list[Any]) -> bytes:
+    if type_name == "float32":
+        values = [_single(value) for value in values]
+    return struct.pack(f"<{len(values)}{_FORMATS[type_name]}", *values)
+
+
+def _single(value: float) -> float:
+    """Return a number that single precision can hold: too large ones become infinite."""
+    try:
+        struct.pack("<f", value)
+    except OverflowError:
+        return float("inf") if value > 0 else float("-inf")
     return value

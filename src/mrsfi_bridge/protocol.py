@@ -1,4 +1,4 @@
-"""From texts to operations: JSON, the fields of every operation, fragments.
+"""From texts to operations: JSON, the fields of every operation, names, fragments.
 
 References
 ----------
@@ -16,6 +16,7 @@ Operation: TypeAlias = dict[str, Any]
 
 _MAX_SHOWN = 100
 _LONGEST_ID = 256
+_LONGEST_NAME = 256  # of a topic, a service or a parameter
 _MAX_FRAGMENTS = 100_000
 _FRAGMENT_BYTES = 64
 """What a fragment takes beside its letters."""
@@ -140,6 +141,27 @@ def check_operation(value: Any) -> Operation:
     if len(str(value.get("id", ""))) > _LONGEST_ID:
         raise ProtocolError(f"{op}: 'id' is longer than {_LONGEST_ID} letters")
     return value
+
+
+def absolute(name: str) -> str:
+    """Return a name from the root, with one slash before each part."""
+    if name.startswith("/") and "//" not in name and not name.endswith("/"):
+        return name
+    return "/" + "/".join(part for part in name.split("/") if part)
+
+
+def check_name(name: str, noun: str) -> None:
+    """Refuse what is no name.
+
+    Raises
+    ------
+    ProtocolError
+        If the name is empty, too long, or has blanks or unprintable letters.
+    """
+    if name.strip("/") and len(name) <= _LONGEST_NAME and name.isprintable() and " " not in name:
+        return
+    shown = repr(name[:_LONGEST_NAME])
+    raise ProtocolError(f"{shown} is no {noun} name: 1 to {_LONGEST_NAME} letters without blanks")
 
 
 class Fragments:

@@ -1,4 +1,4 @@
-"""The services under ``/rosapi``, by which clients ask what there is.
+"""The services under ``/rosapi``, by which clients ask what there is and keep parameters.
 
 Clients of the server are no ROS nodes: as with the genuine server, whatever they do counts as
 done by the node ``/rosbridge_websocket``.
@@ -7,25 +7,123 @@ done by the node ``/rosbridge_websocket``.
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
+from functools import partial
 from typing import Any, TypeAlias
 
 from mrsfi_bridge.definitions import SCALAR, TIMES, Definition, Field
 from mrsfi_bridge.encodings import json_text
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.names import absolute
-from mrsfi_bridge.parameters import Parameters
+from mrsfi_bridge.protocol import absolute, check_name
 from mrsfi_bridge.services import OWN
 from mrsfi_bridge.session import Hub
 from mrsfi_bridge.structures import Structure, now
-from mrsfi_bridge.type_table import full_name
+from mrsfi_bridge.type_table import TypeTable, full_name
 
 Fields: TypeAlias = dict[str, Any]
-Handler: TypeAlias = Callable[[Fields], Fields]
+Handler: TypeAlias = Callable[[Fields], Fields | None]
+"""Answers a request; ``None`` stands for a response without fields."""
 
 ROSOUT = "/rosout"
 _BRIDGE = "/rosbridge_websocket"
 _ROSAPI = "/rosapi"
+_DEEPEST = 32
+_TOTAL_BYTES = 1 << 24  # of all parameters
 _ACTION_TOPICS = ("goal", "cancel", "status", "feedback", "result")
+
+
+class _Parameters:
+    """Values under names like ``/robot/speed``; one with others below it stands for all of them.
+
+    Parameters
+    ----------
+    max_parameters
+        Leaves of the tree.
+    max_bytes
+        Longest value, as JSON text.
+    """
+
+    def __init__(self, max_parameters: int, max_bytes: int) -> None:
+        self._max_parameters = max_parameters
+        self._max_bytes = max_bytes
+        self._leaves: dict[str, str] = {}
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all leaves, in the order in which they came."""
+        return list(self._leaves)
+
+    def __contains__(self, name: str) -> bool:
+        path = absolute(name)
+        return path in self._leaves or any(self._below(path))
+
+    def get(self, name: str) -> Any:
+        """Return the value of a name: that of a leaf, or a dictionary of those below.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
+        path = absolute(name)
+        if path in self._leaves:
+            return json.loads(self._leaves[path])
+        tree: dict[str, Any] = {}
+        for below in self._below(path):
+            *branches, leaf = below[len(path) :].strip("/").split("/")
+            node = tree
+            for branch in branches:
+                node = node.setdefault(branch, {})
+            node[leaf] = json.loads(self._leaves[below])
+        if not tree:
+            raise KeyError(path)
+        return tree
+
+    def set(self, name: str, value: Any) -> None:
+        """Give a name a value; a dictionary becomes names below it.
+
+        Raises
+        ------
+        ProtocolError
+            If it is too large, or there are too many parameters.
+        """
+        path = absolute(name)
+        check_name(path, "parameter")
+        leaves = dict(_leaves(path, value, _DEEPEST))
+        n_bytes = sum(map(len, leaves.values()))
+        if n_bytes > self._max_bytes:
+            raise ProtocolError(f"{path}: {n_bytes} bytes, the limit is {self._max_bytes}")
+        if len(self._leaves) + len(leaves) > self._max_parameters:
+            raise ProtocolError(f"{path}: there are {self._max_parameters} parameters, the limit")
+        if sum(map(len, self._leaves.values())) + n_bytes > _TOTAL_BYTES:
+            raise ProtocolError(f"{path}: all parameters take over {_TOTAL_BYTES} bytes, the limit")
+        self.delete(path)
+        above = path
+        while above := above.rpartition("/")[0]:  # a name with others below it is no leaf
+            self._leaves.pop(above, None)
+        self._leaves.update(leaves)
+
+    def delete(self, name: str) -> None:
+        """Forget a name and all below it; one that has no value is no error."""
+        path = absolute(name)
+        for gone in [path, *self._below(path)]:
+            self._leaves.pop(gone, None)
+
+    def _below(self, path: str) -> Iterator[str]:
+        prefix = path if path.endswith("/") else f"{path}/"
+        return (leaf for leaf in self._leaves if leaf.startswith(prefix))
+
+
+def _leaves(path: str, value: Any, n_levels: int) -> Iterator[tuple[str, str]]:
+    """Yield name and JSON text of every value that is no dictionary, or an empty one."""
+    if not isinstance(value, dict) or not value:
+        yield path, json.dumps(value)
+        return
+    if not n_levels:
+        raise ProtocolError(f"{path[:60]}…: more than {_DEEPEST} levels")
+    for name, part in value.items():
+        if not name or "/" in name:
+            raise ProtocolError(f"{path}: '{name:.40}' is no parameter name")
+        yield from _leaves(f"{path.rstrip('/')}/{name}", part, n_levels - 1)
 
 
 def provide_rosapi(hub: Hub) -> None:
@@ -35,9 +133,9 @@ def provide_rosapi(hub: Hub) -> None:
         "get_time": lambda _: {"time": now()},
         **_about_topics(hub),
         **_about_services(hub),
-        **_about_types(hub),
+        **_about_types(hub.types),
         **_about_nodes(hub),
-        **_about_parameters(Parameters(hub.limits.parameters, hub.limits.parameter_bytes)),
+        **_about_parameters(_Parameters(hub.limits.parameters, hub.limits.parameter_bytes)),
     }
     for name, handler in handlers.items():
         hub.services.advertise(OWN, f"{_ROSAPI}/{name}", _type_name(name), _ask(hub, handler))
@@ -54,7 +152,7 @@ def _ask(hub: Hub, handler: Handler) -> Callable[[str, Fields], None]:
 
     def ask(call_id: str, request: Fields) -> None:
         try:
-            response = handler(request)
+            response = handler(request) or {}
         except ProtocolError as error:
             hub.services.refuse(OWN, call_id, str(error))
         else:
@@ -66,33 +164,32 @@ def _ask(hub: Hub, handler: Handler) -> Callable[[str, Fields], None]:
 def _about_topics(hub: Hub) -> dict[str, Handler]:
     topics = hub.broker.topics
 
-    def list_topics(_: Fields) -> Fields:
-        types = [topic.structure.name for topic in topics.values()]
-        return {"topics": list(topics), "types": types}
+    def types() -> dict[str, str]:
+        return {name: topic.structure.name for name, topic in topics.items()}
 
-    def topic_type(request: Fields) -> Fields:
-        topic = topics.get(absolute(request["topic"]))
-        return {"type": "" if topic is None else topic.structure.name}
-
-    def topics_for_type(request: Fields) -> Fields:
-        types = {name: topic.structure.name for name, topic in topics.items()}
-        return {"topics": _of_type(request["type"], types)}
-
-    def raw_types(request: Fields) -> Fields:
-        texts = [_full_text(topic.structure) for topic in topics.values()]
-        return {**list_topics(request), "typedefs_full_text": texts}
+    def all_topics() -> Fields:
+        return {"topics": list(topics), "types": list(types().values())}
 
     def action_servers(_: Fields) -> Fields:
         names = [topic.removesuffix("/goal") for topic in topics if topic.endswith("/goal")]
         found = [n for n in names if all(f"{n}/{part}" in topics for part in _ACTION_TOPICS)]
         return {"action_servers": found}
 
+    def nodes(part: str, request: Fields) -> Fields:
+        topic = topics.get(absolute(request["topic"]))
+        return {part: [] if topic is None else _nodes(getattr(topic, part))}
+
     return {
-        "topics": list_topics,
-        "topic_type": topic_type,
-        "topics_for_type": topics_for_type,
-        "topics_and_raw_types": raw_types,
+        "topics": lambda _: all_topics(),
+        "topic_type": lambda request: {"type": types().get(absolute(request["topic"]), "")},
+        "topics_for_type": lambda request: {"topics": _of_type(request["type"], types())},
+        "topics_and_raw_types": lambda _: {
+            **all_topics(),
+            "typedefs_full_text": [_full_text(topic.structure) for topic in topics.values()],
+        },
         "action_servers": action_servers,
+        "publishers": partial(nodes, "publishers"),
+        "subscribers": partial(nodes, "subscribers"),
     }
 
 
@@ -107,12 +204,8 @@ def _of_type(type_name: str, types: Mapping[str, str]) -> list[str]:
 def _about_services(hub: Hub) -> dict[str, Handler]:
     services = hub.services.services
 
-    def service_type(request: Fields) -> Fields:
-        service = services.get(absolute(request["service"]))
-        return {"type": "" if service is None else service.type.name}
-
-    def names_of(type_name: str) -> list[str]:
-        return _of_type(type_name, {name: each.type.name for name, each in services.items()})
+    def types() -> dict[str, str]:
+        return {name: service.type.name for name, service in services.items()}
 
     def node(request: Fields) -> Fields:
         service = services.get(absolute(request["service"]))
@@ -120,19 +213,18 @@ def _about_services(hub: Hub) -> dict[str, Handler]:
 
     return {
         "services": lambda _: {"services": list(services)},
-        "service_type": service_type,
-        "services_for_type": lambda request: {"services": names_of(request["type"])},
-        "service_providers": lambda request: {"providers": names_of(request["service"])},
+        "service_type": lambda request: {"type": types().get(absolute(request["service"]), "")},
+        "services_for_type": lambda request: {"services": _of_type(request["type"], types())},
+        "service_providers": lambda request: {"providers": _of_type(request["service"], types())},
         "service_node": node,
         "service_host": lambda _: {"host": "localhost"},
     }
 
 
-def _about_types(hub: Hub) -> dict[str, Handler]:
+def _about_types(types: TypeTable) -> dict[str, Handler]:
     def defined(structure: Structure) -> Fields:
         return {"typedefs": _type_definitions(structure)}
 
-    types = hub.types
     return {
         "message_details": lambda r: defined(types.message(r["type"])),
         "service_request_details": lambda r: defined(types.service(r["type"]).request),
@@ -151,35 +243,15 @@ def _about_nodes(hub: Hub) -> dict[str, Handler]:
             "services": [n for n, service in services.items() if _node(service.owner) == node],
         }
 
-    def nodes_of(part: str) -> Handler:
-        def nodes(request: Fields) -> Fields:
-            topic = topics.get(absolute(request["topic"]))
-            return {part: [] if topic is None else _nodes(getattr(topic, part))}
-
-        return nodes
-
-    return {
-        "nodes": lambda _: {"nodes": [_ROSAPI, _BRIDGE]},
-        "node_details": details,
-        "publishers": nodes_of("publishers"),
-        "subscribers": nodes_of("subscribers"),
-    }
+    return {"nodes": lambda _: {"nodes": [_ROSAPI, _BRIDGE]}, "node_details": details}
 
 
-def _about_parameters(parameters: Parameters) -> dict[str, Handler]:
+def _about_parameters(parameters: _Parameters) -> dict[str, Handler]:
     def get(request: Fields) -> Fields:
         try:
             return {"value": json_text(parameters.get(request["name"]))}
         except KeyError:
             return {"value": json_text(_value(request["default"] or "null"))}
-
-    def set_value(request: Fields) -> Fields:
-        parameters.set(request["name"], _value(request["value"]))
-        return {}
-
-    def delete(request: Fields) -> Fields:
-        parameters.delete(request["name"])
-        return {}
 
     def search(request: Fields) -> Fields:
         name = request["name"]
@@ -187,9 +259,9 @@ def _about_parameters(parameters: Parameters) -> dict[str, Handler]:
 
     return {
         "get_param": get,
-        "set_param": set_value,
+        "set_param": lambda request: parameters.set(request["name"], _value(request["value"])),
         "has_param": lambda request: {"exists": request["name"] in parameters},
-        "delete_param": delete,
+        "delete_param": lambda request: parameters.delete(request["name"]),
         "search_param": search,
         "get_param_names": lambda _: {"names": parameters.names},
     }

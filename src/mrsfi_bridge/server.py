@@ -5,14 +5,11 @@ from functools import partial
 
 from websockets.frames import CloseCode
 
-from mrsfi_bridge.broker import Broker
 from mrsfi_bridge.connection import Connection
 from mrsfi_bridge.errors import ListenError
 from mrsfi_bridge.rosapi import provide_rosapi
-from mrsfi_bridge.services import Services
 from mrsfi_bridge.session import LOGGER, Hub
 from mrsfi_bridge.settings import ServerSettings
-from mrsfi_bridge.uses import Budget
 
 _BACKLOG = 512
 _CHECKS_S = 0.25
@@ -38,15 +35,7 @@ class BridgeServer:
         settings.check()
         self.settings = settings
         self._loop = asyncio.get_running_loop()
-        types, limits = settings.types, settings.limits
-        self.hub = Hub(
-            types,
-            limits,
-            self._loop,
-            Broker(types, limits.topics, limits.latched_bytes),
-            Services(types, self._loop, limits.service_s, limits.services, limits.uses),
-            Budget(limits.total_bytes),
-        )
+        self.hub = Hub(settings.types, settings.limits, self._loop)
         provide_rosapi(self.hub)
         self.url = ""
         self._server: asyncio.Server | None = None

@@ -1,12 +1,14 @@
 """Services: who provides them, which calls wait for an answer. Knows no sockets."""
 
 from asyncio import AbstractEventLoop, TimerHandle
+from collections import Counter
 from collections.abc import Callable, Hashable
 from itertools import count
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.names import check_name
+from mrsfi_bridge.protocol import check_name
+from mrsfi_bridge.settings import Limits
 from mrsfi_bridge.type_table import ServiceType, TypeTable
 
 Ask: TypeAlias = Callable[[str, dict[str, Any]], None]
@@ -48,12 +50,10 @@ class Services:
     ----------
     types
         Types that services may have.
+    limits
+        How many services, calls of one client under way, and time that a provider has.
     scheduler
         Clock for the time-out of calls.
-    timeout_s
-        Time that a provider has.
-    max_services, max_calls
-        Services at a time, and calls of one client under way.
 
     Attributes
     ----------
@@ -61,22 +61,13 @@ class Services:
         Services by name, in the order in which they came.
     """
 
-    def __init__(
-        self,
-        types: TypeTable,
-        scheduler: AbstractEventLoop,
-        timeout_s: float,
-        max_services: int,
-        max_calls: int,
-    ) -> None:
+    def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
         self._types = types
+        self._limits = limits
         self._scheduler = scheduler
-        self._timeout_s = timeout_s
-        self._max_services = max_services
-        self._max_calls = max_calls
         self.services: dict[str, Service] = {}
         self._calls: dict[str, Call] = {}
-        self._n_calls: dict[Hashable, int] = {}
+        self._n_calls: Counter[Hashable] = Counter()
         self._numbers = count(1)
 
     def advertise(self, owner: Hashable, name: str, type_name: str, ask: Ask) -> bool:
@@ -95,8 +86,8 @@ class Services:
         check_name(name, "service")
         service_type = self._types.service(type_name)
         known = self.services.get(name)
-        if known is None and len(self.services) >= self._max_services:
-            raise ProtocolError(f"service '{name}': there are {self._max_services}, the limit")
+        if known is None and len(self.services) >= self._limits.services:
+            raise ProtocolError(f"service '{name}': there are {self._limits.services}, the limit")
         if known is not None and known.owner == OWN != owner:
             raise ProtocolError(f"service '{name}' is the server's own; choose another name")
         is_taken = known is not None and known.owner != owner
@@ -141,8 +132,8 @@ class Services:
         if service is None:
             reply(False, f"Service {name} does not exist")
             return
-        if self._n_calls.get(caller, 0) >= self._max_calls:
-            reply(False, f"{self._max_calls} of your calls are under way, the limit")
+        if self._n_calls[caller] >= self._limits.uses:
+            reply(False, f"{self._limits.uses} of your calls are under way, the limit")
             return
         try:
             request = service.type.request.convert(_named(arguments, service.type))
@@ -150,11 +141,11 @@ class Services:
             reply(False, f"request of service {name}: {error}")
             return
         call_id = f"service_request:{name}:{next(self._numbers)}"
-        wait_s = min(timeout_s, _LONGEST_S) if timeout_s > 0 else self._timeout_s
+        wait_s = min(timeout_s, _LONGEST_S) if timeout_s > 0 else self._limits.service_s
         reason = f"no answer within {wait_s:g} s"
         timer = self._scheduler.call_later(wait_s, lambda: self.drop(call_id, reason))
         self._calls[call_id] = Call(name, service.type, service.owner, caller, reply, timer)
-        self._n_calls[caller] = self._n_calls.get(caller, 0) + 1
+        self._n_calls[caller] += 1
         service.ask(call_id, request)
 
     def respond(self, owner: Hashable, call_id: Any, values: Any) -> None:
@@ -199,6 +190,7 @@ class Services:
             self._forget(call_id)
         for call_id in [key for key, call in self._calls.items() if call.owner == client]:
             self.drop(call_id, "its provider left")
+        del self._n_calls[client]
 
     def _abandon(self, owner: Hashable, name: str) -> None:
         for call_id, call in tuple(self._calls.items()):
@@ -214,11 +206,7 @@ class Services:
     def _forget(self, call_id: str) -> Call:
         call = self._calls.pop(call_id)
         call.timer.cancel()
-        n_left = self._n_calls[call.caller] - 1
-        if n_left:
-            self._n_calls[call.caller] = n_left
-        else:
-            del self._n_calls[call.caller]
+        self._n_calls[call.caller] -= 1
         return call
 
 

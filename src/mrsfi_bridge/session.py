@@ -3,19 +3,25 @@
 import logging
 from asyncio import AbstractEventLoop
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from mrsfi_bridge.broker import Broker
 from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.names import absolute
-from mrsfi_bridge.protocol import Fragments, Operation, check_operation, operations
+from mrsfi_bridge.protocol import Fragments, Operation, absolute, check_operation, operations
 from mrsfi_bridge.services import Services
 from mrsfi_bridge.settings import Limits
-from mrsfi_bridge.subscription import Subscription, Wish, settled, wanted_encoding, wish
+from mrsfi_bridge.subscription import (
+    Budget,
+    Subscription,
+    Uses,
+    Wish,
+    settled,
+    wanted_encoding,
+    wish,
+)
 from mrsfi_bridge.type_table import TypeTable
-from mrsfi_bridge.uses import Budget, Uses
 
 LOGGER = logging.getLogger("mrsfi.bridge")
 
@@ -35,7 +41,6 @@ class Counts:
     dropped: int = 0
 
 
-@dataclass(frozen=True, slots=True)
 class Hub:
     """What all clients share.
 
@@ -47,6 +52,9 @@ class Hub:
         What clients may use.
     scheduler
         Clock.
+
+    Attributes
+    ----------
     broker, services
         What there is.
     waiting
@@ -55,13 +63,14 @@ class Hub:
         What was done.
     """
 
-    types: TypeTable
-    limits: Limits
-    scheduler: AbstractEventLoop
-    broker: Broker
-    services: Services
-    waiting: Budget
-    counts: Counts = field(default_factory=Counts)
+    def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
+        self.types = types
+        self.limits = limits
+        self.scheduler = scheduler
+        self.broker = Broker(types, limits)
+        self.services = Services(types, limits, scheduler)
+        self.waiting = Budget(limits.total_bytes)
+        self.counts = Counts()
 
 
 class Session:
@@ -178,7 +187,7 @@ class Session:
         if subscription is None:
             hub = self._hub
             subscription = Subscription(hub.scheduler, hub.waiting, self._deliver, topic)
-        wishes = {**self._wishes.of(topic), use_id: wanted}
+        wishes = {**self._wishes.get(topic, {}), use_id: wanted}
         subscription.wish = settled(wishes.values())
         self._hub.broker.subscribe(
             (self, topic), absolute(topic), operation.get("type"), subscription.receive
@@ -193,7 +202,7 @@ class Session:
         if self._wishes.remove(topic, operation.get("id")):
             self._end(topic)
         else:
-            self._subscriptions[topic].wish = settled(self._wishes.of(topic).values())
+            self._subscriptions[topic].wish = settled(self._wishes[topic].values())
 
     def _end(self, topic: str) -> None:
         """End the subscription to a topic, as the client spells it."""

@@ -9,13 +9,12 @@ import binascii
 import sys
 import time
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.definitions import (
     FLOATS,
     INTEGER_BITS,
     SCALAR,
-    TIMES,
     VARIABLE,
     Definition,
     Field,
@@ -81,7 +80,10 @@ class Structure:
         self.nested: dict[str, Structure] = {}
         fields = []
         for field in definition.fields:
-            convert, default = self._element(field.type, find)
+            if field.type not in _PRIMITIVES:
+                self.nested[field.type] = find(field.type)
+            element = _PRIMITIVES.get(field.type) or self.nested[field.type]
+            convert, default = element.convert, element.default
             if field.length != SCALAR:
                 convert, default = _array(field, convert, default)
             fields.append((field.name, convert, default))
@@ -130,24 +132,6 @@ class Structure:
         unknown = next(name for name in value if name not in known)
         names = ", ".join(known) or "none"
         return FieldError(f"{self.name} has no field '{str(unknown)[:_MAX_SHOWN]}', only {names}")
-
-    def _element(
-        self, type_name: str, find: Callable[[str], "Structure"]
-    ) -> tuple[Convert, Default]:
-        """Return check and default of one value of a type."""
-        if type_name in INTEGER_BITS:
-            return _integer(type_name), int
-        if type_name in FLOATS:
-            return _number, float
-        if type_name == "bool":
-            return _boolean, bool
-        if type_name == "string":
-            return _text, str
-        if type_name in TIMES:
-            return _moment(signed=type_name == "duration"), lambda: {"secs": 0, "nsecs": 0}
-        structure = find(type_name)
-        self.nested[type_name] = structure
-        return structure.convert, structure.default
 
 
 def now() -> dict[str, int]:
@@ -200,8 +184,8 @@ def _is_unicode(text: str) -> bool:
     return True
 
 
-def _moment(*, signed: bool) -> Convert:
-    part = _integer("int32" if signed else "uint32")
+def _moment(part_type: str) -> Convert:
+    part = _integer(part_type)
 
     def convert(value: Any) -> dict[str, int]:
         if value == "now":
@@ -255,3 +239,19 @@ def _bytes(length: int, convert: Convert) -> Convert:
 def _check_length(found: int, length: int) -> None:
     if length not in (VARIABLE, found):
         raise FieldError(f"found {found} elements, expected {length}")
+
+
+class _Primitive(NamedTuple):
+    convert: Convert
+    default: Default
+
+
+_PRIMITIVES = {
+    **{name: _Primitive(_integer(name), int) for name in INTEGER_BITS},
+    **dict.fromkeys(FLOATS, _Primitive(_number, float)),
+    "bool": _Primitive(_boolean, bool),
+    "string": _Primitive(_text, str),
+    "time": _Primitive(_moment("uint32"), lambda: {"secs": 0, "nsecs": 0}),
+    "duration": _Primitive(_moment("int32"), lambda: {"secs": 0, "nsecs": 0}),
+}
+"""How a value of each primitive type is checked, and what it is when it is missing."""

@@ -1,16 +1,87 @@
-"""How a client receives a topic: how often, how many may wait, and in which encoding."""
+"""What a client uses, how many times; and how it receives a topic: how often, in which encoding."""
 
 from asyncio import AbstractEventLoop, TimerHandle
 from collections import deque
 from collections.abc import Callable, Collection
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from mrsfi_bridge.encodings import COMPRESSIONS, PLAIN, Encoding, Outgoing
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.uses import Budget
+
+V = TypeVar("V")
+
+UseId: TypeAlias = str | int | None
+"""What tells the uses of one topic by one client apart."""
 
 _LONGEST_QUEUE = 10_000
 _LONGEST_THROTTLE_MS = 1e9
+
+
+class Uses(dict[str, dict[UseId, V]]):
+    """Topics that a client uses, each under the identifiers that it gave.
+
+    Parameters
+    ----------
+    limit
+        Uses at a time.
+    """
+
+    def __init__(self, limit: int) -> None:
+        super().__init__()
+        self._limit = limit
+        self._n_uses = 0
+
+    def check(self, name: str, use_id: UseId) -> None:
+        """Refuse one use too many.
+
+        Raises
+        ------
+        ProtocolError
+            If it is.
+        """
+        if self._n_uses >= self._limit and use_id not in self.get(name, {}):
+            raise ProtocolError(f"you have {self._n_uses} uses of topics, the limit")
+
+    def add(self, name: str, use_id: UseId, value: V) -> None:
+        """Note a use, in the place of one with the same identifier."""
+        uses = self.setdefault(name, {})
+        self._n_uses += use_id not in uses
+        uses[use_id] = value
+
+    def remove(self, name: str, use_id: UseId) -> bool:
+        """Forget a use, or all of a topic without an identifier; return whether it was the last."""
+        uses = self[name]
+        for gone in tuple(uses) if use_id is None else {use_id} & uses.keys():
+            del uses[gone]
+            self._n_uses -= 1
+        if not uses:
+            del self[name]
+        return not uses
+
+
+class Budget:
+    """Bytes that all clients share.
+
+    Parameters
+    ----------
+    limit
+        How many.
+    """
+
+    def __init__(self, limit: int) -> None:
+        self._limit = limit
+        self.used = 0
+
+    def take(self, n_bytes: int) -> bool:
+        """Use some; return whether there are as many left."""
+        if self.used + n_bytes > self._limit:
+            return False
+        self.used += n_bytes
+        return True
+
+    def give_back(self, n_bytes: int) -> None:
+        """Have used some."""
+        self.used -= n_bytes
 
 
 class Wish(NamedTuple):

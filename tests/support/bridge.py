@@ -12,13 +12,10 @@ from PIL import Image
 from websockets.frames import OP_TEXT, Frame
 from websockets.streams import StreamReader
 
-from mrsfi_bridge.broker import Broker
 from mrsfi_bridge.rosapi import provide_rosapi
-from mrsfi_bridge.services import Services
 from mrsfi_bridge.session import Hub, Session
 from mrsfi_bridge.settings import Limits
 from mrsfi_bridge.type_table import TypeTable
-from mrsfi_bridge.uses import Budget
 
 TYPES = TypeTable()
 FLOAT = "std_msgs/Float64"
@@ -63,11 +60,8 @@ class Clock:
 
 def new_hub(limits: Limits | None = None, types: TypeTable = TYPES) -> tuple[Hub, Clock]:
     """Return what the clients of a server share, with a clock for the test to move."""
-    limits = limits or Limits()
     clock = Clock()
-    broker = Broker(types, limits.topics, limits.latched_bytes)
-    services = Services(types, clock, limits.service_s, limits.services, limits.uses)
-    hub = Hub(types, limits, clock, broker, services, Budget(limits.total_bytes))
+    hub = Hub(types, limits or Limits(), clock)
     provide_rosapi(hub)
     return hub, clock
 
