@@ -22,27 +22,6 @@ from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 from mrsfi_bridge.definitions import SCALAR, TIMES, VARIABLE, Field
 from mrsfi_bridge.structures import BYTE_ARRAYS, Structure, now
 
-COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
-
-
-class Encoding(NamedTuple):
-    """How a client wants what it is sent.
-
-    Parameters
-    ----------
-    compression
-        Member of ``COMPRESSIONS``.
-    fragment_size
-        Longest text in letters; longer ones are cut into fragments, but into no more than
-        4,096. Binary frames stay whole.
-    """
-
-    compression: str = "none"
-    fragment_size: int | None = None
-
-
-PLAIN = Encoding()
-
 _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 _MAX_FRAGMENTS = 4096
 _MAX_KEPT = 8
@@ -80,6 +59,28 @@ _TAGS = {
 """CBOR tags of typed arrays."""
 
 _fragment_ids = count()
+
+
+COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
+
+
+class Encoding(NamedTuple):
+    """How a client wants what it is sent.
+
+    Parameters
+    ----------
+    compression
+        Member of ``COMPRESSIONS``.
+    fragment_size
+        Longest text in letters; longer ones are cut into fragments, but into no more than
+        4,096. Binary frames stay whole.
+    """
+
+    compression: str = "none"
+    fragment_size: int | None = None
+
+
+PLAIN = Encoding()
 
 
 class Outgoing:

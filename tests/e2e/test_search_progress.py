@@ -14,7 +14,6 @@ def state(generation: int, n_evaluations: int = 0, n_failures: int = 0) -> Campa
         mean=3.456,
         n_evaluations=n_evaluations,
         n_failures=n_failures,
-        front_size=1,
     )
 
 

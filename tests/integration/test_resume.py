@@ -9,13 +9,12 @@ from time import monotonic, sleep
 
 import pytest
 
+from mrsfi_runtime.cli.evolve import begun
 from mrsfi_runtime.cli.missions import find_mission
-from mrsfi_runtime.cli.resume import begun
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.cli import mrsfi
 from tests.support.interrupted import (

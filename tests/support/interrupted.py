@@ -23,7 +23,7 @@ from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.record.folder import only_writer
 from mrsfi_runtime.search.campaign import run_campaign
 
 evaluated = 0
@@ -55,7 +55,7 @@ from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.record.folder import only_writer
 from mrsfi_runtime.search.campaign import run_campaign
 
 evaluated = 0

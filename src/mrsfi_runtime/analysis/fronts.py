@@ -1,8 +1,8 @@
-"""Pareto fronts over the violations of chosen goals, and the pick by a ratio.
+"""Which evaluations are the most critical; Pareto fronts, and the pick by a ratio.
 
 References
 ----------
-Source paper, section III-D, equation (3), and section V, RQ3.
+Source paper, section III-A, step 6, section III-D, equation (3), and section V, RQ3.
 """
 
 import re
@@ -12,13 +12,42 @@ from math import atan2
 
 import numpy as np
 
-from mrsfi_runtime.analysis.ranking import distinct
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
 
 _NUMBER = r"(\d+(?:\.\d+)?)"
 _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NUMBER}\s*")
+
+
+def identity(specification: Specification) -> Specification:
+    """Return the specification with its faults sorted: the order of its faults has no meaning."""
+    return tuple(sorted(specification))
+
+
+def score(evaluation: Evaluation) -> float:
+    """Return the number to rank by."""
+    return evaluation.fitness[0]
+
+
+def distinct(evaluations: Iterable[Evaluation]) -> tuple[Evaluation, ...]:
+    """Return the first evaluation of every specification, in the given order."""
+    first: dict[Specification, Evaluation] = {}
+    for evaluation in evaluations:
+        first.setdefault(identity(evaluation.specification), evaluation)
+    return tuple(first.values())
+
+
+def top(evaluations: Iterable[Evaluation], n: int) -> tuple[Evaluation, ...]:
+    """Return the ``n`` most critical distinct evaluations, or all if there are fewer.
+
+    Of two with the same fitness the earlier one comes first.
+    """
+    ranked = sorted(
+        distinct(evaluations), key=lambda evaluation: (-score(evaluation), evaluation.index)
+    )
+    return tuple(ranked[:n])
 
 
 @dataclass(frozen=True, slots=True)

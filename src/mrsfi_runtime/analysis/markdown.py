@@ -1,10 +1,8 @@
-"""The report of a campaign as Markdown: what a person reads first."""
+"""The report of a campaign as Markdown, in which nothing of a model becomes markup."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from mrsfi_runtime.analysis.fronts import Front, Pick
-from mrsfi_runtime.analysis.markdown_text import plain, table
-from mrsfi_runtime.analysis.ranking import score
+from mrsfi_runtime.analysis.fronts import Front, Pick, score
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.trend import Trend
 from mrsfi_runtime.record.campaign import Evaluation
@@ -151,3 +149,18 @@ def _linked(captions: Mapping[str, str], part: str) -> list[str]:
     return [
         f"![{caption}](figures/{name}.png)" for name, caption in captions.items() if part in name
     ]
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a table."""
+    return "\n".join(map(table_row, (header, ["---"] * len(header), *rows)))
+
+
+def table_row(cells: Iterable[object]) -> str:
+    """Return a line of a table."""
+    return "| " + " | ".join(plain(str(cell)) for cell in cells) + " |"
+
+
+def plain(text: str) -> str:
+    """Return text that cannot break out of its line or cell."""
+    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")

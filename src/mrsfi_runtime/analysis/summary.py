@@ -9,12 +9,14 @@ from mrsfi_runtime.analysis.fronts import (
     Front,
     Pick,
     Ratio,
+    distinct,
     find_front,
     nearest_ratio,
     parse_ratio,
+    score,
+    top,
 )
 from mrsfi_runtime.analysis.patterns import TypePattern, find_patterns
-from mrsfi_runtime.analysis.ranking import distinct, score, top
 from mrsfi_runtime.analysis.trend import Trend, find_trend
 from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.mission import Mission

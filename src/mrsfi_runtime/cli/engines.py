@@ -1,20 +1,62 @@
-"""The options that choose an engine and say how its two sides meet."""
+"""The options that say who flies: engine, how its two sides meet, processes or a cluster."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import cast
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, fields
+from functools import partial, wraps
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import click
 
-from mrsfi_runtime.cli.options import F, options_as
+from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
+from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.waiting import Patience
+from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
+from mrsfi_runtime.search.resumable_record import EvaluateMany
 from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.cluster.connection import Cluster
 
 SIMULATION = "simulation"
 BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
+_N_PROCESSORS = os.cpu_count() or 1
+
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def options_as(
+    name: str, kind: type[Any], options: Sequence[Callable[[Any], Any]]
+) -> Callable[[F], F]:
+    """Return the decorator that gives a command options, and passes them as one argument.
+
+    Parameters
+    ----------
+    name
+        Of the argument.
+    kind
+        Its dataclass; its fields are named as the parameters of the options.
+    options
+        Decorators of click, in the order of the help.
+    """
+
+    def decorate(command: F) -> F:
+        @wraps(command)
+        def collected(*arguments: Any, **given: Any) -> Any:
+            value = kind(**{field.name: given.pop(field.name) for field in fields(kind)})
+            return command(*arguments, **{name: value}, **given)
+
+        decorated: Any = collected
+        for option in reversed(options):
+            decorated = option(decorated)
+        return cast("F", decorated)
+
+    return decorate
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,3 +177,127 @@ def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
         ),
     )
     return options_as("engine", EngineOptions, options)
+
+
+@dataclass(frozen=True, slots=True)
+class WorkerOptions:
+    """What the command line says of the workers; ``None`` where it says nothing."""
+
+    workers: int | None = None
+    dask: str | None = None
+
+    def require_sense(self, engine: EngineSettings) -> None:
+        """Refuse options that contradict each other or the engine.
+
+        Raises
+        ------
+        UsageError
+            If they do, or dask is not installed.
+        """
+        engine.require_workers(self.workers or 1)
+        if self.dask is None:
+            return
+        require_address(self.dask)
+        if engine.name == ROSBRIDGE:
+            raise UsageError(
+                f"--dask makes no sense with --engine {ROSBRIDGE}, whose flights need a server "
+                "beside them; expected another engine, or --workers"
+            )
+        if self.dask != LOCAL and self.workers is not None:
+            raise UsageError(
+                f"--workers {self.workers}: makes no sense with --dask {self.dask}, which has the "
+                "workers that were started for it; leave --workers out"
+            )
+
+    @contextmanager
+    def reached(self) -> Iterator["Processes | ClusterWorkers"]:
+        """Reach the cluster, if there is to be one, and yield workers while the body runs.
+
+        Raises
+        ------
+        TransportError
+            If the cluster cannot be reached, or has no workers.
+        """
+        with ExitStack() as stack:
+            if self.dask is None:
+                yield Processes(stack, self.workers)
+                return
+            from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
+
+            yield ClusterWorkers(
+                stack.enter_context(Cluster(self.dask, self.workers or _N_PROCESSORS))
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Processes:
+    """Processes or threads of this machine."""
+
+    stack: ExitStack
+    number: int | None
+
+    def told(self, engine: EngineSettings) -> str:
+        """Return who they are, for a message."""
+        return f"{self._number(engine)} workers"
+
+    def evaluators(
+        self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
+    ) -> list[EvaluateMany]:
+        """Return a function for each mission seed that evaluates.
+
+        Raises
+        ------
+        MrsfiError
+            If the engine cannot be opened.
+        """
+        pool = WorkerPool(code, mission_seeds[0], self._number(engine), engine)
+        self.stack.enter_context(pool)
+        return [partial(pool.evaluate_many, seed=seed) for seed in mission_seeds]
+
+    def _number(self, engine: EngineSettings) -> int:
+        return self.number or (1 if engine.url else _N_PROCESSORS)
+
+
+@dataclass(frozen=True, slots=True)
+class ClusterWorkers:
+    """The workers of a cluster."""
+
+    cluster: "Cluster"
+
+    def told(self, engine: EngineSettings) -> str:  # noqa: ARG002 - any engine has all of them
+        """Return who they are, for a message."""
+        return f"{self.cluster.n_workers()} workers of {self.cluster.address}"
+
+    def evaluators(
+        self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
+    ) -> list[EvaluateMany]:
+        """Return a function for each mission seed that evaluates.
+
+        Raises
+        ------
+        MrsfiError
+            If the engine cannot be opened.
+        """
+        from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
+
+        pool = ClusterPool(self.cluster, code, mission_seeds[0], engine)
+        return [partial(pool.evaluate_many, seed=seed) for seed in mission_seeds]
+
+
+worker_options = options_as(
+    "workers",
+    WorkerOptions,
+    (
+        click.option(
+            "--workers",
+            type=click.IntRange(1),
+            help="Processes that evaluate [default: as many as this machine has processors].",
+        ),
+        click.option(
+            "--dask",
+            metavar="tcp://…|local",
+            help="Evaluate on a dask cluster: its scheduler, or a local one of --workers.",
+        ),
+    ),
+)
+"""Gives a command the options of the workers; it receives them as ``workers``."""

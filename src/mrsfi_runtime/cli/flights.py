@@ -9,15 +9,14 @@ import click
 from m2t.generate import fault_loader_text
 from m2t.load import load_specification
 from mrsfi_runtime.cli.console import tell, written_file
-from mrsfi_runtime.cli.options import F
+from mrsfi_runtime.cli.engines import F
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import pool_from_text
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.simulation_log import SimulationLog
-from mrsfi_runtime.record.trace import TraceTable
+from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 
 
 def recording_options(command: F) -> F:

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 from rich.progress import track
 
-from mrsfi_runtime.analysis.ranking import top
+from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.cli.campaigns import OpenCampaign, open_campaign
 from mrsfi_runtime.cli.console import print_json, print_table, progress_console
 from mrsfi_runtime.cli.engines import EngineOptions, engine_options

@@ -1,11 +1,21 @@
-"""The command ``mrsfi report``."""
+"""The command ``mrsfi report``: the report of a campaign, written into its folder and printed."""
 
+from collections.abc import Sequence
+from functools import cache, partial
 from pathlib import Path
 
 import click
 
-from mrsfi_runtime.cli.campaigns import latest_folder, open_campaign
-from mrsfi_runtime.cli.results import report
+from m2t.load import load_mission_folder
+from m2t.specification import write_specification
+from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
+from mrsfi_runtime.analysis.fronts import Front, Pick
+from mrsfi_runtime.analysis.report import SpecificationRow, write_report
+from mrsfi_runtime.analysis.summary import Summary, as_json
+from mrsfi_runtime.cli.campaigns import OpenCampaign, latest_folder, open_campaign
+from mrsfi_runtime.cli.console import print_json, print_table
+from mrsfi_runtime.cli.tables import critical_tables, plain_table
+from mrsfi_runtime.record.measure import Measure, ticks
 
 _HELP = """Write the report of CAMPAIGN anew and print the ten most critical specifications.
 
@@ -31,3 +41,64 @@ def command(folder: Path | None, *, ratio: str | None, is_json: bool) -> None:
     """Write the report of a campaign anew and print its most critical specifications."""
     with open_campaign(latest_folder() if folder is None else folder) as campaign:
         report(campaign, ratio, is_json=is_json)
+
+
+def report(
+    campaign: OpenCampaign, ratio: str | None, *, is_json: bool, draw: Draw = draw_here
+) -> None:
+    """Write the report into a campaign's folder and print what it says.
+
+    Parameters
+    ----------
+    ratio
+        Ratio of violations to pick by, such as ``g3:g1=2:1``.
+    is_json
+        Print for a script, not for a person.
+    draw
+        Draws the figures.
+    """
+    models = cache(partial(load_mission_folder, campaign.folder.model))
+
+    def write(rows: Sequence[SpecificationRow], path: Path, identifier: str) -> None:
+        write_specification(models(), rows, path, identifier=identifier)
+
+    summary = write_report(campaign.folder.path, campaign.code, write, ratio=ratio, draw=draw)
+    if is_json:
+        content = as_json(summary, campaign.code.pool)
+        print_json({"folder": str(campaign.folder.path), **content})
+    else:
+        _print_summary(campaign, summary)
+
+
+def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
+    """Print the most critical specifications, the front, and where everything is."""
+    folder = campaign.folder
+    title = f"The {len(summary.top)} most critical of {summary.n_distinct} fault specifications"
+    code = campaign.code
+    print_table(title, *critical_tables(summary.measure, code.pool, summary.top))
+    if summary.front is not None:
+        _print_front(summary.front)
+    if summary.pick is not None:
+        click.echo(_picked(campaign, summary.pick, summary.measure) + "\n")
+    click.echo(f"specifications  {folder.critical}")
+    click.echo(f"report          {folder.report}")
+    click.echo(f"campaign        {folder.path}")
+    click.echo(f"evaluations     {summary.n_evaluations}, failed {summary.n_failures}")
+    click.echo(f"digest          {summary.digest}")
+
+
+def _print_front(front: Front) -> None:
+    table = plain_table((), ("evaluation", *front.goals))
+    for point in front.points:
+        table.add_row(str(point.evaluation), *map(ticks, point.violations))
+    goals = ", ".join(front.goals)
+    title = f"Pareto front: {len(front.points)} trade-offs between {goals} ({front.counts})"
+    print_table(title, table)
+
+
+def _picked(campaign: OpenCampaign, pick: Pick, measure: Measure) -> str:
+    if pick.point is None:
+        return f"nearest to {pick.ratio}: none, because no specification violates these goals"
+    violations = measure.by_goal(campaign.store.evaluation(pick.point.evaluation))
+    found = ", ".join(f"{goal} {ticks(violations[goal])}" for goal in pick.ratio.goals)
+    return f"nearest to {pick.ratio}: evaluation {pick.point.evaluation} with {found} ({measure})"

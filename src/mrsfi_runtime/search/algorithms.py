@@ -1,32 +1,229 @@
 """The search algorithms: the paper's, DEAP's, one of our own, and two controls.
 
+DEAP's own loops evaluate and record by themselves; here one of their turns at a time is
+asked for and told. Variation is ``varAnd`` and ``varOr``, and operators are those that the
+campaign file names.
+
 References
 ----------
 Source paper, section III-E.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
+from itertools import cycle, islice
 from random import Random
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
+from deap import algorithms, base, tools
+
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.breeding import Breeder
-from mrsfi_runtime.search.deap_algorithms import (
-    ea_generate_update,
-    ea_mu_comma_lambda,
-    ea_mu_plus_lambda,
-    ea_simple,
-    nsga2,
-)
+from mrsfi_runtime.search.estimation import FaultModel
+from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.guided import guided
-from mrsfi_runtime.search.individuals import Individual
-from mrsfi_runtime.search.loop import Algorithm, AlgorithmFactory
-from mrsfi_runtime.search.selection import uniform
+from mrsfi_runtime.search.individuals import (
+    SELECTIONS,
+    GoalIndividual,
+    Individual,
+    lent_to_deap,
+    mate,
+    mutate,
+    uniform,
+)
+from mrsfi_runtime.search.loop import (
+    Algorithm,
+    AlgorithmFactory,
+    Breeding,
+    GenerationalLoop,
+    GenerationSummary,
+    Survival,
+    replaced,
+)
 from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.steps import MUTATIONS
+from mrsfi_runtime.search.user_functions import chosen, told_by_line
+from mrsfi_runtime.search.variation import CROSSOVERS
 
 _Select: TypeAlias = Callable[[Sequence[Individual]], list[Individual]]
+
+
+class Breeder:
+    """Draws, varies and selects individuals as the settings of a campaign say.
+
+    Parameters
+    ----------
+    kind
+        What DEAP compares individuals by.
+
+    Attributes
+    ----------
+    rng
+        The random generator of the search; all draws come from it.
+    size
+        Individuals of a population.
+    """
+
+    def __init__(
+        self, space: SearchSpace, settings: CampaignSettings, kind: type[Individual] = Individual
+    ) -> None:
+        self.rng = Random(settings.seed)
+        self.size = settings.population
+        self._space = space
+        self._settings = settings
+        self._kind = kind
+        self._select = chosen(settings, "selection", SELECTIONS)
+        self._crossover = chosen(settings, "crossover_operator", CROSSOVERS)
+        self._mutation = chosen(settings, "mutation_operator", MUTATIONS)
+
+    def first(self) -> list[Individual]:
+        """Draw a population."""
+        return [
+            self._kind(random_specification(self._space, self._settings.faults, self.rng))
+            for _ in range(self.size)
+        ]
+
+    def select(self, individuals: Sequence[Individual]) -> list[Individual]:
+        """Select as many as a population has; themselves, not copies."""
+        return self._select(individuals, self.size, self.rng)
+
+    def toolbox(self, rng: Random) -> Any:
+        """Return the operators as DEAP's algorithms take them, drawing from a generator."""
+        space, share = self._space, self._settings.mutation_share
+        varied = partial(mutate, space=space, rng=rng, share=share, operator=self._mutation)
+        toolbox = base.Toolbox()
+        toolbox.register("clone", Individual.clone)
+        toolbox.register("mate", mate, space=space, rng=rng, operator=self._crossover)
+        toolbox.register("mutate", varied)
+        return toolbox
+
+    def loop(self, breed: Breeding, survive: Survival = replaced) -> Algorithm:
+        """Return the algorithm that breeds from every population but the first."""
+        return GenerationalLoop(
+            self._settings,
+            self.rng,
+            lambda parents: breed(parents) if parents else self.first(),
+            survive,
+        )
+
+
+def ea_simple(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
+    """Return DEAP's ``eaSimple``: select, vary by crossover and mutation, replace all.
+
+    Notes
+    -----
+    It differs from ``paper`` in that whoever crossover or mutation touched is evaluated, also
+    if it came out as it was.
+    """
+    breeder = Breeder(space, settings)
+    return breeder.loop(lambda parents: _vary_and(breeder, settings, breeder.select(parents)))
+
+
+def ea_mu_plus_lambda(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
+    """Return DEAP's ``eaMuPlusLambda``: parents and offspring compete for the next generation."""
+    breeder = Breeder(space, settings)
+    n_offspring = settings.offspring or settings.population
+    return breeder.loop(
+        lambda parents: _vary_or(breeder, settings, parents, n_offspring),
+        lambda parents, offspring: breeder.select([*parents, *offspring]) if parents else offspring,
+    )
+
+
+def ea_mu_comma_lambda(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
+    """Return DEAP's ``eaMuCommaLambda``: only the offspring compete.
+
+    Raises
+    ------
+    UsageError
+        If there are fewer offspring than individuals in a population.
+    """
+    n_offspring = settings.offspring or 2 * settings.population
+    if n_offspring < settings.population:
+        raise UsageError(
+            f"{settings.source}: [search] offspring: found {n_offspring}; eaMuCommaLambda needs "
+            f"at least as many as population, {settings.population}"
+        )
+    breeder = Breeder(space, settings)
+    return breeder.loop(
+        lambda parents: _vary_or(breeder, settings, parents, n_offspring),
+        lambda parents, offspring: breeder.select(offspring) if parents else offspring,
+    )
+
+
+def ea_generate_update(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
+    """Return DEAP's ``eaGenerateUpdate`` on a model of fault windows and values."""
+    rng = Random(settings.seed)
+    model = FaultModel(space, settings.faults, rng)
+
+    def survive(_: Sequence[Individual], offspring: list[Individual]) -> list[Individual]:
+        model.update(offspring)
+        return offspring
+
+    return GenerationalLoop(
+        settings,
+        rng,
+        lambda _: [Individual(model.generate()) for _ in range(settings.population)],
+        survive,
+    )
+
+
+def nsga2(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
+    """Return NSGA-II on the goal vector; the fitness function plays no part in it.
+
+    References
+    ----------
+    Deb et al., *A fast and elitist multiobjective genetic algorithm: NSGA-II*, 2002.
+    """
+    breeder = Breeder(space, settings, GoalIndividual)
+
+    def breed(parents: Sequence[Individual]) -> list[Individual]:
+        n_padding = -len(parents) % 4  # the tournament takes four at a time
+        padded = [*parents, *islice(cycle(parents), n_padding)]
+        with lent_to_deap(breeder.rng):
+            selected = tools.selTournamentDCD(padded, len(padded))
+        return _vary_and(breeder, settings, selected[: breeder.size])
+
+    return breeder.loop(
+        breed,
+        lambda parents, offspring: _fittest_by_goals([*parents, *offspring], breeder.size),
+    )
+
+
+def _vary_and(
+    breeder: Breeder, settings: CampaignSettings, selected: Sequence[Individual]
+) -> list[Individual]:
+    toolbox = _own_toolbox(breeder)
+    with lent_to_deap(breeder.rng):
+        return list(algorithms.varAnd(selected, toolbox, settings.crossover, settings.mutation))
+
+
+def _vary_or(
+    breeder: Breeder, settings: CampaignSettings, parents: Sequence[Individual], n_offspring: int
+) -> list[Individual]:
+    """Vary by crossover or mutation; their chances share what is above 1 in proportion."""
+    toolbox = _own_toolbox(breeder)
+    crossover = settings.crossover if len(parents) > 1 else 0.0
+    total = max(1.0, crossover + settings.mutation)
+    share = crossover / total
+    mutation = min(settings.mutation / total, 1.0 - share)
+    with lent_to_deap(breeder.rng):
+        return list(algorithms.varOr(parents, toolbox, n_offspring, share, mutation))
+
+
+def _own_toolbox(breeder: Breeder) -> Any:
+    """Return the operators; DEAP draws from the search's generator, so they need another."""
+    return breeder.toolbox(Random(breeder.rng.getrandbits(64)))
+
+
+def _fittest_by_goals(individuals: list[Individual], n_selected: int) -> list[Individual]:
+    """Return the first by rank and crowding distance, both entered in their fitness."""
+    n_goals = len(individuals[0].score.goals)
+    sorting = "log" if n_goals > 1 else "standard"  # DEAP's log sort needs two objectives
+    return list(tools.selNSGA2(individuals, n_selected, nd=sorting))
 
 
 def paper(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -86,3 +283,39 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
     }
 )
 """Algorithms by their name in a campaign file."""
+
+
+def begin_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
+    """Begin the search that settings name; check what it makes if a team wrote a part of it."""
+    algorithm = chosen(settings, "algorithm", ALGORITHMS)(space, settings)
+    named = (settings.algorithm, settings.crossover_operator, settings.mutation_operator)
+    written = [name for name in named if ":" in name]
+    if not written:
+        return algorithm
+    where = f"{settings.source}: [search] {' or '.join(repr(name) for name in written)}"
+    return _UserAlgorithm(algorithm, space, where)
+
+
+@dataclass(frozen=True, slots=True)
+class _UserAlgorithm:
+    algorithm: Algorithm
+    space: SearchSpace
+    where: str
+
+    @property
+    def is_finished(self) -> bool:
+        with told_by_line(self.where):
+            return self.algorithm.is_finished
+
+    def ask(self) -> list[Specification]:
+        with told_by_line(self.where):
+            asked = self.algorithm.ask()
+            return [self.space.require(specification, self.where) for specification in asked]
+
+    def tell(self, scores: Sequence[Score]) -> GenerationSummary:
+        with told_by_line(self.where):
+            return self.algorithm.tell(scores)
+
+    def random_state(self) -> str:
+        with told_by_line(self.where):
+            return self.algorithm.random_state()

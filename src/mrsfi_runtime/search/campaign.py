@@ -8,6 +8,7 @@ References
 Source paper, sections III-D and III-E.
 """
 
+import math
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -20,16 +21,15 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.algorithms import ALGORITHMS
+from mrsfi_runtime.search.algorithms import ALGORITHMS, begin_search
 from mrsfi_runtime.search.fitness import (
     FITNESS_FUNCTIONS,
     FitnessFunction,
     Judge,
     Score,
     averaged,
-    require_finite,
 )
-from mrsfi_runtime.search.fronts import Goals, enter_front
+from mrsfi_runtime.search.individuals import SELECTIONS
 from mrsfi_runtime.search.loop import GenerationSummary
 from mrsfi_runtime.search.resumable_record import (
     WORST_FITNESS,
@@ -37,11 +37,9 @@ from mrsfi_runtime.search.resumable_record import (
     Result,
     ResumableRecord,
 )
-from mrsfi_runtime.search.selection import SELECTIONS
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import fault_ticks
 from mrsfi_runtime.search.steps import MUTATIONS
-from mrsfi_runtime.search.user_algorithm import begin_search
 from mrsfi_runtime.search.user_functions import chosen
 from mrsfi_runtime.search.variation import CROSSOVERS
 
@@ -62,8 +60,6 @@ class CampaignProgress:
         Mean fitness of the generation.
     n_evaluations, n_failures
         Of the campaign so far; failures are not counted as evaluations.
-    front_size
-        Number of different goal vectors on the Pareto front.
     """
 
     generation: int
@@ -71,7 +67,6 @@ class CampaignProgress:
     mean: float
     n_evaluations: int
     n_failures: int
-    front_size: int
 
 
 def require_settings(
@@ -188,8 +183,6 @@ class _Assessment:
         self._n_evaluations = 0
         self._last_failure = ""
         self._best = WORST_FITNESS
-        self._front: dict[Goals, int] = {}
-        self._vectors: set[Goals] = set()  # that are on the front, or were dominated
 
     def scores_of(self, specifications: Sequence[Specification], generation: int) -> list[Score]:
         """Return the scores of specifications after recording them."""
@@ -270,11 +263,12 @@ class _Assessment:
         self._indexes.append(result.index)
         self._n_evaluations += 1
         score = self._score(result)
-        require_finite(result.specification, score)
+        if not all(map(math.isfinite, (score.fitness, *score.goals))):  # DEAP takes NaN for best
+            raise EvaluationError(
+                f"the fitness of {result.specification} is {score.fitness}; "
+                "expected a finite number"
+            )
         self._best = score.fitness if result.index == 0 else max(self._best, score.fitness)
-        if score.goals not in self._vectors:
-            self._vectors.add(score.goals)
-            enter_front(self._front, score.goals, result.index)
         return score
 
     def _require_few_failures(self) -> None:
@@ -303,5 +297,4 @@ class _Assessment:
             mean=summary.statistics["mean"],
             n_evaluations=self._n_evaluations,
             n_failures=self._n_failures,
-            front_size=len(self._front),
         )

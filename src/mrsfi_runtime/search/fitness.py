@@ -5,15 +5,12 @@ References
 Source paper, section III-E e), equations (1) to (3).
 """
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
-from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -143,23 +140,7 @@ class Judge:
         return goal_vector(getattr(outcome, self._measure), self._goals)
 
 
-def require_finite(specification: Specification, score: Score) -> None:
-    """Refuse a score that is not finite: DEAP takes NaN for better than everything.
-
-    Raises
-    ------
-    EvaluationError
-        If it is not.
-    """
-    if not all(map(math.isfinite, (score.fitness, *score.goals))):
-        raise EvaluationError(
-            f"the fitness of {specification} is {score.fitness}; expected a finite number"
-        )
-
-
 def averaged(scores: Sequence[Score]) -> Score:
     """Return the mean of the scores that one specification has under several mission seeds."""
-    if len(scores) == 1:
-        return scores[0]
     vectors = zip(*(score.goals for score in scores), strict=True)
     return Score(fmean(score.fitness for score in scores), tuple(fmean(goal) for goal in vectors))

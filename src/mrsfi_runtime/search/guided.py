@@ -12,7 +12,6 @@ from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.fronts import Goals, enter_front
 from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.loop import Algorithm, GenerationalLoop
 from mrsfi_runtime.search.space import SearchSpace
@@ -31,6 +30,7 @@ _MOST_GOALS = 3  # of a front: of more, hardly anything dominates anything
 _HALF = 0.5
 _ATTEMPTS = 10  # to breed what was not asked for yet
 
+_Goals: TypeAlias = tuple[float, ...]
 _Niche: TypeAlias = tuple[object, ...]
 
 
@@ -66,7 +66,7 @@ class _Guide:
         self._asked: set[Specification] = set()
         self._niches: dict[_Niche, tuple[tuple[float, ...], Individual]] = {}
         self._has_front = 0 < len(settings.goals) <= _MOST_GOALS
-        self._front: dict[Goals, Individual] = {}
+        self._front: dict[_Goals, Individual] = {}
         self._credit = dict.fromkeys(STEPS, 1.0)
         self._bred: list[tuple[Individual, float, list[Step]]] = []
 
@@ -92,7 +92,7 @@ class _Guide:
         for individual in offspring:
             self._enter_niches(individual)
             if self._has_front:
-                enter_front(self._front, individual.score.goals, individual)
+                self._enter_front(individual)
         for individual, parent_fitness, steps in self._bred:
             if individual.is_evaluated:
                 self._reward(steps, is_better=individual.score.fitness > parent_fitness)
@@ -113,6 +113,17 @@ class _Guide:
         for niche, rank in ranks.items():
             if niche not in self._niches or rank > self._niches[niche][0]:
                 self._niches[niche] = rank, individual
+
+    def _enter_front(self, individual: Individual) -> None:
+        """Enter an individual, unless another dominates it; of equal ones the newest."""
+        goals = individual.score.goals
+        others = [known for known in self._front if known != goals]
+        if any(_covers(known, goals) for known in others):
+            return
+        for known in others:
+            if _covers(goals, known):
+                del self._front[known]
+        self._front[goals] = individual
 
     def _child(self, population: Sequence[Individual]) -> Individual:
         """Return a child that was not asked for yet, if that is not hard to find."""
@@ -165,9 +176,14 @@ def _fitness(individual: Individual) -> float:
     return individual.score.fitness
 
 
+def _covers(goals: _Goals, others: _Goals) -> bool:
+    """Return whether the violations are as many, or more, in every goal."""
+    return all(mine >= theirs for mine, theirs in zip(goals, others, strict=True))
+
+
 def _without_twins(ranked: Sequence[Individual]) -> list[Individual]:
     """Return the first few of every goal vector, then the rest."""
-    n_seen: Counter[Goals] = Counter()
+    n_seen: Counter[_Goals] = Counter()
     first: list[Individual] = []
     rest: list[Individual] = []
     for individual in ranked:

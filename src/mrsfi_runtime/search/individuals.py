@@ -1,32 +1,39 @@
-"""Individuals as DEAP sees them: lists of immutable timed faults with a fitness.
+"""Individuals as DEAP sees them, and which of them become parents.
 
-The classes are plain ones: ``deap.creator`` would keep them in a global registry.
+Individuals are lists of immutable timed faults with a fitness. The classes are plain ones:
+``deap.creator`` would keep them in a global registry. DEAP draws from Python's global random
+generator; here it is lent the search's own state for the time of a selection.
+
+References
+----------
+Source paper, sections III-E a) and d).
 """
 
-from collections.abc import Sequence
+import random
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from itertools import accumulate
+from operator import attrgetter
 from random import Random
-from typing import Any, ClassVar, Self
+from types import MappingProxyType
+from typing import Any, Self, TypeAlias
 
-from deap import base
+from deap import base, tools
 
+from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.search.fitness import Score, require_finite
+from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.variation import Crossover, Mutation, crossed, mutated
 
 
 class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
-    """How critical a fault specification is; more is more critical."""
+    """How critical a fault specification is: one number or several; more is more critical."""
 
-    weights: ClassVar[tuple[float, ...]] = (1.0,)
-
-
-class GoalVector(base.Fitness):  # type: ignore[misc]  # DEAP has no types
-    """Violations of each chosen goal; more is more critical."""
-
-    def __init__(self, violations: Sequence[float] = ()) -> None:
-        self.weights = (1.0,) * len(violations)
-        super().__init__(violations)
+    def __init__(self, values: Sequence[float] = ()) -> None:
+        self.weights = (1.0,) * len(values)
+        super().__init__(values)
 
 
 class Individual(list[TimedFault]):
@@ -59,14 +66,7 @@ class Individual(list[TimedFault]):
         return bool(self.fitness.valid)
 
     def assess(self, score: Score) -> None:
-        """Take the score.
-
-        Raises
-        ------
-        EvaluationError
-            If it is not finite.
-        """
-        require_finite(self.specification, score)
+        """Take the score."""
         self.score = score
         self.fitness = self._compared(score)
 
@@ -96,7 +96,7 @@ class GoalIndividual(Individual):
     """An individual that DEAP compares by its goal vector."""
 
     def _compared(self, score: Score) -> base.Fitness:
-        return GoalVector(score.goals)
+        return Criticality(score.goals)
 
 
 def mutate(
@@ -123,3 +123,69 @@ def mate(
     first.become(one)
     second.become(other)
     return first, second
+
+
+Selection: TypeAlias = Callable[[Sequence[Individual], int, Random], list[Individual]]
+"""Selects individuals, themselves and not copies: clone before varying."""
+
+
+@contextmanager
+def lent_to_deap(rng: Random) -> Iterator[None]:
+    """Let Python's global generator continue another one, then give both their own back."""
+    kept = random.getstate()
+    random.setstate(rng.getstate())
+    try:
+        yield
+    finally:
+        rng.setstate(random.getstate())
+        random.setstate(kept)
+
+
+def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
+    """Select by spins of a roulette whose slots are as wide as the fitness.
+
+    It selects as DEAP's does, which adds up all slots anew at every spin. If all fitness is zero,
+    selection is uniform: DEAP's roulette would return nobody.
+
+    Raises
+    ------
+    EvaluationError
+        If a fitness is negative.
+    """
+    lowest = min(individual.fitness.values[0] for individual in individuals)
+    if lowest < 0:
+        raise EvaluationError(f"roulette selection found fitness {lowest}; it needs fitness >= 0")
+    if not any(individual.fitness.values[0] for individual in individuals):
+        return uniform(individuals, n_selected, rng)
+    ranked = sorted(individuals, key=attrgetter("fitness"), reverse=True)
+    ends = list(accumulate(individual.fitness.values[0] for individual in ranked))
+    total = sum(individual.fitness.values[0] for individual in individuals)
+    selected: list[Individual] = []
+    while len(selected) < n_selected:
+        slot = bisect_right(ends, rng.random() * total)
+        if slot < len(ranked):  # by rounding, a spin can end behind the last slot
+            selected.append(ranked[slot])
+    return selected
+
+
+def uniform(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
+    """Select without regard to fitness."""
+    with lent_to_deap(rng):
+        return list(tools.selRandom(individuals, n_selected))
+
+
+def tournament(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:
+    """Select the best of three drawn at random, again and again."""
+    with lent_to_deap(rng):
+        return list(tools.selTournament(individuals, n_selected, tournsize=3))
+
+
+def best(individuals: Sequence[Individual], n_selected: int, rng: Random) -> list[Individual]:  # noqa: ARG001 - Selection
+    """Select the best, each once."""
+    return list(tools.selBest(individuals, n_selected))
+
+
+SELECTIONS: Mapping[str, Selection] = MappingProxyType(
+    {"roulette": roulette, "tournament": tournament, "best": best, "uniform": uniform}
+)
+"""Selections by their name in a campaign file."""

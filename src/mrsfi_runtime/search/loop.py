@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from random import Random
 from typing import Protocol, TypeAlias
 
-from deap import tools
-
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Score
@@ -95,11 +93,6 @@ class GenerationalLoop:
         self._n_asked = 0
         self._n_closed = 0
         self._is_idle = False
-        self._statistics = tools.Statistics(lambda individual: individual.score.fitness)
-        self._statistics.register("mean", statistics.fmean)
-        self._statistics.register("std", statistics.pstdev)
-        self._statistics.register("min", min)
-        self._statistics.register("max", max)
 
     @property
     def is_finished(self) -> bool:
@@ -145,8 +138,6 @@ class GenerationalLoop:
         ------
         ValueError
             If nothing was asked for, or the number differs.
-        EvaluationError
-            If a fitness is not a finite number.
         """
         if self._pending is None or len(scores) != len(self._pending):
             n_expected = 0 if self._pending is None else len(self._pending)
@@ -155,14 +146,19 @@ class GenerationalLoop:
             )
         for individual, score in zip(self._pending, scores, strict=True):
             individual.assess(score)
-        n_evaluations = len(self._pending)
+        n_evaluations, self._pending = len(self._pending), None
         self._population = self._survive(self._population, self._offspring)
-        self._pending = None
+        fitness = [individual.score.fitness for individual in self._population]
         self._n_closed += 1
         return GenerationSummary(
             index=self._n_closed - 1,
-            statistics={"n_evaluations": n_evaluations}
-            | self._statistics.compile(self._population),
+            statistics={
+                "n_evaluations": n_evaluations,
+                "mean": statistics.fmean(fitness),
+                "std": statistics.pstdev(fitness),
+                "min": min(fitness),
+                "max": max(fitness),
+            },
             population=tuple(
                 individual.number
                 for individual in self._population

@@ -7,8 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter
 
 from mrsfi_runtime.analysis.plots import INK, PAPER, SERIES, drawing, legend_below, whole_numbers
-from mrsfi_runtime.study.comparison import Comparison, Criterion
-from mrsfi_runtime.study.rank_tests import quartiles
+from mrsfi_runtime.study.comparison import Comparison, Criterion, quartiles
 
 _N_PLACES = 200  # at which the course of a search is drawn
 

@@ -9,8 +9,7 @@ from typing import Any, Self
 
 from moocore import hypervolume
 
-from mrsfi_runtime.analysis.fronts import non_dominated
-from mrsfi_runtime.analysis.ranking import score
+from mrsfi_runtime.analysis.fronts import non_dominated, score
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.settings import CampaignSettings

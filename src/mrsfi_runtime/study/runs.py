@@ -13,8 +13,7 @@ import mrsfi_runtime
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder, hashes
-from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.record.folder import CampaignFolder, hashes, only_writer
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign

@@ -1,7 +1,7 @@
 import pytest
 
-from mrsfi_runtime.analysis.figures import fitness_label
 from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
+from mrsfi_runtime.analysis.report import fitness_label
 from mrsfi_runtime.cli.tables import critical_tables
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.measure import Measure

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 
 NOBODY = 65534
 

@@ -5,8 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.analysis.figures import evenly_spaced, illustrate
-from mrsfi_runtime.analysis.report import specification_rows, write_report
+from mrsfi_runtime.analysis.report import (
+    evenly_spaced,
+    illustrate,
+    specification_rows,
+    write_report,
+)
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault

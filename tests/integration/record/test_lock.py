@@ -4,8 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.lock import only_writer
+from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 
 
 def test_a_child_process_does_not_keep_the_lock(tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
 from dataclasses import replace
 
-from mrsfi_runtime.analysis.ranking import distinct, top
+from mrsfi_runtime.analysis.fronts import distinct, top
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.campaigns import evaluation
 

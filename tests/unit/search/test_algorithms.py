@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from mrsfi_runtime.errors import EvaluationError, UsageError
+from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
@@ -249,11 +249,3 @@ def test_asking_and_telling_out_of_turn_is_refused() -> None:
     algorithm.tell(scores(len(asked)))
     with pytest.raises(ValueError, match="found another ask"):
         algorithm.ask()
-
-
-def test_fitness_that_is_not_a_number_is_refused() -> None:
-    algorithm = start(CampaignSettings())
-    n_asked = len(algorithm.ask())
-
-    with pytest.raises(EvaluationError, match="expected a finite number"):
-        algorithm.tell(scores(n_asked, float("nan")))

@@ -10,8 +10,14 @@ from hypothesis import strategies as st
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.search.fitness import Score
-from mrsfi_runtime.search.individuals import Individual
-from mrsfi_runtime.search.selection import best, lent_to_deap, roulette, tournament, uniform
+from mrsfi_runtime.search.individuals import (
+    Individual,
+    best,
+    lent_to_deap,
+    roulette,
+    tournament,
+    uniform,
+)
 
 
 def population_of(*fitness: float) -> list[Individual]:

@@ -4,8 +4,7 @@ from math import inf
 
 import pytest
 
-from mrsfi_runtime.study.comparison import Comparison, as_json, compare
-from mrsfi_runtime.study.rank_tests import Quartiles, holm
+from mrsfi_runtime.study.comparison import Comparison, Quartiles, as_json, compare, holm
 from mrsfi_runtime.study.run_results import RunResult
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.study.rank_tests import (
+from mrsfi_runtime.study.comparison import (
     Quartiles,
     RankTest,
     compare_ranks,
