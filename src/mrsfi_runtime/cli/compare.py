@@ -186,12 +186,14 @@ def _compared(
     mission_seeds = next(iter(settings.values())).mission_seeds
     n_runs = len(settings) * n_seeds
     try:
-        with workers.reached() as reached:
-            tell(
-                f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, "
-                f"{reached.told(engine)}"
-            )
-            evaluators = reached.evaluators(code, mission_seeds, engine)
+        with workers.evaluators(
+            code,
+            mission_seeds,
+            engine,
+            lambda who: tell(
+                f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, {who}"
+            ),
+        ) as evaluators:
             runs = runs_of(folder, settings, n_seeds, code, evaluators, _Teller())
     except (KeyboardInterrupt, TransportError):
         tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields
 from functools import partial, wraps
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import click
 
@@ -18,9 +18,6 @@ from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.search.resumable_record import EvaluateMany
 from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
-
-if TYPE_CHECKING:
-    from mrsfi_runtime.engine.cluster.connection import Cluster
 
 SIMULATION = "simulation"
 BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
@@ -210,78 +207,42 @@ class WorkerOptions:
             )
 
     @contextmanager
-    def reached(self) -> Iterator["Processes | ClusterWorkers"]:
-        """Reach the cluster, if there is to be one, and yield workers while the body runs.
+    def evaluators(
+        self,
+        code: MissionCode,
+        mission_seeds: Sequence[int],
+        engine: EngineSettings,
+        on_reached: Callable[[str], None],
+    ) -> Iterator[list[EvaluateMany]]:
+        """Yield a function for each mission seed that evaluates, as long as the body runs.
+
+        Parameters
+        ----------
+        on_reached
+            Told who evaluates, before the mission is handed out.
 
         Raises
         ------
         TransportError
             If the cluster cannot be reached, or has no workers.
+        MrsfiError
+            If the engine cannot be opened.
         """
         with ExitStack() as stack:
+            evaluate_many: Callable[..., Any]
             if self.dask is None:
-                yield Processes(stack, self.workers)
-                return
-            from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
+                n_workers = self.workers or (1 if engine.url else _N_PROCESSORS)
+                on_reached(f"{n_workers} workers")
+                pool = WorkerPool(code, mission_seeds[0], n_workers, engine)
+                evaluate_many = stack.enter_context(pool).evaluate_many
+            else:
+                from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
+                from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
 
-            yield ClusterWorkers(
-                stack.enter_context(Cluster(self.dask, self.workers or _N_PROCESSORS))
-            )
-
-
-@dataclass(frozen=True, slots=True)
-class Processes:
-    """Processes or threads of this machine."""
-
-    stack: ExitStack
-    number: int | None
-
-    def told(self, engine: EngineSettings) -> str:
-        """Return who they are, for a message."""
-        return f"{self._number(engine)} workers"
-
-    def evaluators(
-        self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
-    ) -> list[EvaluateMany]:
-        """Return a function for each mission seed that evaluates.
-
-        Raises
-        ------
-        MrsfiError
-            If the engine cannot be opened.
-        """
-        pool = WorkerPool(code, mission_seeds[0], self._number(engine), engine)
-        self.stack.enter_context(pool)
-        return [partial(pool.evaluate_many, seed=seed) for seed in mission_seeds]
-
-    def _number(self, engine: EngineSettings) -> int:
-        return self.number or (1 if engine.url else _N_PROCESSORS)
-
-
-@dataclass(frozen=True, slots=True)
-class ClusterWorkers:
-    """The workers of a cluster."""
-
-    cluster: "Cluster"
-
-    def told(self, engine: EngineSettings) -> str:  # noqa: ARG002 - any engine has all of them
-        """Return who they are, for a message."""
-        return f"{self.cluster.n_workers()} workers of {self.cluster.address}"
-
-    def evaluators(
-        self, code: MissionCode, mission_seeds: Sequence[int], engine: EngineSettings
-    ) -> list[EvaluateMany]:
-        """Return a function for each mission seed that evaluates.
-
-        Raises
-        ------
-        MrsfiError
-            If the engine cannot be opened.
-        """
-        from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
-
-        pool = ClusterPool(self.cluster, code, mission_seeds[0], engine)
-        return [partial(pool.evaluate_many, seed=seed) for seed in mission_seeds]
+                cluster = stack.enter_context(Cluster(self.dask, self.workers or _N_PROCESSORS))
+                on_reached(f"{cluster.n_workers()} workers of {cluster.address}")
+                evaluate_many = ClusterPool(cluster, code, mission_seeds[0], engine).evaluate_many
+            yield [partial(evaluate_many, seed=seed) for seed in mission_seeds]
 
 
 worker_options = options_as(

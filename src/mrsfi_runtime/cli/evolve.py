@@ -280,22 +280,27 @@ def _search(campaign: OpenCampaign, engine: EngineSettings, workers: WorkerOptio
     settings, n_generations = store.settings, store.n_generations
     recorded = share(settings, n_generations, store.n_evaluations + len(store.failures()))
     try:
-        with workers.reached() as reached:
-            tell(
-                f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.name} "
-                f"engine, {reached.told(engine)}"
+        with (
+            workers.evaluators(
+                code,
+                settings.mission_seeds,
+                engine,
+                lambda who: tell(
+                    f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.name} "
+                    f"engine, {who}"
+                ),
+            ) as (evaluate_many, *replicas),
+            search_progress(settings, recorded) as progress,
+        ):
+            run_campaign(
+                settings,
+                code.mission,
+                code.pool,
+                evaluate_many,
+                store,
+                progress,
+                replicas=replicas,
             )
-            evaluate_many, *replicas = reached.evaluators(code, settings.mission_seeds, engine)
-            with search_progress(settings, recorded) as progress:
-                run_campaign(
-                    settings,
-                    code.mission,
-                    code.pool,
-                    evaluate_many,
-                    store,
-                    progress,
-                    replicas=replicas,
-                )
     except (KeyboardInterrupt, TransportError):
         tell(f"what was found until now is kept; see it with: mrsfi report {path}")
         tell(f"go on with: mrsfi evolve --resume {path}")
