@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.cli.evolve import begun
-from mrsfi_runtime.cli.missions import find_mission
+from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.mission import load_code

@@ -10,7 +10,7 @@ from time import monotonic
 import pytest
 
 from mrsfi_runtime.cli.evolve import begun
-from mrsfi_runtime.cli.missions import find_mission
+from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.integration.network import (

@@ -10,7 +10,7 @@ from time import monotonic, sleep
 import pytest
 
 from mrsfi_runtime.cli.evolve import begun
-from mrsfi_runtime.cli.missions import find_mission
+from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.campaign import CampaignStore

@@ -10,10 +10,10 @@ import click
 from rich.table import Table
 from rich.text import Text
 
-from mrsfi_runtime.cli.campaigns import RUNS
 from mrsfi_runtime.cli.console import print_json, print_table, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions, engine_options, worker_options
-from mrsfi_runtime.cli.missions import (
+from mrsfi_runtime.cli.folders import (
+    RUNS,
     campaign_file,
     find_mission,
     generated_option,

@@ -64,6 +64,11 @@ def print_json(value: Any) -> None:
     click.echo(json.dumps(value, indent=2, allow_nan=False))
 
 
+def counted(number: int, nouns: str) -> str:
+    """Return ``1 robot`` or ``2 robots``."""
+    return f"{number} {nouns.removesuffix('s') if number == 1 else nouns}"
+
+
 def tell(message: str) -> None:
     """Print one line of progress."""
     click.echo(message, err=True)

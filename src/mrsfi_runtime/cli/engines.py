@@ -1,21 +1,27 @@
-"""The options that say who flies: engine, how its two sides meet, processes or a cluster."""
+"""The options of flights: engine, how its two sides meet, processes or a cluster, what is kept."""
 
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields
 from functools import partial, wraps
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import click
 
+from mrsfi_runtime.cli.console import tell, written_file
 from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.hosting.waiting import Patience
+from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
+from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 from mrsfi_runtime.search.resumable_record import EvaluateMany
 from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
 
@@ -262,3 +268,39 @@ worker_options = options_as(
     ),
 )
 """Gives a command the options of the workers; it receives them as ``workers``."""
+
+
+def recording_options(command: F) -> F:
+    """Give a command the options --log and --trace."""
+    for name, text in (
+        ("--trace", "Write belief and truth of every tick to FILE as CSV."),
+        ("--log", "Write the simulation log to FILE: every robot each tick, and events."),
+    ):
+        kind = click.Path(path_type=Path, dir_okay=False)
+        command = click.option(name, type=kind, metavar="FILE", help=text)(command)
+    return command
+
+
+@contextmanager
+def recorder(mission: Mission, log: Path | None, trace: Path | None) -> Iterator[Observer | None]:
+    """Yield an observer that writes the wanted files, or ``None`` if none is wanted."""
+    with ExitStack() as files:
+        observers: list[Observer] = []
+        if log is not None:
+            observers.append(SimulationLog(mission, files.enter_context(written_file(log))))
+        if trace is not None:
+            observers.append(TraceTable(mission, files.enter_context(written_file(trace))))
+        yield _all_of(observers) if observers else None
+    for path in (log, trace):
+        if path is not None:
+            tell(f"written    {path}")
+
+
+def _all_of(observers: Sequence[Observer]) -> Observer:
+    def observe(
+        world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]
+    ) -> None:
+        for observer in observers:
+            observer(world, belief, true, believed)
+
+    return observe

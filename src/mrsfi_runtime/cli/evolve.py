@@ -13,12 +13,6 @@ from click.core import ParameterSource
 from mrsfi_runtime.analysis.drawing_process import DrawingProcess
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.analysis.report import map_drawing
-from mrsfi_runtime.cli.campaigns import (
-    OpenCampaign,
-    free_folder,
-    manifest_of,
-    open_campaign,
-)
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
@@ -27,11 +21,15 @@ from mrsfi_runtime.cli.engines import (
     recorded_engine,
     worker_options,
 )
-from mrsfi_runtime.cli.missions import (
+from mrsfi_runtime.cli.folders import (
     MissionFolders,
+    OpenCampaign,
     campaign_file,
     find_mission,
+    free_folder,
     generated_option,
+    manifest_of,
+    open_campaign,
 )
 from mrsfi_runtime.cli.progress import search_progress, share
 from mrsfi_runtime.cli.report import report

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from m2t import generate as generation
-from mrsfi_runtime.cli.missions import (
+from mrsfi_runtime.cli.folders import (
     MissionFolders,
     find_mission,
     generated_option,

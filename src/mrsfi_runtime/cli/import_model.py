@@ -11,7 +11,7 @@ import click
 
 from m2t.importing.importer import Imported, import_published
 from m2t.importing.notes import Note
-from mrsfi_runtime.cli.console import print_json
+from mrsfi_runtime.cli.console import counted, print_json
 
 _HELP = """Turn FILE, a model published for the paper's prototype, into a mission folder.
 
@@ -64,9 +64,9 @@ def command(file: Path, out: Path | None, *, force: bool, is_json: bool) -> None
         return
     for name in result.files:
         click.echo(f"written       {result.folder / name}")
-    counts = ", ".join(_count(n, noun) for noun, n in result.counts.items())
+    counts = ", ".join(counted(n, noun) for noun, n in result.counts.items())
     click.echo(f"kept          {counts}")
-    click.echo(f"renamed       {_count(result.n_xmi_ids, 'xmi:ids')}, now IDs or places")
+    click.echo(f"renamed       {counted(result.n_xmi_ids, 'xmi:ids')}, now IDs or places")
     for line in _lines(result.notes):
         click.echo(line)
     click.echo(f"next          mrsfi validate {result.folder}")
@@ -84,10 +84,6 @@ def _as_json(result: Imported) -> dict[str, Any]:
         "n_xmi_ids": result.n_xmi_ids,
         "notes": [asdict(note) for note in result.notes],
     }
-
-
-def _count(count: int, noun: str) -> str:
-    return f"{count} {noun.removesuffix('s') if count == 1 else noun}"
 
 
 def _lines(notes: tuple[Note, ...]) -> Iterator[str]:

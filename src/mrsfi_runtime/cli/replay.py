@@ -7,10 +7,9 @@ import click
 from rich.progress import track
 
 from mrsfi_runtime.analysis.fronts import top
-from mrsfi_runtime.cli.campaigns import OpenCampaign, open_campaign
 from mrsfi_runtime.cli.console import print_json, print_table, progress_console
-from mrsfi_runtime.cli.engines import EngineOptions, engine_options
-from mrsfi_runtime.cli.flights import recorder, recording_options
+from mrsfi_runtime.cli.engines import EngineOptions, engine_options, recorder, recording_options
+from mrsfi_runtime.cli.folders import OpenCampaign, open_campaign
 from mrsfi_runtime.cli.tables import fault_table, goal_table
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import RecordError, ReplayMismatch

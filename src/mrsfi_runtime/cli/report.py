@@ -12,8 +12,8 @@ from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Pick
 from mrsfi_runtime.analysis.report import SpecificationRow, write_report
 from mrsfi_runtime.analysis.summary import Summary, as_json
-from mrsfi_runtime.cli.campaigns import OpenCampaign, latest_folder, open_campaign
 from mrsfi_runtime.cli.console import print_json, print_table
+from mrsfi_runtime.cli.folders import OpenCampaign, latest_folder, open_campaign
 from mrsfi_runtime.cli.tables import critical_tables, plain_table
 from mrsfi_runtime.record.measure import Measure, ticks
 

@@ -16,8 +16,8 @@ from m2t.load import (
     load_mission_folder,
 )
 from m2t.write.xmi import write_atomically
-from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.missions import (
+from mrsfi_runtime.cli.console import counted, print_json, tell
+from mrsfi_runtime.cli.folders import (
     MissionFolders,
     find_mission,
     generated_option,
@@ -143,9 +143,9 @@ def _print_lines(name: str, diagnostics: Sequence[Diagnostic], counts: str) -> N
             f"{found.path}:{found.line}: {found.severity}: {found.message} [{found.constraint}]"
         )
     n_errors = _n_errors(diagnostics)
-    warnings = _n(len(diagnostics) - n_errors, "warning")
+    warnings = counted(len(diagnostics) - n_errors, "warnings")
     if n_errors:
-        click.echo(f"{name}: {_n(n_errors, 'error')}, {warnings}")
+        click.echo(f"{name}: {counted(n_errors, 'errors')}, {warnings}")
     else:
         click.echo(f"ok: {name}: {counts}{warnings}")
 
@@ -154,17 +154,13 @@ def _counts(loaded: LoadedModels) -> str:
     """Return how many elements the models hold, as the beginning of a sentence."""
     mission = loaded.mission
     counts = [
-        _n(len(mission.robots), "robot"),
-        _n(len(mission.obstacles), "obstacle"),
-        _n(len(mission.goals), "goal"),
-        _n(sum(len(goal.messages) for goal in mission.goals), "message"),
-        _n(len(loaded.pool), "fault"),
+        counted(len(mission.robots), "robots"),
+        counted(len(mission.obstacles), "obstacles"),
+        counted(len(mission.goals), "goals"),
+        counted(sum(len(goal.messages) for goal in mission.goals), "messages"),
+        counted(len(loaded.pool), "faults"),
     ]
     return ", ".join(counts) + ", "
-
-
-def _n(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _of_code(folders: MissionFolders, *, is_sound: bool) -> tuple[tuple[Diagnostic, ...], str]:
