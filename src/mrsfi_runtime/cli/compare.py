@@ -1,14 +1,14 @@
 """The command ``mrsfi compare``, and the tables that it prints."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
+from itertools import groupby
 from math import isinf
 from pathlib import Path
 from time import monotonic
 
 import click
 from rich.table import Table
-from rich.text import Text
 
 from mrsfi_runtime.cli.console import print_json, print_table, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions, engine_options, worker_options
@@ -230,38 +230,35 @@ def _print(comparison: Comparison, folder: ComparisonFolder, n_evaluations: int)
 
 def quartile_table(comparison: Comparison) -> Table:
     """Return the quartiles of every measure, one line for each measure and algorithm."""
-    table = plain_table(("measure", "algorithm"), ("lower quartile", "median", "upper quartile"))
-    for criterion in comparison.criteria:
-        for number, name in enumerate(comparison.algorithms):
-            found = comparison.quartiles[criterion.name][name]
-            table.add_row(
-                Text(criterion.name if number == 0 else ""),
-                Text(name),
-                *(number_text(value) for value in (found.lower, found.median, found.upper)),
-            )
-    return table
+    rows = (
+        (measure if number == 0 else "", name, *map(number_text, astuple(found)))
+        for measure, by_algorithm in comparison.quartiles.items()
+        for number, (name, found) in enumerate(by_algorithm.items())
+    )
+    head = ("measure", "algorithm")
+    return plain_table(head, ("lower quartile", "median", "upper quartile"), rows)
 
 
 def rank_test_table(comparison: Comparison) -> Table:
     """Return the tests of two algorithms, but for measures on which no two algorithms differ."""
-    table = plain_table(("measure", "first", "second"), ("U", "p", "p (Holm)", "A12", "magnitude"))
-    before = ""
     telling = {test.measure for test in comparison.tests if test.ranks.a12 != 0.5}
-    for test in comparison.tests:
-        if test.measure not in telling:
-            continue
-        table.add_row(
-            Text(test.measure if test.measure != before else ""),
-            Text(test.first),
-            Text(test.second),
+    rows = (
+        (
+            measure if number == 0 else "",
+            test.first,
+            test.second,
             f"{test.ranks.u:g}",
             probability(test.ranks.p_value),
             probability(test.holm_p_value),
             f"{test.ranks.a12:.3f}",
             test.ranks.magnitude,
         )
-        before = test.measure
-    return table
+        for measure, tests in groupby(comparison.tests, lambda test: test.measure)
+        if measure in telling
+        for number, test in enumerate(tests)
+    )
+    head = ("measure", "first", "second")
+    return plain_table(head, ("U", "p", "p (Holm)", "A12", "magnitude"), rows)
 
 
 def legend(comparison: Comparison) -> list[str]:

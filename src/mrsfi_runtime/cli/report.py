@@ -88,12 +88,10 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
 
 
 def _print_front(front: Front) -> None:
-    table = plain_table((), ("evaluation", *front.goals))
-    for point in front.points:
-        table.add_row(str(point.evaluation), *map(ticks, point.violations))
+    rows = ((point.evaluation, *map(ticks, point.violations)) for point in front.points)
     goals = ", ".join(front.goals)
     title = f"Pareto front: {len(front.points)} trade-offs between {goals} ({front.counts})"
-    print_table(title, table)
+    print_table(title, plain_table((), ("evaluation", *front.goals), rows))
 
 
 def _picked(campaign: OpenCampaign, pick: Pick, measure: Measure) -> str:

@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 from rich.table import Table
-from rich.text import Text
 
 from m2t.generate import fault_loader_text
 from m2t.load import load_specification
@@ -268,17 +267,18 @@ def _row_as_json(mission: Mission, row: AuditRow) -> dict[str, Any]:
 
 def effects_table(mission: Mission, rows: Sequence[AuditRow]) -> Table:
     """Return the audit for a terminal."""
-    table = plain_table(("fault", "type"), ("applied", "changed"))
-    table.add_column("violations, or why there are none")
-    for row in rows:
-        table.add_row(
-            Text(row.fault.id),
-            Text(row.fault.type),
-            str(row.outcome.applied[0]),
-            str(row.outcome.changed[0]),
-            Text(", ".join(_violations(mission, row)) or row.reason),
+    cells = (
+        (
+            row.fault.id,
+            row.fault.type,
+            row.outcome.applied[0],
+            row.outcome.changed[0],
+            ", ".join(_violations(mission, row)) or row.reason,
         )
-    return table
+        for row in rows
+    )
+    words = ("violations, or why there are none",)
+    return plain_table(("fault", "type"), ("applied", "changed"), cells, words)
 
 
 def effects_page(

@@ -1,7 +1,7 @@
 """Tables that the commands print."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from rich import box
 from rich.table import Table
@@ -14,28 +14,41 @@ from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure, ticks
 
 
-def plain_table(left: Sequence[str], right: Sequence[str]) -> Table:
-    """Return an empty table with left-aligned columns, then right-aligned ones."""
+def plain_table(
+    left: Sequence[str],
+    right: Sequence[str],
+    rows: Iterable[Sequence[object]] = (),
+    last: Sequence[str] = (),
+) -> Table:
+    """Return a table of left-aligned columns, right-aligned ones, and ones whose words may wrap.
+
+    Nothing in a cell becomes markup.
+    """
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
     for name in left:
         table.add_column(Text(name), no_wrap=True)
     for name in right:
         table.add_column(Text(name), justify="right")
+    for name in last:
+        table.add_column(Text(name))
+    for row in rows:
+        table.add_row(*(Text(str(cell)) for cell in row))
     return table
 
 
 def goal_table(mission: Mission, outcome: Outcome) -> Table:
     """Return what happened to each goal, in model order."""
     counts = ("believed", "true", "phantom", "masked")
-    table = plain_table(("goal", "task"), (*counts, "samples"))
-    for index, goal in enumerate(mission.goals):
-        table.add_row(
-            Text(goal.id),
-            Text(goal.task.name),
-            *(str(getattr(outcome, name)[index]) for name in counts),
+    rows = (
+        (
+            goal.id,
+            goal.task.name,
+            *(getattr(outcome, name)[index] for name in counts),
             _samples(goal, outcome.samples[index]),
         )
-    return table
+        for index, goal in enumerate(mission.goals)
+    )
+    return plain_table(("goal", "task"), (*counts, "samples"), rows)
 
 
 def _samples(goal: Goal, n_samples: int) -> str:
@@ -45,19 +58,15 @@ def _samples(goal: Goal, n_samples: int) -> str:
 
 def fault_table(pool: FaultPool, specification: Specification, outcome: Outcome) -> Table:
     """Return what each timed fault of a specification did."""
-    table = plain_table(("fault", "type"), ("start", "finish", "ticks applied", "ticks changed"))
-    for timed, applied, changed in zip(
-        specification, outcome.applied, outcome.changed, strict=True
-    ):
-        table.add_row(
-            Text(timed.fault),
-            Text(pool[timed.fault].type),
-            str(timed.start),
-            str(timed.finish),
-            str(applied),
-            str(changed),
+    rows = (
+        (timed.fault, pool[timed.fault].type, timed.start, timed.finish, applied, changed)
+        for timed, applied, changed in zip(
+            specification, outcome.applied, outcome.changed, strict=True
         )
-    return table
+    )
+    return plain_table(
+        ("fault", "type"), ("start", "finish", "ticks applied", "ticks changed"), rows
+    )
 
 
 _LEAST_FOR_FAULTS = 16

@@ -116,14 +116,12 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         RecordError
             If the folder holds a campaign already or cannot be written.
         """
-        path = CampaignFolder(folder).database
         meta = {
             "settings": encoding.canonical(settings.as_json()),
             "manifest": encoding.canonical(manifest.as_json()),
         }
-        connection = database.create(path, meta)
-        with database.closed_on_error(connection):
-            return cls(path, connection)
+        database.create(CampaignFolder(folder).database, meta)
+        return cls.open(folder)
 
     @classmethod
     def open(cls, folder: Path) -> Self:
@@ -257,22 +255,23 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
         int(evaluation.index),
         int(evaluation.generation),
         encoding.specification_text(evaluation.specification),
-        encoding.numbers_text(evaluation.fitness),
+        encoding.canonical([float(number) for number in evaluation.fitness]),
         int(evaluation.fault_ticks),
-        *(encoding.counts_text(getattr(outcome, name)) for name in encoding.COUNTS),
+        *(encoding.canonical(getattr(outcome, name)) for name in encoding.COUNTS),
         outcome.digest,
     )
 
 
 def _evaluation(row: tuple[Any, ...]) -> Evaluation:
-    index, generation, specification, fitness, fault_ticks, *texts, digest = row
-    counts = dict(zip(encoding.COUNTS, encoding.counts_from_texts(texts), strict=True))
+    index, generation, specification_text, fitness_text, fault_ticks, *texts, digest = row
+    specification, fitness, *found = encoding.lists([specification_text, fitness_text, *texts])
+    counts = dict(zip(encoding.COUNTS, encoding.integers(found), strict=True))
     return Evaluation(
         index=index,
         generation=generation,
-        specification=encoding.specification_from_text(specification),
+        specification=encoding.specification(specification),
         outcome=Outcome(**counts, digest=digest),
-        fitness=encoding.numbers_from_text(fitness),
+        fitness=tuple(map(float, fitness)),
         fault_ticks=fault_ticks,
     )
 
@@ -287,15 +286,15 @@ def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> Non
 def _generation_row(generation: Generation) -> tuple[Any, ...]:
     return (
         int(generation.index),
-        encoding.statistics_text(generation.statistics),
-        encoding.counts_text(generation.population),
+        encoding.canonical(dict(generation.statistics)),
+        encoding.canonical(generation.population),
         generation.random_state,
     )
 
 
 def _generation(row: tuple[Any, ...]) -> Generation:
     index, statistics, population, random_state = row
-    (individuals,) = encoding.counts_from_texts([population])
+    (individuals,) = encoding.integers(encoding.lists([population]))
     return Generation(index, encoding.object_from_text(statistics), individuals, random_state)
 
 
@@ -305,7 +304,6 @@ def _failure_row(failure: FailedEvaluation) -> tuple[Any, ...]:
 
 
 def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
-    number, generation, specification, traceback = row
-    return FailedEvaluation(
-        number, generation, encoding.specification_from_text(specification), traceback
-    )
+    number, generation, text, traceback = row
+    (specification,) = encoding.lists([text])
+    return FailedEvaluation(number, generation, encoding.specification(specification), traceback)

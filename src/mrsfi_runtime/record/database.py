@@ -31,7 +31,7 @@ _TABLES = (
 SELECT_DIGESTED = f"SELECT specification, {_COUNTS}, digest, fitness FROM evaluation"
 
 
-def create(path: Path, meta: Mapping[str, str]) -> sqlite3.Connection:
+def create(path: Path, meta: Mapping[str, str]) -> None:
     """Make the file, and its folder if that is missing; under its name it appears whole.
 
     Raises
@@ -54,7 +54,6 @@ def create(path: Path, meta: Mapping[str, str]) -> sqlite3.Connection:
             _fill(path, connection, meta)
         new.replace(path)
         keep_names(path.parent)
-    return open_existing(path)
 
 
 def _fill(path: Path, connection: sqlite3.Connection, meta: Mapping[str, str]) -> None:

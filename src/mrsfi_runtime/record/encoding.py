@@ -5,28 +5,26 @@ same IEEE-754 bits.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from itertools import chain
-from numbers import Integral
-from typing import Any, TypeAlias
+from operator import methodcaller
+from typing import Any
 
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.outcome import Outcome
-
-JSON: TypeAlias = "bool | int | float | str | Sequence[JSON] | Mapping[str, JSON] | None"
-"""What JSON can say."""
 
 COUNTS = tuple(entry.name for entry in fields(Outcome) if entry.name != "digest")
 """Names of the count vectors of an outcome, in the order in which they are stored."""
 
 
-_decode = json.JSONDecoder().decode
-_ENCODER = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+_ENCODER = json.JSONEncoder(
+    separators=(",", ":"), ensure_ascii=False, allow_nan=False, default=methodcaller("item")
+)
 
 
 def canonical(value: Any) -> str:
-    """Return the one JSON text of a value: no spaces, given key order, no NaN or infinity.
+    """Return the one JSON text of a value: no spaces, given key order, numpy's numbers as Python's.
 
     Raises
     ------
@@ -52,65 +50,33 @@ def specification_text(specification: Specification) -> str:
     )
 
 
-def specification_from_text(text: str) -> Specification:
-    """Return the specification that ``specification_text`` wrote.
-
-    Raises
-    ------
-    ValueError
-        If the text is no such specification.
-    """
-    rows = _list(text)
-    try:
-        return tuple(
-            TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)))
-            for fault, start, finish, values in rows
-        )
-    except TypeError as error:
-        raise ValueError(str(error)) from error
+def specification(rows: Iterable[Any]) -> Specification:
+    """Return the specification whose text has such rows; a ValueError or TypeError if none."""
+    return tuple(
+        TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)))
+        for fault, start, finish, values in rows
+    )
 
 
-def counts_text(counts: Sequence[int]) -> str:
-    """Return integers, numpy's too, as a JSON list."""
-    return canonical([int(count) for count in counts])
-
-
-def counts_from_texts(texts: Sequence[str]) -> tuple[tuple[int, ...], ...]:
-    """Return the integers of several JSON lists, read at once, which is quicker than one by one.
+def lists(texts: Sequence[str]) -> list[list[Any]]:
+    """Return what several JSON lists hold, read at once, which is quicker than one by one.
 
     Raises
     ------
     ValueError
         If one of them is anything else.
     """
-    found = _list(f"[{','.join(texts)}]")
-    is_sound = len(found) == len(texts) and all(type(counts) is list for counts in found)
-    if not is_sound or not set(map(type, chain.from_iterable(found))) <= {int}:
-        raise ValueError(f"found {' '.join(texts)[:60]}; expected lists of integers")
+    found: list[list[Any]] = json.loads(f"[{','.join(texts)}]")
+    if len(found) != len(texts) or not all(type(each) is list for each in found):
+        raise ValueError(f"found {' '.join(texts)[:60]}; expected lists")
+    return found
+
+
+def integers(found: Sequence[Sequence[Any]]) -> tuple[tuple[int, ...], ...]:
+    """Return lists of integers as tuples; a ValueError if they hold anything else."""
+    if not set(map(type, chain.from_iterable(found))) <= {int}:
+        raise ValueError(f"found {str(found)[:60]}; expected lists of integers")
     return tuple(map(tuple, found))
-
-
-def numbers_text(numbers: Sequence[float]) -> str:
-    """Return floats as a JSON list; a ValueError if one is not finite."""
-    return canonical([float(number) for number in numbers])
-
-
-def numbers_from_text(text: str) -> tuple[float, ...]:
-    """Return the floats of a JSON list; a ValueError if it holds anything else."""
-    try:
-        return tuple(map(float, _list(text)))
-    except TypeError as error:
-        raise ValueError(str(error)) from error
-
-
-def statistics_text(statistics: Mapping[str, float]) -> str:
-    """Return named numbers, numpy's too, as a JSON object; whole numbers stay whole."""
-    return canonical(
-        {
-            name: int(value) if isinstance(value, Integral) else float(value)
-            for name, value in statistics.items()
-        }
-    )
 
 
 def object_from_text(text: str) -> dict[str, Any]:
@@ -118,11 +84,4 @@ def object_from_text(text: str) -> dict[str, Any]:
     value = json.loads(text)
     if not isinstance(value, dict):
         raise ValueError(f"found {text[:60]}; expected an object")  # noqa: TRY004 - the text is wrong, not its type
-    return value
-
-
-def _list(text: str) -> list[Any]:
-    value = _decode(text)
-    if not isinstance(value, list):
-        raise ValueError(f"found {text[:60]}; expected a list")  # noqa: TRY004 - the text is wrong, not its type
     return value

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Self
 
-from mrsfi_runtime.record.encoding import JSON
-
 BOTH, CI = "both", "ci"
 """Sides that a campaign ran: simulation and collective intelligence, or the latter alone."""
 
@@ -39,11 +37,11 @@ class EngineRecord:
         """Whether the simulation was somebody else's."""
         return self.side == CI
 
-    def as_json(self) -> dict[str, JSON]:
+    def as_json(self) -> dict[str, Any]:
         """Return the entries of a manifest."""
         if self.client is None:
             return {"engine": self.name}
-        bus: dict[str, JSON] = {"url": self.url, "client": self.client, "side": self.side}
+        bus: dict[str, Any] = {"url": self.url, "client": self.client, "side": self.side}
         if self.is_bundled:
             bus["bundle"] = True
         return {"engine": self.name, "bus": bus}
@@ -84,7 +82,7 @@ class Manifest:
     machine: str = ""
     sha256: Mapping[str, str] = field(default_factory=dict)
 
-    def as_json(self) -> dict[str, JSON]:
+    def as_json(self) -> dict[str, Any]:
         """Return the manifest as values of JSON."""
         return {
             "mission": self.mission,

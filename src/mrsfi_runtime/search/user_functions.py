@@ -9,7 +9,6 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import wraps
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, cast
@@ -66,30 +65,19 @@ def user_function(name: str, where: str) -> Callable[..., Any]:
             f"{where}: found '{name}'; expected 'module:function', such as 'my_search:creep'"
         )
     module = _imported(module_name, f"{where}: found '{name}'")
-    found = getattr(module, attribute, None)
+    found: Callable[..., Any] | None = getattr(module, attribute, None)
     if not callable(found):
         functions = [key for key, value in vars(module).items() if _is_own(value, module)]
         known = ", ".join(functions) or "none"
         raise UsageError(
             f"{where}: found '{name}'; expected a function of {module.__file__}, which has: {known}"
         )
-    return guarded(found, f"{where}: '{name}'")
-
-
-def guarded(function: Callable[..., Any], where: str) -> Callable[..., Any]:
-    """Return a user's function that tells its failures as ``UsageError``, by file and line."""
-
-    @wraps(function)
-    def call(*args: Any, **kwargs: Any) -> Any:
-        with told_by_line(where):
-            return function(*args, **kwargs)
-
-    return call
+    return told_by_line(f"{where}: '{name}'")(found)
 
 
 @contextmanager
 def told_by_line(where: str) -> Iterator[None]:
-    """Turn any foreign exception of the body into a ``UsageError`` that names file and line."""
+    """Turn a foreign exception of a body or function into a ``UsageError`` with file and line."""
     try:
         yield
     except MrsfiError:

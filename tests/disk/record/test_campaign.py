@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.campaign import CampaignStore, FailedEvaluation, Generation
-from mrsfi_runtime.record.encoding import specification_from_text, specification_text
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 from tests.support.campaigns import SETTINGS, evaluation, outcome
 
@@ -54,14 +54,18 @@ def test_what_was_appended_is_read_back_after_reopening(tmp_path: Path) -> None:
 def test_a_specification_is_stored_as_canonical_json() -> None:
     specification = (TimedFault("f9", 100, 900, (200, -450.0)), TimedFault("f1", 0, 1))
 
-    assert specification_text(specification) == '[["f9",100,900,[200.0,-450.0]],["f1",0,1,[]]]'
+    assert (
+        encoding.specification_text(specification)
+        == '[["f9",100,900,[200.0,-450.0]],["f1",0,1,[]]]'
+    )
 
 
 @given(st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=4))
 def test_floats_survive_bit_for_bit(values: list[float]) -> None:
     specification = (TimedFault("f9", 1, 2, tuple(values)),)
 
-    ((*_, back),) = specification_from_text(specification_text(specification))
+    (rows,) = encoding.lists([encoding.specification_text(specification)])
+    ((*_, back),) = encoding.specification(rows)
 
     assert [bits(value) for value in back] == [bits(value) for value in values]
 
