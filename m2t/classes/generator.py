@@ -7,12 +7,12 @@ The generator is that of pyecoregen, with its faults cured:
 - enumerations keep their values; lower bounds, IDs, ``unsettable``, defaults and annotations
   are kept; a feature named like a keyword keeps its name in models and gets ``_`` in Python;
 - pyecore is not patched while templates run, so that a failed template leaves it whole;
-- files are UTF-8 on every machine, replaced as a whole, and only if they change.
+- files are ASCII on every machine, replaced as a whole, and only if they change.
 
 Stubs stand beside the modules: editors complete names, and mypy finds misspelt ones.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -47,10 +47,6 @@ class PackageTask(EcoreTask):  # type: ignore[misc] # pyecoregen has no types
         self.template_name = f"package{suffix}.j2"
         self._suffix = suffix
 
-    def filtered_elements(self, model: Any) -> Iterator[Any]:
-        """Yield the package itself; others are refused with the views."""
-        yield model
-
     def relative_path_for_element(self, element: Any) -> str:
         """Return the name of the file."""
         return f"{element.name}{self._suffix}"
@@ -59,12 +55,6 @@ class PackageTask(EcoreTask):  # type: ignore[misc] # pyecoregen has no types
         """Return the view of the package: metamodel objects do not reach a template."""
         return {"header": HEADER, "package": package_view(element)}
 
-    def generate_file(self, element: Any, filepath: str) -> None:
-        """Write the file as UTF-8, whatever the locale."""
-        template = self.environment.get_template(self.template_name)
-        text = template.render(self.create_template_context(element))
-        write_atomically(Path(filepath), text.encode("utf-8"))
-
 
 class ClassGenerator(EcoreGenerator):  # type: ignore[misc] # pyecoregen has no types
     """Generates classes and stubs of packages; see the notes of this module."""
@@ -72,9 +62,9 @@ class ClassGenerator(EcoreGenerator):  # type: ignore[misc] # pyecoregen has no 
     def __init__(self) -> None:
         super().__init__()
         self.tasks = [PackageTask(".py"), PackageTask(".pyi")]
-        environment = self.create_environment()
+        self.environment = self.create_environment()
         for task in self.tasks:
-            task.environment = environment
+            task.environment = self.environment
 
     def create_environment(self, **_: Any) -> Environment:
         """Return the environment of ``m2t/templates/metamodel``."""
@@ -99,13 +89,6 @@ class ClassGenerator(EcoreGenerator):  # type: ignore[misc] # pyecoregen has no 
         """
         super(EcoreGenerator, self).generate(model, outfolder)
 
-    def generate_shared(self, folder: Path) -> None:
-        """Write the files that do not depend on a metamodel."""
-        for name in _SHARED:
-            template = self.create_environment().get_template(f"{name}.j2")
-            text = template.render(header=HEADER)
-            write_atomically(folder / name, text.encode("utf-8"))
-
 
 def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
     """Return the texts of all files by name.
@@ -121,12 +104,13 @@ def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
         If a package holds a name that Python or the classes themselves use.
     """
     generator = ClassGenerator()
+    shared = {name: generator.environment.get_template(f"{name}.j2") for name in _SHARED}
+    files = {name: template.render(header=HEADER) for name, template in shared.items()}
     with TemporaryDirectory() as folder:
-        generator.generate_shared(Path(folder))
         for package in packages:
             generator.generate(package, folder)
-        files = sorted(Path(folder).iterdir())
-        return {path.name: path.read_text(encoding="utf-8") for path in files}
+        files |= {path.name: path.read_text(encoding="ascii") for path in Path(folder).iterdir()}
+    return dict(sorted(files.items()))
 
 
 def write_classes(folder: Path, files: Mapping[str, str]) -> tuple[str, ...]:

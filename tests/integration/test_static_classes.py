@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from pyecore.ecore import EAttribute, EString
+from pyecore.ecore import EAttribute, ENamedElement, EString
 
 from generated.metamodel import elements, faults, mission
 from m2t.classes.__main__ import main
@@ -327,6 +327,15 @@ def test_hostile_documentation_stays_text(tmp_path):
 def test_names_that_classes_use_themselves_are_refused(packages, expected):
     with pytest.raises(ModelError, match=expected):
         class_files(packages)
+
+
+def test_failed_generation_leaves_pyecore_as_it_was():
+    before = ENamedElement.__getattribute__
+
+    with pytest.raises(ModelError):
+        class_files((package("p", metaclass("lambda")),))
+
+    assert ENamedElement.__getattribute__ is before
 
 
 def test_second_run_changes_nothing(tmp_path):
