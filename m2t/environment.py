@@ -120,18 +120,10 @@ def expression(value: Expression, indent: int = 0, used: int = 0) -> str:
     used
         Columns of that line which are taken by what stands around the expression.
     """
-    if isinstance(value, tuple) and not value:
-        return "()"
-    if isinstance(value, Name):
-        return value.text
-    if not isinstance(value, Call | Table | tuple):
-        return literal(value)
     flat = _flat(value)
-    if flat is not None and indent + used + len(flat) <= LINE_LENGTH:
-        return flat
     opening, entries, closing = _parts(value)
-    if not entries:
-        return opening + closing
+    if flat is not None and (not entries or indent + used + len(flat) <= LINE_LENGTH):
+        return flat
     inner = indent + 4
     lines = [
         f"{' ' * inner}{prefix}{expression(entry, inner, len(prefix) + 1)},\n"
@@ -140,15 +132,14 @@ def expression(value: Expression, indent: int = 0, used: int = 0) -> str:
     return f"{opening}\n{''.join(lines)}{' ' * indent}{closing}"
 
 
-def _parts(
-    value: Call | Table | tuple[Expression, ...],
-) -> tuple[str, list[tuple[str, Expression]], str]:
+def _parts(value: Expression) -> tuple[str, list[tuple[str, Expression]], str]:
+    """Return how an expression begins, its entries with what stands before each, and its end."""
     if isinstance(value, Call):
         arguments = [(f"{name}=" if name else "", entry) for name, entry in value.arguments]
         return f"{value.function}(", arguments, ")"
     if isinstance(value, Table):
         return "{", [(f"{literal(name)}: ", entry) for name, entry in value.entries], "}"
-    return "(", [("", entry) for entry in value], ")"
+    return "(", [("", entry) for entry in value] if isinstance(value, tuple) else [], ")"
 
 
 def _flat(value: Expression) -> str | None:
@@ -156,23 +147,23 @@ def _flat(value: Expression) -> str | None:
 
     A tuple of one entry has no choice: formatters join it whenever it fits.
     """
-    if isinstance(value, tuple):
-        is_flat = len(value) == 1 or not any(
-            isinstance(entry, Call | Table | tuple) for entry in value
-        )
-        entries = [_flat(entry) for entry in value] if is_flat else [None]
-        return None if None in entries else _tuple_of([entry for entry in entries if entry])
     if isinstance(value, Name):
         return value.text
-    if not isinstance(value, Call | Table):
+    if not isinstance(value, Call | Table | tuple):
         return literal(value)
-    if isinstance(value, Call) and value.arguments and not value.is_flat:
+    if isinstance(value, tuple):
+        is_short = len(value) < 2 or not any(
+            isinstance(each, Call | Table | tuple) for each in value
+        )
+    else:
+        is_short = isinstance(value, Table) or value.is_flat or not value.arguments
+    opening, entries, closing = _parts(value)
+    flat = [(prefix, _flat(entry)) for prefix, entry in entries] if is_short else []
+    if not is_short or any(text is None for _, text in flat):
         return None
-    opening, parts, closing = _parts(value)
-    flat = [(prefix, _flat(entry)) for prefix, entry in parts]
-    if any(entry is None for _, entry in flat):
-        return None
-    return opening + ", ".join(f"{prefix}{entry}" for prefix, entry in flat) + closing
+    joined = ", ".join(f"{prefix}{text}" for prefix, text in flat)
+    comma = "," if isinstance(value, tuple) and len(flat) == 1 else ""
+    return f"{opening}{joined}{comma}{closing}"
 
 
 def _tuple_of(entries: list[str]) -> str:

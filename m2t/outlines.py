@@ -39,8 +39,6 @@ class Outline:
         Its ID; empty without one.
     key
         What makes it the same in two models: class, ID, and number among those of that ID.
-    about
-        What a reader wants to know of an element that is new.
     container
         Element that contains it.
     values
@@ -53,7 +51,6 @@ class Outline:
     identity: str
     key: tuple[str, str, int]
     container: "Outline | None" = field(default=None, repr=False)
-    about: str = ""
     values: dict[str, Value] = field(default_factory=dict)
     children: dict[str, list["Outline"]] = field(default_factory=dict, repr=False)
 
@@ -61,6 +58,11 @@ class Outline:
     def label(self) -> str:
         """Class and ID in words: ``motion source ms1``."""
         return f"{_WORDS.get(self.kind, self.kind.lower())} {self.identity}".rstrip()
+
+    @property
+    def about(self) -> str:
+        """What a reader wants to know of an element that is new."""
+        return next(filter(None, map(self.values.get, ("task", "type", "name"))), "")
 
     def walk(self) -> Iterator["Outline"]:
         """Yield the outline and all below it, in the order of the model."""
@@ -101,8 +103,7 @@ def read_models(path: Path) -> dict[str, Outline]:
             report.require_no_errors()
         else:
             roots.extend(_roots(file, files))
-    outliner = _Outliner(files)
-    return {root.metaclass.name: outliner.root(root) for root in roots}
+    return {root.metaclass.name: _Outliner(files).outline(root, root.metaclass) for root in roots}
 
 
 def _roots(file: ModelFile, files: ModelFiles) -> list[Node]:
@@ -125,30 +126,21 @@ class _Outliner:
 
     def __init__(self, files: ModelFiles) -> None:
         self._files = files
-        self._counts: Counter[tuple[str, str]]
+        self._counts: Counter[tuple[str, str]] = Counter()
 
-    def root(self, node: Node) -> Outline:
-        """Return the outline of a root; there is one of a kind, whatever its ID."""
-        metaclass = node.metaclass
-        self._counts = Counter()
-        identity = _plain(node.attributes.get("ID", ""))
-        outline = Outline(metaclass.name, identity, (metaclass.name, "", 0))
-        if metaclass.name != "Mission":
-            outline.values["ID"] = outline.identity or None
-        self._fill(outline, node, metaclass, "")
-        return outline
-
-    def _outline(self, node: Node, metaclass: Any, container: Outline) -> Outline:
+    def outline(self, node: Node, metaclass: Any, container: Outline | None = None) -> Outline:
+        """Return the outline of an element; there is one root of a kind, whatever its ID."""
         identity = node.attributes.get("ID", "")
-        place = (metaclass.name, identity)
+        place = (metaclass.name, "" if container is None else identity)
         key = (*place, self._counts[place])
         self._counts[place] += 1
         outline = Outline(metaclass.name, _plain(identity), key, container)
         kind = _kind(node)
-        if kind not in {"", metaclass.name}:
+        if container is None and kind != "Mission":
+            outline.values["ID"] = outline.identity or None
+        elif kind not in {"", metaclass.name}:
             outline.values["class"] = _plain(kind)
         self._fill(outline, node, metaclass, "")
-        outline.about = _about(outline)
         return outline
 
     def _fill(self, outline: Outline, node: Node, metaclass: Any, prefix: str) -> None:
@@ -179,7 +171,7 @@ class _Outliner:
                 self._fill(outline, child, declared, "")
         elif any(known.is_id for known in slots(declared).values()):
             outline.children[prefix + slot.name] = [
-                self._outline(child, declared, outline) for child in children
+                self.outline(child, declared, outline) for child in children
             ]
         else:
             given: Sequence[Node | None] = children or ([] if slot.many else [None])
@@ -214,14 +206,6 @@ def _kind(node: Node) -> str:
     if node.metaclass is not None:
         return str(node.metaclass.name)
     return (node.xsi_type or "").rpartition(":")[2]
-
-
-def _about(outline: Outline) -> str:
-    for name in ("task", "type", "name"):
-        value = outline.values.get(name)
-        if value is not None:
-            return value
-    return ""
 
 
 def _append(outline: Outline, name: str, text: str) -> None:
