@@ -7,6 +7,7 @@ from copy import deepcopy
 from dataclasses import astuple
 from pathlib import Path
 from random import Random
+from shutil import copyfile
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,10 @@ from mrsfi_runtime.engine.compiled.compiling import register
 from mrsfi_runtime.engine.compiled.layout import state_type, write_state
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, load_module
-from tests.support.cli import ROOT
+from tests.support.edited import COLLECTIVE, indented, write_body
+from tests.support.tree import ROOT
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
-FILE = "collective_intelligence.py"
 REGION = "g1.check"
 
 _numbers = itertools.count()
@@ -43,16 +44,10 @@ def write_region(folder: Path, body: str, helpers: str = "") -> int:
     int
         Line of the first line of the body.
     """
-    text = (GENERATED / FILE).read_text(encoding="utf-8")
-    begin = f"    # protected region {REGION} on begin\n"
-    head, _, tail = text.partition(begin)
-    _, end, tail = tail.partition(f"    # protected region {REGION} end\n")
-    marker = "# protected region helpers on begin\n"
-    head = head.replace(marker, f"{marker}{helpers}") + begin
-    lines = "".join(f"    {line}\n" for line in body.splitlines())
     folder.mkdir(exist_ok=True)
-    (folder / FILE).write_text(head + lines + end + tail, encoding="utf-8")
-    return head.count("\n") + 1
+    path = Path(copyfile(GENERATED / COLLECTIVE, folder / COLLECTIVE))
+    write_body(path, "helpers", helpers)
+    return write_body(path, REGION, indented(body))
 
 
 def outcomes(folder: Path, n_states: int = 40) -> Iterator[tuple[Any, Any]]:
@@ -61,7 +56,7 @@ def outcomes(folder: Path, n_states: int = 40) -> Iterator[tuple[Any, Any]]:
     What a run makes of a state is what the region returns and what it leaves in the state, or
     the kind of error that it ends with.
     """
-    module = load_module(f"region_{next(_numbers)}", folder / FILE)
+    module = load_module(f"region_{next(_numbers)}", folder / COLLECTIVE)
     for one in (batch_flight, module):
         register(one)
     plain = module.check_g1

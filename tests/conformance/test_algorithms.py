@@ -15,7 +15,8 @@ from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.campaign import run_campaign
 from mrsfi_runtime.search.space import SearchSpace
-from tests.support.interrupted import MISSION, SEARCH, digest, evaluations, killed_after, workspace
+from tests.support.cli import workspace
+from tests.support.interrupted import MISSION, SEARCH, digest, evaluations, killed_after
 
 N_EVALUATIONS = 40
 
@@ -23,7 +24,7 @@ N_EVALUATIONS = 40
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with models and generated code of the small mission."""
-    return workspace(tmp_path_factory.mktemp("place"))
+    return workspace(tmp_path_factory.mktemp("place"), MISSION)
 
 
 def begin(place: Path, name: str, algorithm: str) -> Path:

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from dataclasses import replace
 from itertools import islice
 from random import Random
 
@@ -14,7 +13,9 @@ from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
-from tests.support.models.fleets import fleet
+from tests.support.cli import edit
+from tests.support.edited import COLLECTIVE, indented, write_body
+from tests.support.models.shapes import small_mission
 from tests.support.trace import TraceDigest
 from tests.support.tree import ROOT
 from tests.support.world import paper_code
@@ -70,22 +71,16 @@ def test_of_two_processes_one_compiles_a_mission_and_the_other_waits(tmp_path, m
     assert sorted(printed) == ["0\n", "1\n"]
 
 
-REGION = "g1.check"
+REGION = "g0.check"
 
 
 def edited(folder, body, imports=""):
     """Return code of a small mission with one goal, the check of which has another body."""
-    code = fleet(folder, 1, 2, 40, "StayWithinMissionArea")
-    path = code.directory / "collective_intelligence.py"
-    text = path.read_text(encoding="utf-8")
-    begin = f"    # protected region {REGION} on begin\n"
-    head, _, tail = text.partition(begin)
-    _, end, tail = tail.partition(f"    # protected region {REGION} end\n")
-    lines = "".join(f"    {line}\n" for line in body.splitlines())
-    text = head + begin + lines + end + tail
+    path = small_mission(folder).directory / COLLECTIVE
+    write_body(path, REGION, indented(body))
     marker = "# protected region imports on begin\n"
-    path.write_text(text.replace(marker, marker + imports), encoding="utf-8")
-    return replace(load_code(code.directory), pool=code.pool)
+    edit(path, marker, marker + imports)
+    return load_code(path.parent)
 
 
 def test_a_region_may_use_lists_sorting_and_nested_loops(tmp_path):

@@ -14,7 +14,8 @@ from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from tests.conformance.shapes import (
+from tests.support.fault_types import FAULT_TYPES
+from tests.support.models.shapes import (
     TASKS,
     draw_mission,
     draw_pool,
@@ -22,7 +23,6 @@ from tests.conformance.shapes import (
     shape,
     write,
 )
-from tests.support.fault_types import FAULT_TYPES
 from tests.tiers import slow
 
 N_SPECIFICATIONS = 10

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import mrsfi_runtime
-from tests.support.models.fleets import fleet
+from tests.support.models.shapes import small_mission
 from tests.tiers import slow
 
 FLY = """
@@ -42,7 +42,7 @@ def flown(runtime: Path, mission: Path, cache: Path) -> list[str]:
 
 @slow
 def test_an_edited_kernel_compiles_anew(tmp_path: Path) -> None:
-    mission = fleet(tmp_path / "mission", 1, 2, 40, "StayWithinMissionArea").directory
+    mission = small_mission(tmp_path / "mission").directory
     package = tmp_path / "src" / "mrsfi_runtime"
     shutil.copytree(Path(str(mrsfi_runtime.__file__)).parent, package)
     motion = package / "kernel" / "motion.py"

@@ -12,7 +12,6 @@ from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.loiter import BODIES, CONSTANTS, fill, write_loiter
-from tests.support.models.own_metamodels import own_metamodels  # noqa: F401 - a fixture
 from tests.support.trace import TraceDigest
 
 STRAY = Fault("stray", FAULT_TYPES["FixedRobotCoordinates"], "from_a", (500.0, 500.0, 0.0))
@@ -21,7 +20,7 @@ SPECIFICATION = (TimedFault("stray", 10, 30, STRAY.values),)
 
 
 @pytest.fixture
-def generated(tmp_path, own_metamodels):  # noqa: F811 - the fixture
+def generated(tmp_path, own_metamodels):
     models = write_loiter(tmp_path, own_metamodels)
     target = tmp_path / "generated" / "own_task"
     generate(models, target)

@@ -1,6 +1,4 @@
 import json
-import subprocess
-from collections.abc import Callable
 from pathlib import Path
 from signal import SIGSTOP
 from time import monotonic, sleep
@@ -8,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from tests.support.cli import command_line, interrupted, mrsfi, mrsfi_json
+from tests.support.cli import disturbed, interrupted, mrsfi, mrsfi_json, workspace
 from tests.support.cluster import require_dask, scheduler
-from tests.support.interrupted import MISSION, evaluations, workspace
+from tests.support.interrupted import MISSION, evaluations
 from tests.tiers import slow
 
 EVOLVE = ("evolve", MISSION, "--engine", "reference", "--population", "8", "--seed", "3")
@@ -23,37 +21,13 @@ PATIENCE = 120.0  # seconds after which a command counts as hanging
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with models and generated code of the small mission."""
     require_dask()
-    return workspace(tmp_path_factory.mktemp("place"))
+    return workspace(tmp_path_factory.mktemp("place"), MISSION)
 
 
 @pytest.fixture(scope="module")
 def whole(place: Path) -> Any:
     """What the campaign finds on one worker of this machine."""
     return mrsfi_json(*EVOLVE_SOME, "--workers", "1", "--out", "runs/whole", cwd=place)
-
-
-def disturbed(
-    *arguments: str | Path, cwd: Path, sign: str, disturb: Callable[[], None]
-) -> subprocess.CompletedProcess[str]:
-    """Run ``mrsfi``, and do something once it wrote the sign to standard error."""
-    with subprocess.Popen(
-        command_line(*arguments),
-        cwd=cwd,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        encoding="utf-8",
-    ) as process:
-        assert process.stderr is not None
-        seen = []
-        for line in process.stderr:
-            seen.append(line)
-            if sign in line:
-                break
-        disturb()
-        output, rest = process.communicate(timeout=PATIENCE)
-    return subprocess.CompletedProcess(
-        process.args, process.returncode, output, "".join(seen) + rest
-    )
 
 
 @slow
@@ -66,7 +40,7 @@ def test_a_worker_killed_in_mid_campaign_changes_nothing(
         cluster.wait_for_workers()
         stalled: list[int] = []
 
-        def kill_one_that_is_at_work() -> None:
+        def kill_one_that_is_at_work(_: int) -> None:
             cluster.workers[0].send(SIGSTOP)
             sleep(1.0)  # now nothing goes on: it has a chunk that the generation waits for
             stalled.append(len(evaluations(out)))
@@ -102,7 +76,7 @@ def test_a_lost_scheduler_ends_with_8_and_the_campaign_goes_on_without_it(
             *("--dask", cluster.address, "--out", out),
             cwd=place,
             sign="generation 2/",
-            disturb=cluster.process.kill,
+            disturb=lambda _: cluster.process.kill(),
         )
     n_before = len(evaluations(out))
     resumed = mrsfi_json("evolve", "--resume", out, "--workers", "1", cwd=place)

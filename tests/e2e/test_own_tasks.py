@@ -4,14 +4,13 @@ import pytest
 
 from tests.support.cli import mrsfi
 from tests.support.models.loiter import fill, write_loiter
-from tests.support.models.own_metamodels import own_metamodels  # noqa: F401 - a fixture
 
 EMPTY = "region 'near.check': is empty; expected the body of check_near"
 CASE = '[search]\nalgorithm = "random"\n'
 
 
 @pytest.fixture
-def project(tmp_path, own_metamodels):  # noqa: F811 - the fixture
+def project(tmp_path, own_metamodels):
     write_loiter(tmp_path, own_metamodels)
     return tmp_path
 

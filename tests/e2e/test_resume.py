@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from tests.support.cli import command_line, contents, interrupted, mrsfi, mrsfi_json
-from tests.support.interrupted import MISSION, evaluations, workspace
+from tests.support.cli import command_line, contents, interrupted, mrsfi, mrsfi_json, workspace
+from tests.support.interrupted import MISSION, evaluations
 from tests.tiers import slow
 
 OPTIONS = ("--population", "8", "--generations", "6", "--seed", "3", "--workers", "1")
@@ -21,7 +21,7 @@ EVOLVE = ("evolve", MISSION, *OPTIONS)
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with models and generated code of the small mission."""
-    return workspace(tmp_path_factory.mktemp("place"))
+    return workspace(tmp_path_factory.mktemp("place"), MISSION)
 
 
 @pytest.fixture(scope="module")

@@ -12,9 +12,8 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.record.campaign import CampaignStore
-from tests.support.cli import MISSION, SMALL, edit, mrsfi, mrsfi_json, mrsfi_process
+from tests.support.cli import MISSION, SMALL, edit, mrsfi, mrsfi_json, mrsfi_process, workspace
 from tests.support.interrupted import MISSION as QUICK
-from tests.support.interrupted import workspace
 from tests.support.rosbridge import is_running, process
 from tests.tiers import slow
 
@@ -27,7 +26,7 @@ RESUMED = (*REFERENCE, "--workers", "1")
 @pytest.fixture
 def quick(tmp_path):
     """Folder with models/ and generated/ of the mission of 200 ticks."""
-    return workspace(tmp_path)
+    return workspace(tmp_path, QUICK)
 
 
 def bus_json(*arguments, cwd):

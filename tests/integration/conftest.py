@@ -4,6 +4,8 @@ from collections.abc import Callable
 
 import pytest
 
+from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
+
 _FIGURE = "figure"
 
 

@@ -17,6 +17,7 @@ from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from tests.support.cluster import Scheduler, require_dask, scheduler, without_mrsfi
+from tests.support.edited import edited
 from tests.support.world import ROOT
 from tests.tiers import slow
 
@@ -29,7 +30,8 @@ from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: E402 - need
 from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: E402 - needs dask
 from mrsfi_runtime.engine.cluster.shipment import Shipment  # noqa: E402 - needs dask
 
-GENERATED = ROOT / "generated" / "tight_margins"
+MISSION = "tight_margins"
+GENERATED = ROOT / "generated" / MISSION
 SLOW_ENGINE = EngineSettings(REFERENCE)
 
 
@@ -54,20 +56,6 @@ def expected(specifications: Sequence[Specification]) -> list[object]:
     """What the same specifications come to in this process."""
     with WorkerPool(load_code(GENERATED), 1) as pool:
         return list(pool.evaluate_many(specifications))
-
-
-def edited(folder: Path, region: str, body: str) -> Path:
-    """Return a copy of the generated code with one region replaced."""
-    path = Path(copytree(GENERATED, folder)) / "collective_intelligence.py"
-    text = path.read_text(encoding="utf-8")
-    begin, end = f"# protected region {region} on begin\n", f"# protected region {region} end\n"
-    head, rest = text.split(begin)
-    indent = head[head.rfind("\n") + 1 :]
-    path.write_text(
-        head + begin + body + indent + end + rest.split(end)[1],
-        encoding="utf-8",
-    )
-    return folder
 
 
 @pytest.mark.parametrize("name", [REFERENCE, COMPILED])
@@ -109,9 +97,8 @@ def test_mission_seeds_are_kept_apart(two_workers: Scheduler, specifications) ->
 def test_a_region_that_fails_gives_the_failure_that_it_gives_here(
     two_workers: Scheduler, tmp_path: Path, specifications
 ) -> None:
-    folder = edited(
-        tmp_path / "own", "energy.check", "    return 1 // (99 - ci.mission.tick) > 9\n"
-    )
+    body = "    return 1 // (99 - ci.mission.tick) > 9\n"
+    folder = edited(tmp_path, "energy.check", body, MISSION)
 
     with WorkerPool(load_code(folder), 1) as here:
         expected = list(here.evaluate_many(specifications[:2]))
@@ -128,7 +115,7 @@ def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
 ) -> None:
     (tmp_path / "only_here.py").write_text("HIGHEST = 9\n", encoding="utf-8")
     monkeypatch.syspath_prepend(str(tmp_path))
-    folder = edited(tmp_path / "own", "imports", "from only_here import HIGHEST\n")
+    folder = edited(tmp_path, "imports", "from only_here import HIGHEST\n", MISSION)
 
     with Cluster(two_workers.address) as cluster:
         pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)
@@ -182,7 +169,7 @@ def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(
     tmp_path: Path, specifications
 ) -> None:
     body = "    import os\n\n    os._exit(1)\n"
-    folder = edited(tmp_path / "own", "energy.check", body)
+    folder = edited(tmp_path, "energy.check", body, MISSION)
 
     with scheduler(tmp_path / "dask", 1, is_quick=True) as place, Cluster(place.address) as cluster:
         pool = ClusterPool(cluster, load_code(folder), 1, SLOW_ENGINE)

@@ -182,11 +182,7 @@ def test_bounds_and_windows_reach_the_pool(models):
 def test_interface_reads_what_the_simulation_publishes(tmp_path, models, mission):
     target = tmp_path / "generated" / "mission"
     generate(write_mission(tmp_path, "other", mission) if mission else models, target)
-    code = load_code(target)
-    bus = LocalBus()
-    interface = code.interface(bus)
-    simulation = code.simulation(bus, code.mission)
-    simulation.reset(seed=3)
+    code, interface, simulation = on_one_bus(load_code(target))
     inbox = initial_state(code.mission, 99)
 
     for tick in range(5):
@@ -201,13 +197,22 @@ def test_interface_reads_what_the_simulation_publishes(tmp_path, models, mission
     assert simulation.world.mission.tick == 4
 
 
-def test_commands_reach_the_simulation_of_their_robot_and_sensor(models, target):
+@pytest.fixture
+def sides(models, target):
+    """Code of the paper's mission, the interface and the simulation of it on one bus."""
     generate(models, target)
-    code = load_code(target)
+    return on_one_bus(load_code(target))
+
+
+def on_one_bus(code):
     bus = LocalBus()
-    interface = code.interface(bus)
-    simulation = code.simulation(bus, code.mission)
+    interface, simulation = code.interface(bus), code.simulation(bus, code.mission)
     simulation.reset(seed=3)
+    return code, interface, simulation
+
+
+def test_commands_reach_the_simulation_of_their_robot_and_sensor(sides):
+    code, interface, simulation = sides
 
     interface.robots[1].set_heading(0.6, -0.8)
     interface.robots[2].set_speed(1.5)
@@ -221,13 +226,8 @@ def test_commands_reach_the_simulation_of_their_robot_and_sensor(models, target)
     assert simulation.world == expected
 
 
-def test_position_is_stale_while_the_gps_is_off(models, target):
-    generate(models, target)
-    code = load_code(target)
-    bus = LocalBus()
-    interface = code.interface(bus)
-    simulation = code.simulation(bus, code.mission)
-    simulation.reset(seed=3)
+def test_position_is_stale_while_the_gps_is_off(sides):
+    code, interface, simulation = sides
     inbox = initial_state(code.mission, 3)
     simulation.step(0)
     interface.read(inbox)
@@ -242,13 +242,8 @@ def test_position_is_stale_while_the_gps_is_off(models, target):
     assert inbox.sensors[0].active == 0
 
 
-def test_reset_forgets_what_was_received(models, target):
-    generate(models, target)
-    code = load_code(target)
-    bus = LocalBus()
-    interface = code.interface(bus)
-    simulation = code.simulation(bus, code.mission)
-    simulation.reset(seed=3)
+def test_reset_forgets_what_was_received(sides):
+    code, interface, simulation = sides
     simulation.step(0)
 
     interface.reset()

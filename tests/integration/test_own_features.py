@@ -6,14 +6,14 @@ from m2t.generate import generate
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.generation import GENERATED, edit, run_module
 from tests.support.models.loiter import write_loiter
-from tests.support.models.own_metamodels import (
+from tests.support.own_metamodels import (
+    a_class,
     an_enumeration,
+    attribute,
     many,
-    own_metamodels,  # noqa: F401 - a fixture
     part,
     reference,
 )
-from tests.support.own_metamodels import a_class, attribute
 from tests.support.tree import ROOT
 
 TAGS = {
@@ -36,7 +36,7 @@ TAGS = {
 
 
 @pytest.fixture
-def models(tmp_path, own_metamodels):  # noqa: F811 - the fixture
+def models(tmp_path, own_metamodels):
     return write_loiter(tmp_path, own_metamodels)
 
 
@@ -58,7 +58,7 @@ def mission(models):
     return models / "mission.xmi"
 
 
-def test_features_of_every_class_of_ours(models, own_metamodels):  # noqa: F811
+def test_features_of_every_class_of_ours(models, own_metamodels):
     own_metamodels.extend("Mission", attribute("current", "EDouble"))
     own_metamodels.extend("Robot", attribute("payload", "EDouble"))
     own_metamodels.extend("Sensor", attribute("depthRating", "EInt"))
@@ -92,7 +92,7 @@ def test_features_of_every_class_of_ours(models, own_metamodels):  # noqa: F811
     assert "NEAR_STOPS_ACCURACY = (0.0, 0.0)\n" in text.read_text(encoding="utf-8")
 
 
-def test_parts_of_a_teams_own(models, own_metamodels):  # noqa: F811
+def test_parts_of_a_teams_own(models, own_metamodels):
     own_metamodels.add(
         a_class("Layer", "", attribute("depth", "EDouble") + attribute("salt", "EInt", many())),
         a_class(
@@ -126,7 +126,7 @@ def test_parts_of_a_teams_own(models, own_metamodels):  # noqa: F811
     }
 
 
-def test_a_subclass_of_a_task_flies_as_that_task_with_constants(models, own_metamodels):  # noqa: F811
+def test_a_subclass_of_a_task_flies_as_that_task_with_constants(models, own_metamodels):
     own_metamodels.add(
         a_class("Strict", "#//StayWithinMissionArea", attribute("margin", "EDouble"))
     )
@@ -139,7 +139,7 @@ def test_a_subclass_of_a_task_flies_as_that_task_with_constants(models, own_meta
 
 
 @pytest.mark.parametrize("text", ['"""', "'''", "\\", "# protected region x on begin", "{{ x }}"])
-def test_no_text_of_a_model_leaves_its_literal(models, own_metamodels, text):  # noqa: F811
+def test_no_text_of_a_model_leaves_its_literal(models, own_metamodels, text):
     own_metamodels.extend("Robot", attribute("motto"))
     quoted = text.replace('"', "&quot;")
     edit(mission(models), '<robots ID="a"', f'<robots ID="a" motto="{quoted}"')
@@ -147,7 +147,7 @@ def test_no_text_of_a_model_leaves_its_literal(models, own_metamodels, text):  #
     assert constants(models) == {"A_MOTTO": text}
 
 
-def test_generated_code_with_many_constants_is_formatted(models, own_metamodels):  # noqa: F811
+def test_generated_code_with_many_constants_is_formatted(models, own_metamodels):
     own_metamodels.extend("Robot", attribute("marks", "EDouble", many()))
     marks = "".join(f"<marks>{n}.5</marks>" for n in range(40))
     edit(mission(models), '<sensors ID="a_gps"', f'{marks}<sensors ID="a_gps"')
@@ -164,7 +164,7 @@ def refused(models):
     return str(caught.value)
 
 
-def test_two_constants_of_one_name_are_refused(models, own_metamodels):  # noqa: F811
+def test_two_constants_of_one_name_are_refused(models, own_metamodels):
     own_metamodels.extend("Robot", attribute("gps"))
 
     assert refused(models) == (
@@ -173,7 +173,7 @@ def test_two_constants_of_one_name_are_refused(models, own_metamodels):  # noqa:
     )
 
 
-def test_a_reference_to_what_has_no_index_is_refused(models, own_metamodels):  # noqa: F811
+def test_a_reference_to_what_has_no_index_is_refused(models, own_metamodels):
     own_metamodels.extend("Robot", reference("spare", "Battery"))
     edit(mission(models), '<robots ID="a"', '<robots ID="a" spare="a_battery"')
 
@@ -184,7 +184,7 @@ def test_a_reference_to_what_has_no_index_is_refused(models, own_metamodels):  #
     )
 
 
-def test_parts_of_different_classes_are_refused(models, own_metamodels):  # noqa: F811
+def test_parts_of_different_classes_are_refused(models, own_metamodels):
     own_metamodels.add(a_class("Note", "#//Mark"))
     edit(mission(models), '<marks depth="2.0"/>', '<marks xsi:type="mission:Note"/>')
 
@@ -194,14 +194,14 @@ def test_parts_of_different_classes_are_refused(models, own_metamodels):  # noqa
     )
 
 
-def test_a_part_that_one_of_many_lacks_is_refused(models, own_metamodels):  # noqa: F811
+def test_a_part_that_one_of_many_lacks_is_refused(models, own_metamodels):
     own_metamodels.extend("Mark", part("place", "Coordinates"))
     edit(mission(models), '<marks depth="2.0"/>', '<marks depth="2.0"><place/></marks>')
 
     assert "has no place; code knows those of all its neighbours as one constant" in refused(models)
 
 
-def test_an_enumeration_becomes_the_name_of_its_literal(models, own_metamodels):  # noqa: F811
+def test_an_enumeration_becomes_the_name_of_its_literal(models, own_metamodels):
     own_metamodels.add(an_enumeration("Colour", "RED", "BLUE"))
     own_metamodels.extend("Robot", attribute("colours", "#//Colour", many()))
     edit(
@@ -213,7 +213,7 @@ def test_an_enumeration_becomes_the_name_of_its_literal(models, own_metamodels):
     assert constants(models) == {"A_COLOURS": ("BLUE", "RED")}
 
 
-def test_a_class_that_extends_two_that_code_reads_is_refused(models, own_metamodels):  # noqa: F811
+def test_a_class_that_extends_two_that_code_reads_is_refused(models, own_metamodels):
     own_metamodels.add(a_class("Both", "#//Loiter #//Patrol #//SufficientEnergy"))
 
     finding = (

@@ -16,7 +16,7 @@ from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.cli import mrsfi
+from tests.support.cli import mrsfi, workspace
 from tests.support.interrupted import (
     MISSION,
     SEARCH,
@@ -28,7 +28,6 @@ from tests.support.interrupted import (
     killed_after,
     running,
     workers_of,
-    workspace,
 )
 from tests.tiers import slow
 
@@ -40,7 +39,7 @@ MANY = CampaignSettings(population=20, generations=15, seed=3)
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with models and generated code of the small mission."""
-    return workspace(tmp_path_factory.mktemp("place"))
+    return workspace(tmp_path_factory.mktemp("place"), MISSION)
 
 
 def begin(place: Path, name: str, settings: CampaignSettings) -> Path:

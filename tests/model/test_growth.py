@@ -4,13 +4,14 @@ import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from random import Random
 from typing import Any
 
 from m2t.fixes import mend
 from m2t.generate import plan
 from m2t.load import inspect_folder
 from tests.support.models.copies import FAULTS, copy_models
-from tests.support.models.fleets import fleet
+from tests.support.models.shapes import draw_mission, draw_pool, shape, write
 
 
 def _n_calls(work: Callable[[], Any]) -> int:
@@ -46,10 +47,10 @@ def _with_faults(folder: Path, n_faults: int) -> Path:
 def test_a_plan_of_generation_grows_as_the_fleet(tmp_path: Path) -> None:
     calls = []
     for n_robots in (15, 15, 60):  # the first fills caches
+        rng, of = Random(1), shape(n_robots, 3)
         folder = tmp_path / str(len(calls))
-        fleet(folder, 1, n_robots, 100)
-        (mission,) = folder.rglob("mission.xmi")
-        calls.append(_n_calls(lambda at=mission.parent, to=folder: plan(at, to / "fresh")))
+        models = write(folder, draw_mission(rng, of, 100), draw_pool(rng, of))
+        calls.append(_n_calls(lambda at=models: plan(at, at / "fresh")))
 
     assert calls[2] < 4.5 * calls[1]
 

@@ -6,7 +6,7 @@ What a mutilation leaves valid is drawn as well, and counts for nothing.
 import random
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -63,25 +63,31 @@ def _require_places(out: str, err: str, folder: Path) -> None:
         assert len(line) < 2_000 + len(str(folder))
 
 
+def _mutilate(kind: str, files: Sequence[Path], n_wanted: int, validate: Callable[[], int]) -> None:
+    """Break one of the files again and again, until so many are refused; it is whole at the end."""
+    originals = {path: path.read_bytes() for path in files}
+    draw = random.Random(f"{files[0].suffix} {kind}")
+    n_broken = 0
+    for _ in range(MAX_DRAWS):
+        path = draw.choice(files)
+        path.write_bytes(MUTILATIONS[kind](originals[path], draw))
+        load_metamodels.cache_clear()
+        n_broken += validate() == ModelError.exit_code
+        path.write_bytes(originals[path])
+        if n_broken == n_wanted:
+            return
+    pytest.fail(f"{n_broken} of {n_wanted} were refused")
+
+
 @pytest.mark.parametrize("n_wanted", N_MODELS_EACH)
 @pytest.mark.parametrize("kind", MUTILATIONS)
 def test_mutilated_model_ends_with_exit_code_3_and_its_place(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, n_wanted: int
 ) -> None:
     folder = copy_models(tmp_path)
-    originals = content(folder)
-    draw = random.Random(f"models {kind}")
-    n_broken = 0
 
-    for _ in range(MAX_DRAWS):
-        name = draw.choice([MISSION, FAULTS])
-        (folder / name).write_bytes(MUTILATIONS[kind](originals[name], draw))
-        n_broken += _validate(folder, tmp_path, capsys) == ModelError.exit_code
-        (folder / name).write_bytes(originals[name])
-        if n_broken == n_wanted:
-            break
-
-    assert n_broken == n_wanted
+    files = [folder / MISSION, folder / FAULTS]
+    _mutilate(kind, files, n_wanted, lambda: _validate(folder, tmp_path, capsys))
 
 
 @pytest.mark.parametrize("n_wanted", N_METAMODELS_EACH)
@@ -90,17 +96,6 @@ def test_mutilated_metamodel_ends_with_exit_code_3_and_its_place(
     tmp_path: Path, installed: Path, capsys: pytest.CaptureFixture[str], kind: str, n_wanted: int
 ) -> None:
     models = copy_models(tmp_path)
-    originals = content(installed)
-    draw = random.Random(f"metamodels {kind}")
-    n_broken = 0
 
-    for _ in range(MAX_DRAWS):
-        name = draw.choice([MISSION_FILE, FAULTS_FILE])
-        (installed / name).write_bytes(MUTILATIONS[kind](originals[name], draw))
-        load_metamodels.cache_clear()
-        n_broken += _validate(models, tmp_path, capsys) == ModelError.exit_code
-        (installed / name).write_bytes(originals[name])
-        if n_broken == n_wanted:
-            break
-
-    assert n_broken == n_wanted
+    files = [installed / MISSION_FILE, installed / FAULTS_FILE]
+    _mutilate(kind, files, n_wanted, lambda: _validate(models, tmp_path, capsys))

@@ -6,7 +6,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -81,6 +81,17 @@ def mrsfi_json(*arguments: str | Path, cwd: Path) -> Any:
 
 def interrupted(*arguments: str | Path, cwd: Path, sign: str) -> subprocess.CompletedProcess[str]:
     """Run ``mrsfi``, and press Ctrl-C once it wrote the sign to standard error."""
+
+    def press(pid: int) -> None:
+        os.killpg(pid, signal.SIGINT)  # as a terminal does: the workers get it too
+
+    return disturbed(*arguments, cwd=cwd, sign=sign, disturb=press)
+
+
+def disturbed(
+    *arguments: str | Path, cwd: Path, sign: str, disturb: Callable[[int], object]
+) -> subprocess.CompletedProcess[str]:
+    """Run ``mrsfi``, and do something once it wrote the sign to standard error."""
     with subprocess.Popen(
         command_line(*arguments),
         cwd=cwd,
@@ -95,19 +106,19 @@ def interrupted(*arguments: str | Path, cwd: Path, sign: str) -> subprocess.Comp
             seen.append(line)
             if sign in line:
                 break
-        os.killpg(process.pid, signal.SIGINT)  # as a terminal does: the workers get it too
-        output, rest = process.communicate(timeout=60)
+        disturb(process.pid)
+        output, rest = process.communicate(timeout=120)
     return subprocess.CompletedProcess(
         process.args, process.returncode, output, "".join(seen) + rest
     )
 
 
-def workspace(folder: Path) -> Path:
-    """Copy models and generated code of the paper's mission into a folder."""
+def workspace(folder: Path, mission: str = MISSION) -> Path:
+    """Copy models and generated code of a mission into a folder."""
     for name in ("models", "generated"):
         shutil.copytree(
-            ROOT / name / MISSION,
-            folder / name / MISSION,
+            ROOT / name / mission,
+            folder / name / mission,
             ignore=shutil.ignore_patterns("__pycache__"),
         )
     return folder

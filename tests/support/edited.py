@@ -1,20 +1,32 @@
-"""The paper's generated code, with one region replaced."""
+"""Generated code with other bodies in its regions."""
 
 from pathlib import Path
 from shutil import copytree
 
 from tests.support.tree import ROOT
 
-GENERATED = ROOT / "generated" / "uuv_sampling"
+COLLECTIVE = "collective_intelligence.py"
 
 
-def edited(tmp_path: Path, region: str, body: str) -> Path:
-    """Return a copy of the generated code with one region replaced."""
-    folder = Path(copytree(GENERATED, tmp_path / "edited"))
-    path = folder / "collective_intelligence.py"
+def write_body(path: Path, region: str, body: str) -> int:
+    """Write another body into a region of a file, and return the line of the body's first line."""
     text = path.read_text(encoding="utf-8")
-    begin = f"    # protected region {region} on begin\n"
-    end = f"    # protected region {region} end\n"
-    head, rest = text.split(begin)
-    path.write_text(head + begin + body + end + rest.split(end)[1], encoding="utf-8")
-    return folder
+    begin = f"# protected region {region} on begin\n"
+    before, found, rest = text.partition(begin)
+    assert found, f"{path.name} has no region {region}"
+    end = before[before.rfind("\n") + 1 :] + f"# protected region {region} end\n"
+    head = before + begin
+    path.write_text(head + body + end + rest.partition(end)[2], encoding="utf-8")
+    return head.count("\n") + 1
+
+
+def edited(folder: Path, region: str, body: str, mission: str = "uuv_sampling") -> Path:
+    """Return a copy of the generated code of a mission with another body in one region."""
+    copy = Path(copytree(ROOT / "generated" / mission, folder / "edited"))
+    write_body(copy / COLLECTIVE, region, body)
+    return copy
+
+
+def indented(body: str) -> str:
+    """Return lines as they stand in the region of a function."""
+    return "".join(f"    {line}\n" for line in body.splitlines())

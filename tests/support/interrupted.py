@@ -1,7 +1,5 @@
 """Campaigns that are begun, ended in the middle, and looked at."""
 
-import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -11,7 +9,7 @@ from pathlib import Path
 from time import monotonic, sleep
 
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
-from tests.support.cli import ROOT
+from tests.support.rosbridge import is_running
 
 MISSION = "tight_margins"
 """The mission of 200 ticks: an evaluation takes some ten milliseconds."""
@@ -79,17 +77,6 @@ with only_writer(folder), CampaignStore.open(folder.path) as store:
 print(evaluated)
 """
 """The same with evaluations that take no time and are written one by one: nearly all is writing."""
-
-
-def workspace(folder: Path) -> Path:
-    """Copy models and generated code of the small mission into a folder."""
-    for name in ("models", "generated"):
-        shutil.copytree(
-            ROOT / name / MISSION,
-            folder / name / MISSION,
-            ignore=shutil.ignore_patterns("__pycache__"),
-        )
-    return folder
 
 
 def evaluations(campaign: Path) -> tuple[Evaluation, ...]:
@@ -160,16 +147,7 @@ def are_gone(processes: list[int], *, within: float) -> bool:
     """Wait until processes have ended, at most so many seconds."""
     limit = monotonic() + within
     while monotonic() < limit:
-        if not any(_is_alive(process) for process in processes):
+        if not any(map(is_running, processes)):
             return True
         sleep(0.05)
     return False
-
-
-def _is_alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-        state = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2]
-    except (ProcessLookupError, FileNotFoundError):
-        return False
-    return state.split()[0] != "Z"  # a container without an init never reaps its orphans

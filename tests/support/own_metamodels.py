@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from unittest.mock import patch
 
+import pytest
+
 from m2t.metamodel_contract import MEANING
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, metamodel_folder
 from tests.support.cli import edit
@@ -39,6 +41,29 @@ def a_class(name: str, parents: str = "", content: str = "") -> str:
     return (
         f'<eClassifiers xsi:type="ecore:EClass" name="{name}"{supertypes}>{content}</eClassifiers>'
     )
+
+
+def reference(name: str, kind: str, more: str = "") -> str:
+    """Return a reference to elements of a class."""
+    return (
+        f'<eStructuralFeatures xsi:type="ecore:EReference" name="{name}" eType="#//{kind}" {more}/>'
+    )
+
+
+def part(name: str, kind: str, more: str = "") -> str:
+    """Return a containment of elements of a class."""
+    return reference(name, kind, f'containment="true" {more}')
+
+
+def many(number: int = -1) -> str:
+    """Return what makes a feature hold many values."""
+    return f'upperBound="{number}"'
+
+
+def an_enumeration(name: str, *literals: str) -> str:
+    """Return an enumeration."""
+    listed = "".join(f'<eLiterals name="{one}" value="{n}"/>' for n, one in enumerate(literals))
+    return f'<eClassifiers xsi:type="ecore:EEnum" name="{name}">{listed}</eClassifiers>'
 
 
 def add_feature(path: Path, class_name: str, feature: str) -> None:
@@ -90,3 +115,28 @@ def add_faults(path: Path, faults: Mapping[str, str]) -> None:
         f'  <faults ID="{name}" name="{name}">{kind}</faults>\n' for name, kind in faults.items()
     )
     edit(path, "</faults:FaultSpecification>", f"{text}</faults:FaultSpecification>")
+
+
+class OwnMetamodels:
+    """A copy of the metamodels that can be added to."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = copy_metamodels(folder).parent
+
+    def add(self, *classifiers: str, file: str = MISSION_FILE) -> None:
+        """Add classes and enumerations."""
+        add_classes(self.folder / file, *classifiers)
+        load_metamodels.cache_clear()
+
+    def extend(self, class_name: str, *features: str, file: str = MISSION_FILE) -> None:
+        """Add features to a class of ours."""
+        add_feature(self.folder / file, class_name, "".join(features))
+        load_metamodels.cache_clear()
+
+
+@pytest.fixture
+def own_metamodels(tmp_path):
+    """Return metamodels to add to, which are read in the place of ours."""
+    own = OwnMetamodels(tmp_path / "metamodels")
+    with metamodels_of(own.folder):
+        yield own

@@ -28,6 +28,7 @@ from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
+from tests.support.cli import command_line
 from tests.support.trace import TraceDigest
 from tests.support.tree import ROOT
 
@@ -235,7 +236,7 @@ def numbers(change: Callable[..., Sequence[int]]) -> Tamper:
 def process(*words: str | Path, cwd: Path = ROOT) -> Iterator[subprocess.Popen[str]]:
     """Run ``mrsfi`` in a process that ends with the test."""
     running = subprocess.Popen(
-        [sys.executable, "-m", "mrsfi_runtime.cli.main", *map(str, words)],
+        command_line(*words),
         cwd=cwd,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -1,7 +1,6 @@
 """Published files that cannot become a mission, and folders that an import does not touch."""
 
 import random
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,7 @@ from m2t.load import LoadedModels, load_mission_folder
 from mrsfi_runtime.errors import ModelError, UsageError
 from tests.support.models.copies import MODELS, edit, line_of
 from tests.support.models.published import xmi_id
+from tests.support.mutilation import MUTILATIONS
 
 ERRORS = [
     ('sensor="', 'sensor="_nowhere', "ResolvedReference"),
@@ -117,45 +117,16 @@ def test_force_never_touches_a_folder_that_is_no_mission(file: Path, tmp_path: P
     assert [path.name for path in place.iterdir()] == ["letter.txt"]
 
 
-def _cut(text: str, draw: random.Random) -> str:
-    start = draw.randrange(len(text))
-    return text[:start] + text[start + draw.randrange(1, 200) :]
+DAMAGES = ("drop_span", "double_line", "drop_line", "exchange_values", "rename_element")
 
 
-def _double_a_line(text: str, draw: random.Random) -> str:
-    lines = text.splitlines(keepends=True)
-    at = draw.randrange(len(lines))
-    return "".join([*lines[:at], lines[at], *lines[at:]])
-
-
-def _lose_a_line(text: str, draw: random.Random) -> str:
-    lines = text.splitlines(keepends=True)
-    del lines[draw.randrange(len(lines))]
-    return "".join(lines)
-
-
-def _exchange_values(text: str, draw: random.Random) -> str:
-    pieces = text.split('"')
-    one, two = (draw.randrange(1, len(pieces), 2) for _ in range(2))
-    pieces[one], pieces[two] = pieces[two], pieces[one]
-    return '"'.join(pieces)
-
-
-def _exchange_tags(text: str, draw: random.Random) -> str:
-    tags = ("robots", "area", "goals", "center", "task", "sensors", "faults", "goalArea", "members")
-    one, two = draw.sample(tags, 2)
-    return text.replace(f"<{one} ", f"<{two} ").replace(f"</{one}>", f"</{two}>")
-
-
-@pytest.mark.parametrize(
-    "damage", [_cut, _double_a_line, _lose_a_line, _exchange_values, _exchange_tags]
-)
+@pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_file_imports_as_a_valid_mission_or_is_refused(
-    damage: Callable[[str, random.Random], str], text: str, file: Path, folder: Path
+    damage: str, text: str, file: Path, folder: Path
 ) -> None:
     draw = random.Random(7)
     for number in range(12):
-        file.write_text(damage(text, draw), encoding="ascii")
+        file.write_bytes(MUTILATIONS[damage](text.encode("ascii"), draw))
         place = folder.with_name(f"imported_{number}")
         refusal = _refusal(file, place)
         if refusal is None:

@@ -2,14 +2,16 @@
 
 from pathlib import Path
 
-from tests.support.models.own_metamodels import (
+from tests.support.edited import COLLECTIVE, write_body
+from tests.support.own_metamodels import (
     OwnMetamodels,
+    a_class,
     an_enumeration,
+    attribute,
     many,
     part,
     reference,
 )
-from tests.support.own_metamodels import a_class, attribute
 
 LOITER = (
     an_enumeration("Mood", "CALM", "BOLD"),
@@ -124,11 +126,5 @@ def write_loiter(folder: Path, own_metamodels: OwnMetamodels) -> Path:
 
 def fill(generated: Path, bodies: dict[str, str] = BODIES) -> None:
     """Write bodies into regions of the generated collective intelligence."""
-    path = generated / "collective_intelligence.py"
-    text = path.read_text(encoding="utf-8")
     for region, body in bodies.items():
-        begin, end = (f"    # protected region {region} {word}\n" for word in ("on begin", "end"))
-        before, _, rest = text.partition(begin)
-        _, _, after = rest.partition(end)
-        text = f"{before}{begin}{body}{end}{after}"
-    path.write_text(text, encoding="utf-8")
+        write_body(generated / COLLECTIVE, region, body)

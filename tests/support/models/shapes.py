@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
+from m2t.generate import generate
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.targets import require_no_overlap
@@ -110,8 +111,8 @@ def shape(n_robots: int, n_obstacles: int, repeated: tuple[str, ...] = (), seed:
     return Shape(n_obstacles, sensors, tuple(goals))
 
 
-def draw_mission(rng: Random, of: Shape, longest: int) -> str:
-    """Draw a mission of a shape, as the text of its model."""
+def draw_mission(rng: Random, of: Shape, longest: int, shortest: int = 1) -> str:
+    """Draw a mission of a shape, as the text of its model; its duration too, in ticks."""
     parts = _Parts(rng, of)
     text = [
         parts.area("missionArea", "whole"),
@@ -120,7 +121,7 @@ def draw_mission(rng: Random, of: Shape, longest: int) -> str:
         *parts.obstacles(),
         *(parts.goal(n, goal) for n, goal in enumerate(of.goals)),
     ]
-    return _MISSION.format(rng.randint(1, longest), "".join(f"{part}\n" for part in text))
+    return _MISSION.format(rng.randint(shortest, longest), "".join(f"{part}\n" for part in text))
 
 
 def draw_pool(rng: Random, of: Shape) -> str:
@@ -183,10 +184,20 @@ def _values(rng: Random, kind: FaultType) -> tuple[float, ...]:
 
 def write(folder: Path, mission: str, pool: str) -> Path:
     """Write the models of a mission, and return their folder."""
-    folder.mkdir()
+    folder.mkdir(parents=True)
     (folder / "mission.xmi").write_text(mission)
     (folder / "faults.xmi").write_text(pool)
     return folder
+
+
+def small_mission(folder: Path) -> MissionCode:
+    """Return generated code of a mission of one goal, which compiles in a fraction of the time."""
+    goal = GoalShape("StayWithinMissionArea", ("r0", "r1"))
+    of = Shape(1, (SENSOR_TYPES, ("DEPTH",)), (goal,))
+    rng = Random(1)
+    models = write(folder / "models", draw_mission(rng, of, 40, 40), draw_pool(rng, of))
+    generate(models, folder / "generated")
+    return load_code(folder / "generated")
 
 
 class _Parts:

@@ -1,0 +1,3 @@
+"""What tests of a team's additions need."""
+
+from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
