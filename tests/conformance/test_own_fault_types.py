@@ -26,6 +26,7 @@ from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from mrsfi_runtime.search.steps import crept
 from tests.support.cli import edit
+from tests.support.edited import write_body
 from tests.support.own_metamodels import (
     add_fault_type,
     add_faults,
@@ -108,16 +109,10 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> Path:
     code = folder / "generated" / "uuv_sampling"
     with metamodels_of(faults.parent):
         generate(models, code)
-        _fill(code, "StuckReport", STUCK)
-        _fill(code, "Held", HOLD)
-        _fill(code, "Drift", SHIFT)
+        for kind, body in {"StuckReport": STUCK, "Held": HOLD, "Drift": SHIFT}.items():
+            write_body(code / "fault_effects.py", f"{kind}.apply", body)
         assert generate(models, code).written == ()
     return code
-
-
-def _fill(code: Path, kind: str, body: str) -> None:
-    end = f"    # protected region {kind}.apply end\n"
-    edit(code / "fault_effects.py", end, body + end)
 
 
 @pytest.fixture(scope="module")
@@ -296,15 +291,3 @@ def test_an_effect_that_changes_what_its_type_does_not_name_is_an_error(
 
     assert f"region 'StuckReport.apply' of fault_effects.py changed {named}" in str(caught.value)
     assert "expected it to change SPEED and ENERGY of its target alone" in str(caught.value)
-
-
-def test_an_effect_without_a_body_is_named_and_never_flown(target: Path, tmp_path: Path) -> None:
-    folder = shutil.copytree(target, tmp_path / "generated")
-    edit(folder / "fault_effects.py", HOLD, "")
-
-    with pytest.raises(EvaluationError) as caught:
-        load_code(folder)
-
-    said = str(caught.value)
-    assert said.startswith(f"{folder / 'fault_effects.py'}:")
-    assert "region 'Held.apply': is empty; expected the body of apply_held" in said

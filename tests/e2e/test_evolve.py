@@ -65,17 +65,6 @@ def test_same_seed_same_digest_with_two_workers_and_another_with_another_seed(
     ]
 
 
-def test_a_control_runs_on_an_exact_number_of_evaluations(place: Path) -> None:
-    found = mrsfi_json(
-        *("evolve", MISSION, "--algorithm", "random", "--population", "4"),
-        *("--evaluations", "7", "--workers", "1"),
-        cwd=place,
-    )
-
-    assert found["n_evaluations"] == 7
-    assert found["settings"]["algorithm"] == "random"
-
-
 def test_stale_generated_code_ends_with_4_and_makes_no_folder(place: Path) -> None:
     edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
 

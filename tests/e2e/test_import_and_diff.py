@@ -85,17 +85,6 @@ def test_import_into_an_existing_folder_needs_force(file: Path, place: Path) -> 
     assert "case_a.toml" not in forced
 
 
-def test_import_of_a_broken_file_ends_with_3_and_writes_nothing(file: Path, place: Path) -> None:
-    edit(file, 'radius="2000.0"', 'radius="-1.0"')
-    before = contents(place)
-
-    error = mrsfi("import", file, cwd=place, expected=3).stderr
-
-    assert "Paper model.xmi:" in error
-    assert "[RadiusPositive]" in error
-    assert contents(place) == before
-
-
 def test_import_of_a_model_of_ours_says_that_it_needs_none(place: Path) -> None:
     path = f"models/{MISSION}/mission.xmi"
 

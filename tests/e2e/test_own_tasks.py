@@ -6,6 +6,7 @@ from tests.support.cli import mrsfi
 from tests.support.models.loiter import fill, write_loiter
 
 EMPTY = "region 'near.check': is empty; expected the body of check_near"
+ENGINES = ("reference", "compiled", "rosbridge")
 CASE = '[search]\nalgorithm = "random"\n'
 
 
@@ -29,32 +30,18 @@ def test_generate_writes_the_files_and_names_what_is_left_to_write(project):
     mrsfi("validate", "own_task", cwd=project)
 
 
-def test_validate_reports_it_as_an_error(project):
-    mrsfi("generate", "own_task", cwd=project, expected=4)
-
-    done = mrsfi("validate", "own_task", cwd=project, expected=6)
-
-    assert "own_task/collective_intelligence.py:" in done.stdout
-    assert f"error: {EMPTY}" in done.stdout
-    assert "near.progress" not in done.stdout
-
-
-@pytest.mark.parametrize("engine", ["reference", "compiled", "rosbridge"])
-def test_no_engine_flies_it(project, engine):
-    mrsfi("generate", "own_task", cwd=project, expected=4)
-
-    done = mrsfi("simulate", "own_task", "--no-faults", "--engine", engine, cwd=project, expected=6)
-
-    assert EMPTY in done.stderr
-
-
-def test_no_campaign_begins_with_it(project):
+def test_no_command_flies_what_is_not_written(project):
     mrsfi("generate", "own_task", cwd=project, expected=4)
     (project / "models" / "own_task" / "case_a.toml").write_text(CASE)
+    engines = [("simulate", "--no-faults", "--engine", name) for name in ENGINES]
 
-    done = mrsfi("evolve", "own_task", cwd=project, expected=6)
+    validated = mrsfi("validate", "own_task", cwd=project, expected=6).stdout
 
-    assert EMPTY in done.stderr
+    assert "own_task/collective_intelligence.py:" in validated
+    assert f"error: {EMPTY}" in validated
+    assert "near.progress" not in validated
+    for command, *options in (("evolve",), *engines):
+        assert EMPTY in mrsfi(command, "own_task", *options, cwd=project, expected=6).stderr
     assert not (project / "runs").exists()
 
 

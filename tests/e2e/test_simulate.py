@@ -8,26 +8,6 @@ from tests.support.cli import MISSION, command_line, edit, mrsfi, mrsfi_json, st
 VIOLATIONS = ("believed", "true", "phantom", "masked")
 
 
-def test_without_faults_no_goal_is_violated_and_every_sample_target_reached(place: Path) -> None:
-    goals = mrsfi_json("simulate", MISSION, "--no-faults", "--seed", "5", cwd=place)["goals"]
-
-    assert [goal["id"] for goal in goals] == ["g1", "g2", "g3", "g4", "g5", "g6"]
-    assert all(goal[kind] == 0 for goal in goals for kind in VIOLATIONS)
-    assert [goal["samples"] >= n for goal, n in zip(goals[3:], (250, 400, 500), strict=True)] == [
-        True,
-        True,
-        True,
-    ]
-
-
-def test_the_table_names_every_goal_and_its_task(place: Path) -> None:
-    text = mrsfi("simulate", MISSION, cwd=place).stdout
-
-    for goal, task in (("g1", "AvoidCollision"), ("g6", "GatherSamples")):
-        assert any(goal in line and task in line for line in text.splitlines())
-    assert max(map(len, text.splitlines())) <= 100
-
-
 def test_a_hand_written_specification_is_flown(place: Path) -> None:
     stop_specification(place / "models" / MISSION / "stop.xmi", [(100, 900)])
 

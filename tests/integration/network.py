@@ -66,13 +66,19 @@ def bridge(*options: str | int) -> Iterator[Server]:
 class Client:
     """A rosbridge client that hides nothing."""
 
-    def __init__(self, url: str) -> None:
-        self._connection = connect(url, compression=None, max_size=None, close_timeout=1)
+    def __init__(self, url: str, **options: Any) -> None:
+        self._connection = connect(
+            url, compression=None, max_size=None, close_timeout=1, open_timeout=PATIENCE, **options
+        )
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the server."""
         self._connection.close()
 
     def send(self, op: str, **fields: Any) -> None:
@@ -141,16 +147,21 @@ def raw_socket(url: str) -> socket.socket:
     """Return a socket on which the opening handshake is done, and nothing else ever will be."""
     host, _, port = url.removeprefix("ws://").partition(":")
     raw = socket.create_connection((host, int(port)), PATIENCE)
-    key = base64.b64encode(b"0123456789abcdef").decode()
-    raw.sendall(
-        f"GET / HTTP/1.1\r\nHost: {host}:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-        f"Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
-    )
+    raw.sendall(opening_handshake(url))
     answer = b""
     while not answer.endswith(b"\r\n\r\n"):
         answer += raw.recv(1)
     assert answer.startswith(b"HTTP/1.1 101 ")
     return raw
+
+
+def opening_handshake(url: str) -> bytes:
+    """Return what a client says first."""
+    key = base64.b64encode(b"0123456789abcdef").decode()
+    return (
+        f"GET / HTTP/1.1\r\nHost: {url.removeprefix('ws://')}\r\nUpgrade: websocket\r\n"
+        f"Connection: Upgrade\r\nSec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n"
+    ).encode()
 
 
 def masked_frame(content: bytes, opcode: int = 1, *, is_final: bool = True) -> bytes:

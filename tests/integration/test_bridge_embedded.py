@@ -34,24 +34,6 @@ def ask(connection, **operation):
     return json.loads(connection.recv(PATIENCE_S))
 
 
-def test_local_clients_and_sockets_share_topics(server):
-    local, received = server.local_client(), Queue()
-
-    def prepare():
-        local.advertise("/a", FLOAT)
-        local.subscribe("/b", FLOAT, received.put)
-
-    within(server, prepare)
-    with connect(server.url) as connection:
-        connection.send(json.dumps({"op": "subscribe", "topic": "/a", "type": FLOAT}))
-        connection.send(json.dumps({"op": "advertise", "topic": "/b", "type": FLOAT}))
-        connection.send(json.dumps({"op": "publish", "topic": "/b", "msg": {"data": 1}}))
-        assert received.get(timeout=PATIENCE_S) == {"data": 1.0}
-        server.call_soon(lambda: local.publish("/a", {"data": 2}))
-
-        assert json.loads(connection.recv(PATIENCE_S))["msg"] == {"data": 2.0}
-
-
 def test_what_is_published_in_one_go_leaves_in_one_write(server):
     local = server.local_client()
     names = [f"/t{number}" for number in range(18)]
@@ -105,23 +87,6 @@ def test_local_clients_hear_each_other_before_publish_returns(server):
 
     assert within(server, talk) == [{"data": 1.0}]
     assert received == [{"data": 1.0}]
-
-
-def test_a_service_of_a_local_client_answers_sockets(server):
-    local = server.local_client()
-    within(
-        server,
-        lambda: local.advertise_service(
-            "/add",
-            "rospy_tutorials/AddTwoInts",
-            lambda request: {"sum": request["a"] + request["b"]},
-        ),
-    )
-
-    with connect(server.url) as connection:
-        answer = ask(connection, op="call_service", service="/add", args={"a": 2, "b": 40})
-
-    assert (answer["result"], answer["values"]) == (True, {"sum": 42})
 
 
 def fail(_):

@@ -34,7 +34,6 @@ from tests.support.models.generation import (
     BARE,
     FILES,
     GENERATED,
-    MODELS,
     ROOT,
     contents,
     copy_models,
@@ -52,11 +51,6 @@ def models(tmp_path):
 @pytest.fixture
 def target(tmp_path):
     return tmp_path / "generated" / "uuv_sampling"
-
-
-def test_committed_code_is_up_to_date():
-    assert stale(MODELS, GENERATED) == ()
-    assert diff(MODELS, GENERATED) == ""
 
 
 def test_mission_becomes_five_files_and_a_manifest(models, target):

@@ -95,13 +95,14 @@ def test_enumeration_keeps_its_values():
     assert values == {"GPS_POSITION": 1, "DEPTH": 2, "TEMPERATURE": 3, "PRESSURE": 4}
 
 
-def test_build_script_writes_the_committed_models(tmp_path):
-    script = MODELS / "build.py"
+@pytest.mark.parametrize("mission", ["uuv_sampling", "tight_energy"])
+def test_build_script_writes_the_committed_models(tmp_path, mission):
+    models = ROOT / "models" / mission
 
-    subprocess.run([sys.executable, script, tmp_path], check=True, cwd=ROOT)
+    subprocess.run([sys.executable, models / "build.py", tmp_path], check=True, cwd=ROOT)
 
     for name in ("mission.xmi", "faults.xmi"):
-        assert (tmp_path / name).read_bytes() == (MODELS / name).read_bytes()
+        assert (tmp_path / name).read_bytes() == (models / name).read_bytes()
 
 
 def test_build_script_writes_beside_itself_by_default(tmp_path):

@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 from tests.recipes.tree import ENGINES, Tree
 from tests.support.cli import MISSION, SMALL, edit
+from tests.support.edited import write_body
 from tests.support.own_metamodels import (
     a_class,
     add_classes,
@@ -112,7 +113,7 @@ def own_effect(tree: Tree) -> Digests:
         _use_fault(tree, fault)
     _generate(tree, expected=4)
     with tree.by_hand():
-        _fill(tree / f"{GENERATED}/fault_effects.py", {"StuckSpeed.apply": STUCK})
+        write_body(tree / f"{GENERATED}/fault_effects.py", "StuckSpeed.apply", STUCK)
     return _flown_with_faults(tree)
 
 
@@ -131,7 +132,8 @@ def goal_task(tree: Tree) -> Digests:
         _write_specification(tree, _STRAY)
     _generate(tree, expected=4)
     with tree.by_hand():
-        _fill(tree / f"{GENERATED}/collective_intelligence.py", LOITER)
+        for region, body in LOITER.items():
+            write_body(tree / f"{GENERATED}/collective_intelligence.py", region, body)
     return _flown_with_faults(tree, goal="g7")
 
 
@@ -193,12 +195,6 @@ def _use_fault(tree: Tree, fault: str) -> None:
 
 def _write_specification(tree: Tree, fault: str) -> None:
     (tree / SPECIFICATION).write_text(_XMI.format(fault=fault), encoding="ascii")
-
-
-def _fill(path: Path, bodies: Mapping[str, str]) -> None:
-    for region, body in bodies.items():
-        end = f"    # protected region {region} end\n"
-        edit(path, end, body + end)
 
 
 def _generate(tree: Tree, expected: int = 0) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
+from mrsfi_runtime.errors import EvaluationError, GenerationError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.edited import edited
@@ -63,13 +63,6 @@ def test_two_folders_of_one_mission_do_not_share_code(tmp_path):
 
     assert ReferenceEngine(first, 1).evaluate(()).believed[1] == 0
     assert ReferenceEngine(second, 1).evaluate(()).believed[1] == 1000
-
-
-def test_conflicting_faults_are_refused():
-    engine = ReferenceEngine(paper_code(), 1)
-
-    with pytest.raises(SpecificationError, match="overlap"):
-        engine.evaluate((TimedFault("f27", 0, 9), TimedFault("f4", 5, 9, (1.0,))))
 
 
 def test_the_digest_tells_outcomes_apart():

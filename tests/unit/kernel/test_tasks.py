@@ -110,49 +110,32 @@ def test_samples_count_inside_the_area_and_only_after_moving():
     assert view.goals[0].count == 1 + 1 + 1
 
 
-def test_a_patrol_is_violated_after_one_period_away():
-    view = state(Patrol(HERE, period=3), robots=(robot("a", 0.0, 0.0),))
-    violated = []
-    for tick, x in enumerate((0.0, 60.0, 60.0, 60.0, 10.0)):
-        view.mission.tick, view.robots[0].x = tick, x
-        goal_tasks.patrol.progress(view, 0)
-        violated.append(goal_tasks.patrol.violated(view, 0))
-
-    assert violated == [False, False, False, True, False]
+PATH = (Coordinates(0.0, 0.0), Coordinates(100.0, 0.0))
 
 
-def test_a_visit_is_violated_from_its_deadline_until_it_happens():
-    view = state(Visit(Coordinates(60.0, 0.0), 1.0, 2), robots=(robot("a", 0.0, 0.0),))
-    violated = []
-    for tick, x in enumerate((0.0, 0.0, 0.0, 59.0, 0.0)):
-        view.mission.tick, view.robots[0].x = tick, x
-        goal_tasks.visit.progress(view, 0)
-        violated.append(goal_tasks.visit.violated(view, 0))
+@pytest.mark.parametrize(
+    ("task", "places", "expected"),
+    [
+        (Patrol(HERE, period=3), [(0, 0), (60, 0), (60, 0), (60, 0), (10, 0)], "...!."),
+        (Visit(Coordinates(60.0, 0.0), 1.0, 2), [(0, 0), (0, 0), (0, 0), (59, 0), (0, 0)], "..!.."),
+        (Track(PATH, 5.0), [(-50, 50), (0, 3), (50, 5), (50, 6), (98, 0), (50, 50)], "...!.."),
+        (Stay(HERE), [(90, 0), (10, 0), (90, 0), (10, 0)], "..!."),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_what_remembers_is_violated(task, places, expected):
+    """A patrol after one period away, a visit from its deadline until it happens, a track off its
+    current segment only, and a stay outside after the first entry.
+    """
+    view = state(task, robots=(robot("a", 0.0, 0.0),))
+    module = getattr(goal_tasks, type(task).__name__.lower())
+    violated = ""
+    for tick, (x, y) in enumerate(places):
+        view.mission.tick, view.robots[0].x, view.robots[0].y = tick, float(x), float(y)
+        module.progress(view, 0)
+        violated += "!" if module.violated(view, 0) else "."
 
-    assert violated == [False, False, True, False, False]
-
-
-def test_tracking_is_violated_off_the_current_segment_only():
-    path = (Coordinates(0.0, 0.0), Coordinates(100.0, 0.0))
-    view = state(Track(path, 5.0), robots=(robot("a", 0.0, 0.0),))
-    violated = []
-    for x, y in ((-50.0, 50.0), (0.0, 3.0), (50.0, 5.0), (50.0, 6.0), (98.0, 0.0), (50.0, 50.0)):
-        view.robots[0].x, view.robots[0].y = x, y
-        goal_tasks.track.progress(view, 0)
-        violated.append(goal_tasks.track.violated(view, 0))
-
-    assert violated == [False, False, False, True, False, False]
-
-
-def test_staying_is_violated_outside_after_the_first_entry():
-    view = state(Stay(HERE), robots=(robot("a", 0.0, 0.0),))
-    violated = []
-    for tick, x in enumerate((90.0, 10.0, 90.0, 10.0)):
-        view.mission.tick, view.robots[0].x = tick, x
-        goal_tasks.stay.progress(view, 0)
-        violated.append(goal_tasks.stay.violated(view, 0))
-
-    assert violated == [False, False, True, False]
+    assert violated == expected
 
 
 @pytest.mark.parametrize(("x", "expected"), [(97.0, True), (98.0, False), (103.0, True)])

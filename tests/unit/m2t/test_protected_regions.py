@@ -134,34 +134,38 @@ def test_marker_inside_a_line_of_code_is_no_marker():
     assert not parse(text, "x").regions
 
 
-def test_body_that_nobody_edited_is_generated_anew():
-    generated = edited("tasks.violated(ci)", "tasks.violated(ci, G1)")
-
-    assert merged(GENERATED, generated=generated) == generated
-
-
-def test_edited_body_is_kept_while_the_skeleton_is_renewed():
-    existing = edited("    return tasks.violated(ci)\n", "    return False\n")
-    generated = edited("# Generated\n", "# Generated anew\n")
-
-    assert merged(existing, generated=generated) == edited(
-        "# Generated\n", "# Generated anew\n", existing
-    )
+OTHER_BODY = edited("tasks.violated(ci)", "tasks.violated(ci, G1)")
+BY_HAND = edited("    return tasks.violated(ci)\n", "    return False\n")
+OFF = edited("g1.check on", "g1.check off")
+WITHOUT_G1 = GENERATED[: GENERATED.index("\n\ndef check_g1")]
 
 
-def test_without_a_manifest_every_body_counts_as_edited():
-    generated = edited("tasks.violated(ci)", "tasks.violated(ci, G1)")
-
-    assert merged(GENERATED, generated=generated, records=()) == GENERATED
-
-
-def test_region_that_is_off_is_overwritten():
-    existing = edited("g1.check on", "g1.check off")
-    generated = edited("tasks.violated(ci)", "tasks.violated(ci, G1)")
-
-    found = merged(existing, generated=generated)
-
-    assert found == edited("g1.check on", "g1.check off", generated)
+@pytest.mark.parametrize(
+    ("existing", "generated", "records", "expected"),
+    [
+        (GENERATED, OTHER_BODY, (RECORD,), OTHER_BODY),
+        (
+            BY_HAND,
+            edited("# Generated\n", "# Generated anew\n"),
+            (RECORD,),
+            edited("# Generated\n", "# Generated anew\n", BY_HAND),
+        ),
+        (GENERATED, OTHER_BODY, (), GENERATED),
+        (OFF, OTHER_BODY, (RECORD,), edited("g1.check on", "g1.check off", OTHER_BODY)),
+        (GENERATED, WITHOUT_G1, (RECORD,), WITHOUT_G1),
+        (edited("    return tasks.violated(ci)\n", "\n"), WITHOUT_G1, (RECORD,), WITHOUT_G1),
+    ],
+    ids=[
+        "a body that nobody edited is generated anew",
+        "an edited body is kept while the skeleton is renewed",
+        "without a manifest every body counts as edited",
+        "a region that is off is overwritten",
+        "an orphaned region that nobody edited goes",
+        "an orphaned region that was emptied goes",
+    ],
+)
+def test_what_is_there_and_what_is_generated_are_merged(existing, generated, records, expected):
+    assert merged(existing, generated=generated, records=records) == expected
 
 
 @pytest.mark.parametrize("force", [False, True])
@@ -173,18 +177,8 @@ def test_edited_region_that_is_off_stops_generation(force):
 
 
 def test_without_a_manifest_a_region_that_is_off_counts_as_edited():
-    existing = edited("g1.check on", "g1.check off")
-    generated = edited("tasks.violated(ci)", "tasks.violated(ci, G1)")
-
     with pytest.raises(ProtectedRegionError, match="although it is off"):
-        merged(existing, generated=generated, records=())
-
-
-WITHOUT_G1 = GENERATED[: GENERATED.index("\n\ndef check_g1")]
-
-
-def test_orphaned_region_that_nobody_edited_goes():
-    assert merged(GENERATED, generated=WITHOUT_G1) == WITHOUT_G1
+        merged(OFF, generated=OTHER_BODY, records=())
 
 
 @pytest.mark.parametrize("force", [False, True])
@@ -195,12 +189,6 @@ def test_orphaned_region_that_was_edited_stops_generation(force):
         ProtectedRegionError, match=r"ci\.py:9: .*'g1\.check'.*element 'g1' is gone"
     ):
         merged(existing, generated=WITHOUT_G1, force=force)
-
-
-def test_orphaned_region_that_was_emptied_goes():
-    existing = edited("    return tasks.violated(ci)\n", "\n")
-
-    assert merged(existing, generated=WITHOUT_G1) == WITHOUT_G1
 
 
 def test_edit_outside_regions_is_refused_unless_forced():

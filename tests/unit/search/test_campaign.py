@@ -98,27 +98,6 @@ def test_progress_follows_the_record() -> None:
         assert progress.n_failures == 0
 
 
-def test_the_same_settings_give_the_same_record() -> None:
-    first, again = Run(CampaignSettings(generations=5)), Run(CampaignSettings(generations=5))
-
-    first.start()
-    again.start()
-
-    assert first.recorder == again.recorder
-
-
-@pytest.mark.parametrize("name", ["random", "drift"])
-def test_controls_run_on_the_evaluations_of_a_run_of_the_paper(name: str) -> None:
-    paper = Run(CampaignSettings(generations=5))
-    paper.start()
-    n_evaluations = len(paper.recorder.kept)
-    control = Run(CampaignSettings(algorithm=name, generations=5, evaluations=n_evaluations))
-
-    control.start()
-
-    assert len(control.recorder.kept) == n_evaluations
-
-
 def failing_if_odd(specifications: Sequence[Specification]) -> list[Outcome | Failed]:
     return [
         Failed("Traceback: odd start") if specification[0].start % 2 else outcome_of(*[7] * 6)
@@ -195,18 +174,6 @@ def test_large_populations_are_recorded_in_chunks() -> None:
     Run(CampaignSettings(population=230, generations=0), counted).start()
 
     assert sizes == [100, 100, 30]
-
-
-def test_a_fitness_that_is_not_finite_ends_the_run() -> None:
-    with pytest.raises(EvaluationError, match="expected a finite number"):
-        run_campaign(
-            CampaignSettings(fitness="broken"),
-            paper_mission(),
-            pool_of(),
-            evaluate_stand_in,
-            MemoryRecorder(),
-            fitness_functions={"broken": lambda *_: float("nan")},
-        )
 
 
 def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too() -> None:
