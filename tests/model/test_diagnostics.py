@@ -16,8 +16,7 @@ def _label(broken: Broken) -> str:
 
 
 @pytest.mark.parametrize("broken", BROKEN, ids=_label)
-def test_broken_model_is_reported_at_its_line(tmp_path: Path, broken: Broken) -> None:
-    folder = copy_models(tmp_path)
+def test_broken_model_is_reported_at_its_line(folder: Path, broken: Broken) -> None:
     path = folder / broken.file
     edit(path, broken.old, broken.new)
 
@@ -33,8 +32,7 @@ def test_broken_model_is_reported_at_its_line(tmp_path: Path, broken: Broken) ->
     assert str(first) == f"{path}:{first.line}: {first.message} [{broken.constraint}]"
 
 
-def test_errors_stop_loading_with_all_of_them(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_errors_stop_loading_with_all_of_them(folder: Path) -> None:
     edit(folder / MISSION, 'x="250.0" y="-250.0"', 'x="2000.0" y="1.0"')
     edit(folder / MISSION, 'sensor="s4"', 'sensor="s6"')
     edit(folder / FAULTS, 'DELAY="200.0"', 'DELAY="2.5"')
@@ -52,8 +50,7 @@ def test_errors_stop_loading_with_all_of_them(tmp_path: Path) -> None:
     ]
 
 
-def test_warnings_do_not_stop_loading(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_warnings_do_not_stop_loading(folder: Path) -> None:
     edit(folder / MISSION, 'x="250.0" y="-250.0"', 'x="2000.0" y="1.0"')
 
     assert load_mission_folder(folder).mission.robots[0].position.x == 2000.0
@@ -74,8 +71,7 @@ def test_every_constraint_has_a_broken_model() -> None:
     assert covered == set(CONSTRAINTS)
 
 
-def test_all_defects_of_both_files_are_reported_at_once(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_all_defects_of_both_files_are_reported_at_once(folder: Path) -> None:
     edit(folder / MISSION, 'speed="5.0"', 'speed="fast"')
     edit(folder / MISSION, 'type="DEPTH"', 'type="DEBTH"')
     edit(folder / FAULTS, "#m4", "#m44")

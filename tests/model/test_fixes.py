@@ -81,8 +81,7 @@ def _mended(folder: Path) -> Mending:
 
 
 @pytest.mark.parametrize("case", MENDED, ids=lambda case: case.constraint)
-def test_a_fix_changes_the_lines_that_are_wrong_and_no_other(tmp_path: Path, case: Mended) -> None:
-    folder = copy_models(tmp_path)
+def test_a_fix_changes_the_lines_that_are_wrong_and_no_other(folder: Path, case: Mended) -> None:
     path = folder / case.file
     edit(path, case.old, case.new)
     found = [
@@ -124,16 +123,14 @@ def test_flawless_models_have_nothing_to_fix(tmp_path: Path) -> None:
     assert mend(inspect_folder(copy_models(tmp_path))) is None
 
 
-def test_errors_of_structure_come_first(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_errors_of_structure_come_first(folder: Path) -> None:
     edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
     edit(folder / MISSION, 'speed="5.0"', 'speed="fast"')
 
     assert mend(inspect_folder(folder)) is None
 
 
-def test_all_fixes_of_both_files_are_made_at_once(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_all_fixes_of_both_files_are_made_at_once(folder: Path) -> None:
     edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
     edit(folder / FAULTS, 'ID="f2" name="f2"', 'ID="f2" name="f2" start="5" finish="4"')
     edit(folder / MISSION, 'ID="g2" name', 'ID="g2" dependentGoals="g2" name')
@@ -148,8 +145,7 @@ def test_all_fixes_of_both_files_are_made_at_once(tmp_path: Path) -> None:
     assert list(mending.contents) == [folder / MISSION, folder / FAULTS]
 
 
-def test_two_repeated_fields_in_one_line_leave_the_first(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_two_repeated_fields_in_one_line_leave_the_first(folder: Path) -> None:
     body = '<body name="TEMPERATURE" type="{}"/>'
     edit(
         folder / MISSION,
@@ -164,8 +160,7 @@ def test_two_repeated_fields_in_one_line_leave_the_first(tmp_path: Path) -> None
     assert body.format("Int").encode() in mending.contents[folder / MISSION]
 
 
-def test_a_fix_keeps_the_encoding_of_the_file(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_a_fix_keeps_the_encoding_of_the_file(folder: Path) -> None:
     path = folder / MISSION
     edit(path, '"ASCII"', '"UTF-8"')
     edit(path, 'name="LEN"', 'name="Löwe"')
@@ -176,9 +171,8 @@ def test_a_fix_keeps_the_encoding_of_the_file(tmp_path: Path) -> None:
 
 
 def test_a_fix_changes_another_part_of_the_mission_than_the_one_that_has_the_defect(
-    tmp_path: Path,
+    folder: Path,
 ) -> None:
-    folder = copy_models(tmp_path)
     edit(folder / MISSION, 'Collision" members="r2 r3 r1"', 'Collision" members="r2 r3"')
     models = load_mission_folder(folder)
     write_split(folder, models, PARTS["goals_and_tasks"](models))
@@ -190,8 +184,7 @@ def test_a_fix_changes_another_part_of_the_mission_than_the_one_that_has_the_def
     assert '+    <members href="mission.xmi#r1"/>' in mending.difference
 
 
-def test_a_specification_is_mended_without_touching_its_mission(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_a_specification_is_mended_without_touching_its_mission(folder: Path) -> None:
     path = folder / FAULTS
     before = path.read_bytes()
     edit(path, 'LOWER_BOUND="11.0" UPPER_BOUND="30.0"', 'LOWER_BOUND="30.0" UPPER_BOUND="11.0"')
@@ -202,8 +195,7 @@ def test_a_specification_is_mended_without_touching_its_mission(tmp_path: Path) 
     assert mending.contents == {path: before}
 
 
-def test_a_file_without_a_fix_is_left_as_it_is_spelt(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_a_file_without_a_fix_is_left_as_it_is_spelt(folder: Path) -> None:
     edit(folder / MISSION, "<servers ", "<!-- ashore -->\n  <servers ")
     edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
 

@@ -9,7 +9,7 @@ from m2t.diagnostics import Diagnostic
 from m2t.load import inspect_folder, inspect_specification, load_mission_folder, load_specification
 from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS
 from mrsfi_runtime.errors import ModelError
-from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
+from tests.support.models.copies import FAULTS, MISSION, edit
 
 HOSTILE_NAME = """x"); import os; os.system("touch owned")  #\n'{{ 7 * 7 }}{% raw %}'\t<&>"""
 HOSTILE_XML = (
@@ -81,8 +81,7 @@ def test_file_beyond_the_size_limit_is_refused(tmp_path: Path) -> None:
     assert "more than 67,108,864 bytes" in found.message
 
 
-def test_name_of_ten_megabytes_is_a_short_error(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_name_of_ten_megabytes_is_a_short_error(folder: Path) -> None:
     edit(folder / MISSION, 'name="LEN"', f'name="{"L" * 10_000_000}"')
 
     found = _only(inspect_folder(folder).diagnostics)
@@ -92,8 +91,7 @@ def test_name_of_ten_megabytes_is_a_short_error(tmp_path: Path) -> None:
     assert len(str(found)) < 500 + len(str(folder))
 
 
-def test_id_and_tag_of_a_megabyte_are_short_errors(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_id_and_tag_of_a_megabyte_are_short_errors(folder: Path) -> None:
     edit(folder / MISSION, 'ID="b1"', f'ID="{"b" * 1_000_000}"')
     edit(folder / MISSION, "<servers ", f"<{'t' * 1_000_000}/><servers ")
 
@@ -136,8 +134,7 @@ def test_no_bytes_cause_anything_but_a_model_error(tmp_path: Path, content: byte
     "value",
     ["", " ", "//", "//@robots.", "//@robots.99999999999", "//@x.0", "/1", "#", "##", "s4 "],
 )
-def test_no_reference_causes_anything_but_a_model_error(tmp_path: Path, value: str) -> None:
-    folder = copy_models(tmp_path)
+def test_no_reference_causes_anything_but_a_model_error(folder: Path, value: str) -> None:
     edit(folder / MISSION, 'sensor="s6"', f'sensor="{value}"')
 
     with pytest.raises(ModelError, match="goals 'g5'"):
@@ -147,8 +144,7 @@ def test_no_reference_causes_anything_but_a_model_error(tmp_path: Path, value: s
 @pytest.mark.parametrize(
     "href", ["", "#", "m4", "http://[", "file:///mission.xmi#m4", "//host/mission.xmi#m4", "%00#m4"]
 )
-def test_no_href_causes_anything_but_a_model_error(tmp_path: Path, href: str) -> None:
-    folder = copy_models(tmp_path)
+def test_no_href_causes_anything_but_a_model_error(folder: Path, href: str) -> None:
     edit(folder / FAULTS, "mission.xmi#m4", href)
 
     with pytest.raises(ModelError, match="faults 'f2'"):
@@ -170,8 +166,7 @@ def test_missing_folder_is_an_error(tmp_path: Path) -> None:
         load_mission_folder(tmp_path / "nowhere")
 
 
-def test_hostile_display_names_are_legal_texts(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_hostile_display_names_are_legal_texts(folder: Path) -> None:
     edit(folder / MISSION, 'name="LEN"', f'name="{HOSTILE_XML}"')
     edit(folder / FAULTS, 'name="f1"', f'name="{HOSTILE_XML}"')
 
@@ -182,8 +177,7 @@ def test_hostile_display_names_are_legal_texts(tmp_path: Path) -> None:
     assert models.faults.faults[0].name == HOSTILE_NAME
 
 
-def test_hostile_id_is_an_error_on_one_line(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_hostile_id_is_an_error_on_one_line(folder: Path) -> None:
     edit(folder / MISSION, 'ID="b1"', f'ID="{HOSTILE_XML}"')
 
     found = _only(inspect_folder(folder).diagnostics)

@@ -82,9 +82,8 @@ def _mutilate(kind: str, files: Sequence[Path], n_wanted: int, validate: Callabl
 @pytest.mark.parametrize("n_wanted", N_MODELS_EACH)
 @pytest.mark.parametrize("kind", MUTILATIONS)
 def test_mutilated_model_ends_with_exit_code_3_and_its_place(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, n_wanted: int
+    tmp_path: Path, folder: Path, capsys: pytest.CaptureFixture[str], kind: str, n_wanted: int
 ) -> None:
-    folder = copy_models(tmp_path)
 
     files = [folder / MISSION, folder / FAULTS]
     _mutilate(kind, files, n_wanted, lambda: _validate(folder, tmp_path, capsys))

@@ -88,8 +88,7 @@ def test_random_models_are_loaded_as_pyecore_loads_them(tmp_path: Path, seed: in
     _require_equal(tmp_path)
 
 
-def test_attribute_as_an_element_is_loaded_as_pyecore_loads_it(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_attribute_as_an_element_is_loaded_as_pyecore_loads_it(folder: Path) -> None:
     edit(folder / MISSION, '<robots ID="r1" name="LEN"', '<robots ID="r1"')
     edit(folder / MISSION, '<position x="250.0" y="-250.0"', "<name>L&amp;N</name>\n<position")
 

@@ -82,8 +82,7 @@ def test_bounds_of_the_pool_are_copied(tmp_path: Path) -> None:
     assert '<delayMessage DELAY="7.0" DELAY_MAX="300.0">' in path.read_text(encoding="ascii")
 
 
-def test_empty_specification_loads_with_the_mission_beside_it(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_empty_specification_loads_with_the_mission_beside_it(folder: Path) -> None:
 
     write_specification(folder, [], folder / "empty.xmi", identifier="none")
 

@@ -158,8 +158,7 @@ def test_mission_and_faults_in_one_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("target", ["/0/@goals.1/@messages.0", "m4", "#/0/@goals.1/@messages.0"])
-def test_references_between_two_roots_of_a_file(tmp_path: Path, target: str) -> None:
-    folder = copy_models(tmp_path)
+def test_references_between_two_roots_of_a_file(folder: Path, target: str) -> None:
     models = load_mission_folder(folder)
     both = LoadedFile(folder / MISSION, "ASCII", (models.mission, models.faults))
     (content,) = saved(dataclasses.replace(models, files=(both,))).values()
@@ -173,8 +172,7 @@ def test_references_between_two_roots_of_a_file(tmp_path: Path, target: str) -> 
     assert kind.affectedMessage is loaded.mission.goals[1].messages[0]
 
 
-def test_faults_beside_those_in_the_mission_file_are_an_error(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_faults_beside_those_in_the_mission_file_are_an_error(folder: Path) -> None:
     models = load_mission_folder(folder)
     both = LoadedFile(folder / MISSION, "ASCII", (models.mission, models.faults))
     (content,) = saved(dataclasses.replace(models, files=(both,))).values()

@@ -12,7 +12,7 @@ from m2t.metamodels import load_metamodels
 from m2t.saving import save
 from m2t.write.xmi import dumps, java_double, write_atomically
 from mrsfi_runtime.errors import ModelError
-from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
+from tests.support.models.copies import FAULTS, MISSION, MODELS, edit
 
 
 def test_committed_models_are_what_the_writer_writes() -> None:
@@ -22,8 +22,7 @@ def test_committed_models_are_what_the_writer_writes() -> None:
     assert dumps(models.faults, hrefs={models.mission: MISSION}) == (MODELS / FAULTS).read_bytes()
 
 
-def test_writing_is_a_fixpoint_for_every_kind_of_task(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_writing_is_a_fixpoint_for_every_kind_of_task(folder: Path) -> None:
     tasks = [
         '<task xsi:type="mission:Patrol" period="7"><area ID="p1" radius="0.001"/></task>',
         '<task xsi:type="mission:Visit" tolerance="1.0" deadline="9"><coordinates x="1"/></task>',
@@ -65,15 +64,13 @@ def test_writing_is_a_fixpoint_for_every_kind_of_task(tmp_path: Path) -> None:
     assert 'name="&#x9;&lt;a> &amp; &quot;b&quot;&#xA;&#x2603;"' in lines[29]
 
 
-def test_set_value_is_written_although_it_equals_the_type_default(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_set_value_is_written_although_it_equals_the_type_default(folder: Path) -> None:
     edit(folder / MISSION, 'speed="5.0"', 'speed="0.0"')
 
     assert b'name="LEN" speed="0.0"' in dumps(load_mission_folder(folder).mission)
 
 
-def test_encoding_keeps_the_characters_that_it_has(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_encoding_keeps_the_characters_that_it_has(folder: Path) -> None:
     edit(folder / MISSION, '"ASCII"', '"UTF-8"')
     edit(folder / MISSION, "LEN", "L\xe9\N{SNOWMAN}")
     mission = load_mission_folder(folder).mission
@@ -83,8 +80,7 @@ def test_encoding_keeps_the_characters_that_it_has(tmp_path: Path) -> None:
     assert '"L\xe9\N{SNOWMAN}"'.encode() in dumps(mission, "UTF-8")
 
 
-def test_id_with_a_space_is_referred_to_by_path(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_id_with_a_space_is_referred_to_by_path(folder: Path) -> None:
     edit(folder / MISSION, 'ID="s4"', 'ID="s 4"')
     edit(folder / MISSION, 'sensor="s4"', 'sensor="//@robots.1/@sensors.1"')
 
@@ -154,8 +150,7 @@ def test_failed_atomic_write_leaves_the_old_content(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["UTF-8", "ISO-8859-1", "UTF-16", "ASCII"])
-def test_saving_keeps_the_encoding_of_each_file(tmp_path: Path, encoding: str) -> None:
-    folder = copy_models(tmp_path)
+def test_saving_keeps_the_encoding_of_each_file(folder: Path, encoding: str) -> None:
     text = (folder / MISSION).read_text(encoding="ascii").replace('"ASCII"', f'"{encoding}"')
     name = "L&#xe9;N" if encoding == "ASCII" else "L\xe9N"
     content = text.replace("LEN", name, 1).encode(encoding)
@@ -172,8 +167,7 @@ def test_saving_keeps_the_encoding_of_each_file(tmp_path: Path, encoding: str) -
     assert (folder / MISSION).read_bytes().decode(encoding) == changed
 
 
-def test_encoding_is_written_in_capitals_as_eclipse_does(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_encoding_is_written_in_capitals_as_eclipse_does(folder: Path) -> None:
     edit(folder / MISSION, '"ASCII"', '"utf-8"')
 
     save(load_mission_folder(folder))
@@ -181,8 +175,7 @@ def test_encoding_is_written_in_capitals_as_eclipse_does(tmp_path: Path) -> None
     assert (folder / MISSION).read_bytes().startswith(b'<?xml version="1.0" encoding="UTF-8"?>\n')
 
 
-def test_xmi_ids_are_kept_and_named_by_references(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_xmi_ids_are_kept_and_named_by_references(folder: Path) -> None:
     edit(folder / MISSION, 'name="1000"', 'xmi:id="_m" name="1000"')
     edit(folder / MISSION, '<sensors ID="s4"', '<sensors xmi:id="_s4" ID="s4"')
     edit(folder / MISSION, '<messages ID="m4"', '<messages xmi:id="_m4" ID="m4"')
@@ -196,8 +189,7 @@ def test_xmi_ids_are_kept_and_named_by_references(tmp_path: Path) -> None:
     assert (folder / MISSION).read_bytes().count(b'sensor="_s4"') == 2
 
 
-def test_saving_what_did_not_change_touches_no_file(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_saving_what_did_not_change_touches_no_file(folder: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
 
     assert save(load_mission_folder(folder)) == ()
@@ -205,8 +197,7 @@ def test_saving_what_did_not_change_touches_no_file(tmp_path: Path) -> None:
     assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
 
 
-def test_element_that_an_earlier_one_refers_to_is_written_in_place(tmp_path: Path) -> None:
-    folder = copy_models(tmp_path)
+def test_element_that_an_earlier_one_refers_to_is_written_in_place(folder: Path) -> None:
     edit(
         folder / MISSION,
         'name="AvoidCollision" members="r2 r3 r1"',

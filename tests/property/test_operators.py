@@ -14,7 +14,7 @@ from mrsfi_runtime.model.targets import conflicts, require_no_overlap
 from mrsfi_runtime.search.estimation import FaultModel
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
-from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.space import Candidate, SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from mrsfi_runtime.search.steps import STEPS, Step, crept, dropped, filled, widened
 from mrsfi_runtime.search.variation import crossed, mutated
@@ -24,53 +24,65 @@ from tests.tiers import law
 FAULT_IDS = [fault.id for fault in PAPER_FAULTS]
 LAW = law(150, suppress_health_check=[HealthCheck.too_slow])
 
-durations = st.one_of(st.integers(1, 12), st.integers(1, 10_000))
-pools = st.lists(st.sampled_from(FAULT_IDS), min_size=1, max_size=30, unique=True)
-sizes = st.integers(1, 25)
 seeds = st.integers(0, 2**32)
 
 
-def require_legal(
-    mission: Mission, pool: FaultPool, space: SearchSpace, specification: Specification
-) -> None:
-    require_no_overlap(mission, pool, specification)
-    assert list(specification) == list(space.ordered(specification))
-    for timed in specification:
-        candidate = space.candidates[timed.fault]
-        assert 0 <= timed.start <= timed.finish < mission.duration
-        for value, (low, high), is_integer in zip(
-            timed.values, candidate.bounds, candidate.is_integer, strict=True
-        ):
-            assert low <= value <= high
-            assert type(value) is float
-            assert not is_integer or value.is_integer()
+class Drawn:
+    """A mission of some duration, a pool, how many faults are wanted, and a generator."""
+
+    def __init__(self, duration: int, fault_ids: list[str], n_faults: int, seed: int) -> None:
+        self.mission, self.pool = paper_mission(duration), pool_of(*fault_ids)
+        self.space = SearchSpace.of(self.mission, self.pool)
+        self.fault_ids, self.n_faults, self.seed = fault_ids, n_faults, seed
+        self.rng = Random(seed)
+
+    def specification(self) -> Specification:
+        return random_specification(self.space, self.n_faults, self.rng)
+
+    def require_legal(self, specification: Specification) -> None:
+        require_no_overlap(self.mission, self.pool, specification)
+        assert list(specification) == list(self.space.ordered(specification))
+        for timed in specification:
+            require_within(self.space.candidates[timed.fault], timed, self.mission.duration)
+
+
+DRAWN = st.builds(
+    Drawn,
+    st.one_of(st.integers(1, 12), st.integers(1, 10_000)),
+    st.lists(st.sampled_from(FAULT_IDS), min_size=1, max_size=30, unique=True),
+    st.integers(1, 25),
+    seeds,
+)
+
+
+def require_within(candidate: Candidate, timed: TimedFault, duration: int) -> None:
+    assert 0 <= timed.start <= timed.finish < duration
+    for value, (low, high), is_integer in zip(
+        timed.values, candidate.bounds, candidate.is_integer, strict=True
+    ):
+        assert low <= value <= high
+        assert type(value) is float
+        assert not is_integer or value.is_integer()
 
 
 @LAW
-@given(durations, pools, sizes, seeds)
-def test_random_specifications_are_legal_and_as_large_as_there_is_room(
-    duration: int, fault_ids: list[str], n_faults: int, seed: int
-) -> None:
-    mission, pool = paper_mission(duration), pool_of(*fault_ids)
-    space = SearchSpace.of(mission, pool)
+@given(DRAWN)
+def test_random_specifications_are_legal_and_as_large_as_there_is_room(drawn: Drawn) -> None:
+    specification = drawn.specification()
 
-    specification = random_specification(space, n_faults, Random(seed))
-
-    require_legal(mission, pool, space, specification)
-    assert 1 <= len(specification) <= n_faults
-    if len(specification) < n_faults:
+    drawn.require_legal(specification)
+    assert 1 <= len(specification) <= drawn.n_faults
+    if len(specification) < drawn.n_faults:
         assert all(timed.start == timed.finish for timed in specification)
-        assert not any(space.free_windows(fault, specification) for fault in fault_ids)
+        free = (drawn.space.free_windows(fault, specification) for fault in drawn.fault_ids)
+        assert not any(free)
 
 
 @LAW
-@given(durations, pools, sizes, seeds)
-def test_generations_of_crossover_and_mutation_stay_legal(
-    duration: int, fault_ids: list[str], n_faults: int, seed: int
-) -> None:
-    mission, pool, rng = paper_mission(duration), pool_of(*fault_ids), Random(seed)
-    space = SearchSpace.of(mission, pool)
-    population = [random_specification(space, n_faults, rng) for _ in range(4)]
+@given(DRAWN)
+def test_generations_of_crossover_and_mutation_stay_legal(drawn: Drawn) -> None:
+    space, rng = drawn.space, drawn.rng
+    population = [drawn.specification() for _ in range(4)]
     largest = max(map(len, population))
 
     for _ in range(5):
@@ -80,23 +92,20 @@ def test_generations_of_crossover_and_mutation_stay_legal(
             *crossed(space, population[2], population[3], rng),
         ]
         for specification in population:
-            require_legal(mission, pool, space, specification)
+            drawn.require_legal(specification)
         population = [mutated(space, specification, rng) for specification in population]
         for specification in population:
-            require_legal(mission, pool, space, specification)
+            drawn.require_legal(specification)
 
     assert max(map(len, population)) <= largest
 
 
 @LAW
-@given(durations, pools, sizes, seeds)
-def test_crossover_creates_and_loses_no_fault(
-    duration: int, fault_ids: list[str], n_faults: int, seed: int
-) -> None:
-    space, rng = paper_space(duration, *fault_ids), Random(seed)
-    first, second = random_pair(space, n_faults, rng)
+@given(DRAWN)
+def test_crossover_creates_and_loses_no_fault(drawn: Drawn) -> None:
+    first, second = drawn.specification(), drawn.specification()
 
-    one, other = crossed(space, first, second, rng)
+    one, other = crossed(drawn.space, first, second, drawn.rng)
 
     assert sorted([*one, *other]) == sorted([*first, *second])
     half = min(len(first), len(second)) // 2
@@ -107,18 +116,15 @@ def test_crossover_creates_and_loses_no_fault(
 
 
 @LAW
-@given(durations, pools, sizes, seeds)
-def test_mutation_keeps_the_faults_and_the_values_that_do_not_evolve(
-    duration: int, fault_ids: list[str], n_faults: int, seed: int
-) -> None:
-    space, rng = paper_space(duration, *fault_ids), Random(seed)
-    specification = random_specification(space, n_faults, rng)
+@given(DRAWN)
+def test_mutation_keeps_the_faults_and_the_values_that_do_not_evolve(drawn: Drawn) -> None:
+    specification = drawn.specification()
 
-    mutant = mutated(space, specification, rng, share=1.0)
+    mutant = mutated(drawn.space, specification, drawn.rng, share=1.0)
 
     assert sorted(timed.fault for timed in mutant) == sorted(t.fault for t in specification)
     for timed in mutant:
-        candidate = space.candidates[timed.fault]
+        candidate = drawn.space.candidates[timed.fault]
         for value, own, (low, high) in zip(
             timed.values, candidate.values, candidate.bounds, strict=True
         ):
@@ -126,15 +132,13 @@ def test_mutation_keeps_the_faults_and_the_values_that_do_not_evolve(
 
 
 @LAW
-@given(durations, pools, sizes, seeds)
-def test_the_same_seed_repeats_every_operator(
-    duration: int, fault_ids: list[str], n_faults: int, seed: int
-) -> None:
-    space = paper_space(duration, *fault_ids)
+@given(DRAWN)
+def test_the_same_seed_repeats_every_operator(drawn: Drawn) -> None:
+    space = drawn.space
 
     def run() -> list[Specification]:
-        rng = Random(seed)
-        first, second = random_pair(space, n_faults, rng)
+        rng = Random(drawn.seed)
+        first, second = random_pair(space, drawn.n_faults, rng)
         return [first, second, *crossed(space, first, second, rng), mutated(space, first, rng)]
 
     assert run() == run()
@@ -142,18 +146,14 @@ def test_the_same_seed_repeats_every_operator(
 
 @pytest.mark.parametrize("step", [*STEPS, crept])
 @LAW
-@given(durations, pools, sizes, seeds)
-def test_steps_stay_legal_and_never_grow(
-    step: Step, duration: int, fault_ids: list[str], n_faults: int, seed: int
-) -> None:
-    mission, pool, rng = paper_mission(duration), pool_of(*fault_ids), Random(seed)
-    space = SearchSpace.of(mission, pool)
-    specification = random_specification(space, n_faults, rng)
+@given(DRAWN)
+def test_steps_stay_legal_and_never_grow(step: Step, drawn: Drawn) -> None:
+    specification = drawn.specification()
 
     for _ in range(5):
-        stepped = step(space, specification, rng)
+        stepped = step(drawn.space, specification, drawn.rng)
 
-        require_legal(mission, pool, space, stepped)
+        drawn.require_legal(stepped)
         assert 1 <= len(stepped) <= len(specification)
         specification = stepped
 
@@ -170,17 +170,13 @@ def test_steps_repeat_from_their_seed_and_can_change_something(step: Step) -> No
 
 
 @LAW
-@given(durations, pools, sizes, sizes, seeds)
-def test_filling_adds_faults_up_to_the_number_wanted(
-    duration: int, fault_ids: list[str], n_faults: int, n_wanted: int, seed: int
-) -> None:
-    mission, pool, rng = paper_mission(duration), pool_of(*fault_ids), Random(seed)
-    space = SearchSpace.of(mission, pool)
-    specification = random_specification(space, n_faults, rng)
+@given(DRAWN, st.integers(1, 25))
+def test_filling_adds_faults_up_to_the_number_wanted(drawn: Drawn, n_wanted: int) -> None:
+    specification = drawn.specification()
 
-    more = filled(space, specification, n_wanted, rng)
+    more = filled(drawn.space, specification, n_wanted, drawn.rng)
 
-    require_legal(mission, pool, space, more)
+    drawn.require_legal(more)
     assert set(specification) <= set(more)
     assert len(more) <= max(n_wanted, len(specification))
 
@@ -200,19 +196,15 @@ def test_a_dropped_fault_makes_room_for_those_it_excluded() -> None:
 
 
 @LAW
-@given(durations, pools, sizes, seeds)
-def test_what_a_fault_model_generates_is_legal_also_after_learning(
-    duration: int, fault_ids: list[str], n_faults: int, seed: int
-) -> None:
-    mission, pool = paper_mission(duration), pool_of(*fault_ids)
-    space = SearchSpace.of(mission, pool)
-    model = FaultModel(space, n_faults, Random(seed))
+@given(DRAWN)
+def test_what_a_fault_model_generates_is_legal_also_after_learning(drawn: Drawn) -> None:
+    model = FaultModel(drawn.space, drawn.n_faults, drawn.rng)
 
     for _ in range(4):
         population = [Individual(model.generate()) for _ in range(8)]
         for place, individual in enumerate(population):
-            require_legal(mission, pool, space, individual.specification)
-            assert 1 <= len(individual) <= n_faults
+            drawn.require_legal(individual.specification)
+            assert 1 <= len(individual) <= drawn.n_faults
             individual.assess(Score(float(place), ()))
         model.update(population)
 

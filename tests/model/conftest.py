@@ -1,0 +1,11 @@
+from pathlib import Path
+
+import pytest
+
+from tests.support.models.copies import copy_models
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Return a copy of the paper's mission folder, to be broken."""
+    return copy_models(tmp_path)
