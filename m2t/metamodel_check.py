@@ -117,9 +117,11 @@ def _check_contract(package: Any, root_class: str, findings: Findings) -> None:
 
 def _meets(slot: Slot, need: Need) -> bool:
     """Return whether a feature is declared as code reads it."""
-    holding = "part" if slot.is_contained else "link" if slot.is_reference else "value"
+    holding = "attr"
+    if slot.holds_elements:
+        holding = "val" if slot.is_contained else "ref"
     return (
-        (holding, slot.many, slot.is_id) == (need.holding, need.is_many, need.is_id)
+        ("id" if slot.is_id else holding, slot.many) == (need.holding, need.is_many)
         and slot.lower_bound >= need.n_least
         and (slot.type.name == need.type or (slot.holds_elements and is_kind(slot.type, need.type)))
     )

@@ -5,12 +5,11 @@ is named here keeps its name, its type, and whether it holds one value or many. 
 not named: what they mean is said by annotations, which ``m2t.metamodel_fault_types`` reads.
 """
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, TypeAlias
-
-Holding: TypeAlias = Literal["value", "part", "link"]
+from typing import TypeAlias
 
 BOUNDS = ("_MIN", "_MAX")
 """What the names of the attributes end with that bound a parameter for search."""
@@ -21,7 +20,66 @@ OURS = "http://mrsfi.org/"
 MEANING = f"{OURS}meaning"
 """Source of the annotations that say what a fault type and its parameters mean."""
 
-_TEXT, _WHOLE, _NUMBER = "EString", "EInt", "EDouble"
+OWN_TASK = "OwnTask"
+"""What a goal task of a team's own is in the runtime."""
+
+PROGRESSING = frozenset({"GatherSamples", "Patrol", "Visit", "Track", "Stay"})
+"""Goal tasks that note once a tick what their check and reaction have to remember."""
+
+_IDENTIFIED = "id EString[1] ID"
+_NAMED = f"{_IDENTIFIED}, attr EString[1] name"
+_STATION = (
+    f"{_NAMED}, val IntProperty[*] intProperties, val StringProperty[*] stringProperties, "
+    "val DoubleProperty[*] doubleProperties"
+)
+
+_MISSION = f"""
+Mission: attr EString[1] name, attr EInt[1] duration, val Area[1] missionArea, val Robot[+] robots,
+    val Server[*] servers, val Obstacle[*] obstacles, val Goal[+] goals
+Robot extends Station: {_STATION}, attr EDouble[1] speed, val Coordinates[?] position,
+    val Sensor[*] sensors, val Battery[*] batteries, val MotionSource[*] motionSources
+Server extends Station: {_STATION}
+Sensor: {_NAMED}, attr SensorType[1] type, attr EDouble[?] energyPerSample,
+    attr EInt[1] samplesPerSecond
+Battery: {_NAMED}, attr EDouble[1] totalEnergy
+MotionSource: {_NAMED}, attr EDouble[1] energyPerDistanceUnit
+IntProperty: attr EString[1] name, attr EInt[1] value
+StringProperty: attr EString[1] name, attr EString[1] value
+DoubleProperty: attr EString[1] name, attr EDouble[1] value
+Coordinates: attr EDouble[?] x, attr EDouble[?] y, attr EDouble[?] z
+Area: {_IDENTIFIED}, attr EDouble[1] radius, val Coordinates[?] center
+Obstacle: {_IDENTIFIED}, val Area[1] area
+Message: {_IDENTIFIED}, attr EString[?] header, ref Station[1] sender, ref Station[1] receiver,
+    val MessageData[+] body
+MessageData: attr EString[1] name, attr EString[1] type
+Goal: {_NAMED}, ref Robot[+] members, ref Goal[*] dependentGoals, val Area[?] area,
+    val GoalTask[1] task, val Message[*] messages
+AvoidCollision extends GoalTask: ref Robot[+] robots, ref Obstacle[*] obstacles
+StayWithinMissionArea extends GoalTask:
+SufficientEnergy extends GoalTask:
+GatherSamples extends GoalTask: attr EInt[1] targetSampleNumber, ref Sensor[1] sensor
+Patrol extends GoalTask: val Area[1] area, attr EInt[1] period
+Visit extends GoalTask: val Coordinates[1] coordinates, attr EDouble[?] tolerance,
+    attr EInt[1] deadline
+Track extends GoalTask: val Coordinates[2..*] trajectory, attr EDouble[1] tolerance
+Stay extends GoalTask: val Area[1] area
+FixedDistanceBetweenRobots extends GoalTask: attr EDouble[1] fixedDistance,
+    attr EDouble[?] tolerance
+"""
+
+_FAULTS = f"""
+FaultSpecification: {_IDENTIFIED}, val Fault[*] faults
+Fault: {_NAMED}, attr EInt[?] start, attr EInt[?] finish
+FaultType:
+MessageFault extends FaultType: ref Message[1] affectedMessage
+RobotFault extends FaultType: ref Robot[1] affectedRobot
+SensorFault extends FaultType: ref Sensor[1] affectedSensor
+ObstacleFault extends FaultType: ref Obstacle[1] affectedObstacle
+"""
+
+_CLASS = re.compile(r"^(\w+)(?: extends (\w+))?:(.*(?:\n    .*)*)", re.MULTILINE)
+_FEATURE = re.compile(r"(id|attr|val|ref) ([\w|]+)\[(\S+)\] (\w+)")
+_LEAST = MappingProxyType({"?": 0, "*": 0, "1": 1, "+": 1, "2..*": 2})
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,163 +89,58 @@ class Need:
     Attributes
     ----------
     holding
-        Whether it is an attribute, contains elements, or refers to them.
+        ``id`` or ``attr`` for an attribute, ``val`` for one that contains elements, ``ref`` for one
+        that refers to them: the words of Emfatic, Eclipse's notation for metamodels.
     type
         Name of its type; a subclass of it serves as well.
-    n_least
-        Number of values that every element has to have at least.
-    is_many
-        Whether it holds a list.
-    is_id
-        Whether it identifies its element.
+    number
+        How many values every element has to have: ``1``, ``?``, ``*``, ``+`` or ``2..*``.
     """
 
-    holding: Holding
+    holding: str
     type: str
-    n_least: int = 1
-    is_many: bool = False
-    is_id: bool = False
+    number: str
+
+    @property
+    def n_least(self) -> int:
+        """Number of values that every element has to have at least."""
+        return _LEAST[self.number]
+
+    @property
+    def is_many(self) -> bool:
+        """Whether it holds a list."""
+        return self.number not in {"1", "?"}
 
     def __str__(self) -> str:
-        kind = {"value": "an attribute", "part": "a containment", "link": "a reference"}
+        kind = {"val": "a containment", "ref": "a reference"}.get(self.holding, "an attribute")
         number = "many values" if self.is_many else "one value"
         least = f", at least {self.n_least}" if self.n_least else ""
-        identity = ", the ID" if self.is_id else ""
-        return f"{kind[self.holding]} of type {self.type} for {number}{least}{identity}"
+        identity = ", the ID" if self.holding == "id" else ""
+        return f"{kind} of type {self.type} for {number}{least}{identity}"
 
 
 Needs: TypeAlias = Mapping[str, Need]
 
 
-def _value(kind: str, n_least: int = 1) -> Need:
-    return Need("value", kind, n_least)
+def needs(text: str) -> Mapping[str, Needs]:
+    """Return what a text in the notation of this module needs, by class and feature."""
+    return MappingProxyType(
+        {
+            name: {feature: Need(*need) for *need, feature in _FEATURE.findall(features)}
+            for name, _, features in _CLASS.findall(text)
+        }
+    )
 
-
-def _part(kind: str, n_least: int = 1) -> Need:
-    return Need("part", kind, n_least)
-
-
-def _parts(kind: str, n_least: int = 0) -> Need:
-    return Need("part", kind, n_least, is_many=True)
-
-
-def _link(kind: str) -> Need:
-    return Need("link", kind)
-
-
-def _links(kind: str, n_least: int = 0) -> Need:
-    return Need("link", kind, n_least, is_many=True)
-
-
-_IDENTIFIED: Needs = {"ID": replace(_value(_TEXT), is_id=True)}
-_COMPONENT: Needs = {**_IDENTIFIED, "name": _value(_TEXT)}
-_STATION: Needs = {
-    **_COMPONENT,
-    "intProperties": _parts("IntProperty"),
-    "stringProperties": _parts("StringProperty"),
-    "doubleProperties": _parts("DoubleProperty"),
-}
-
-_MISSION: Mapping[str, Needs] = {
-    "Mission": {
-        "name": _value(_TEXT),
-        "duration": _value(_WHOLE),
-        "missionArea": _part("Area"),
-        "robots": _parts("Robot", 1),
-        "servers": _parts("Server"),
-        "obstacles": _parts("Obstacle"),
-        "goals": _parts("Goal", 1),
-    },
-    "Robot": {
-        **_STATION,
-        "speed": _value(_NUMBER),
-        "position": _part("Coordinates", 0),
-        "sensors": _parts("Sensor"),
-        "batteries": _parts("Battery"),
-        "motionSources": _parts("MotionSource"),
-    },
-    "Server": _STATION,
-    "Sensor": {
-        **_COMPONENT,
-        "type": _value("SensorType"),
-        "energyPerSample": _value(_NUMBER, 0),
-        "samplesPerSecond": _value(_WHOLE),
-    },
-    "Battery": {**_COMPONENT, "totalEnergy": _value(_NUMBER)},
-    "MotionSource": {**_COMPONENT, "energyPerDistanceUnit": _value(_NUMBER)},
-    "IntProperty": {"name": _value(_TEXT), "value": _value(_WHOLE)},
-    "StringProperty": {"name": _value(_TEXT), "value": _value(_TEXT)},
-    "DoubleProperty": {"name": _value(_TEXT), "value": _value(_NUMBER)},
-    "Coordinates": {axis: _value(_NUMBER, 0) for axis in ("x", "y", "z")},
-    "Area": {**_IDENTIFIED, "radius": _value(_NUMBER), "center": _part("Coordinates", 0)},
-    "Obstacle": {**_IDENTIFIED, "area": _part("Area")},
-    "Message": {
-        **_IDENTIFIED,
-        "header": _value(_TEXT, 0),
-        "sender": _link("Station"),
-        "receiver": _link("Station"),
-        "body": _parts("MessageData", 1),
-    },
-    "MessageData": {"name": _value(_TEXT), "type": _value(_TEXT)},
-    "Goal": {
-        **_COMPONENT,
-        "members": _links("Robot", 1),
-        "dependentGoals": _links("Goal"),
-        "area": _part("Area", 0),
-        "task": _part("GoalTask"),
-        "messages": _parts("Message"),
-    },
-}
-
-_TASKS: Mapping[str, Needs] = {
-    "AvoidCollision": {"robots": _links("Robot", 1), "obstacles": _links("Obstacle")},
-    "StayWithinMissionArea": {},
-    "SufficientEnergy": {},
-    "GatherSamples": {"targetSampleNumber": _value(_WHOLE), "sensor": _link("Sensor")},
-    "Patrol": {"area": _part("Area"), "period": _value(_WHOLE)},
-    "Visit": {
-        "coordinates": _part("Coordinates"),
-        "tolerance": _value(_NUMBER, 0),
-        "deadline": _value(_WHOLE),
-    },
-    "Track": {"trajectory": _parts("Coordinates", 2), "tolerance": _value(_NUMBER)},
-    "Stay": {"area": _part("Area")},
-    "FixedDistanceBetweenRobots": {
-        "fixedDistance": _value(_NUMBER),
-        "tolerance": _value(_NUMBER, 0),
-    },
-}
-
-
-_STRUCK: Mapping[str, Needs] = {
-    "MessageFault": {"affectedMessage": _link("Message")},
-    "RobotFault": {"affectedRobot": _link("Robot")},
-    "SensorFault": {"affectedSensor": _link("Sensor")},
-    "ObstacleFault": {"affectedObstacle": _link("Obstacle")},
-}
-
-_FAULTS: Mapping[str, Needs] = {
-    "FaultSpecification": {**_IDENTIFIED, "faults": _parts("Fault")},
-    "Fault": {**_COMPONENT, "start": _value(_WHOLE, 0), "finish": _value(_WHOLE, 0)},
-    "FaultType": {},
-    **_STRUCK,
-}
-
-OWN_TASK = "OwnTask"
-"""What a goal task of a team's own is in the runtime."""
-
-PROGRESSING = frozenset({"GatherSamples", "Patrol", "Visit", "Track", "Stay"})
-"""Goal tasks that note once a tick what their check and reaction have to remember."""
 
 CONTRACT: Mapping[str, Mapping[str, Needs]] = MappingProxyType(
-    {"mission": {**_MISSION, **_TASKS}, "faults": _FAULTS}
+    {"mission": needs(_MISSION), "faults": needs(_FAULTS)}
 )
 """What is read, by package, class and feature, inherited features included."""
 
 SUPERTYPES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
-        "mission": {"Robot": "Station", "Server": "Station", **dict.fromkeys(_TASKS, "GoalTask")},
-        "faults": dict.fromkeys(_STRUCK, "FaultType"),
+        package: {name: parent for name, parent, _ in _CLASS.findall(text) if parent}
+        for package, text in (("mission", _MISSION), ("faults", _FAULTS))
     }
 )
 """What a class has to inherit from, by package and class."""

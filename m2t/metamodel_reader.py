@@ -14,72 +14,50 @@ from lxml import etree
 from pyecore.resources import URI, ResourceSet
 
 from m2t.diagnostics import Report, shown
+from m2t.metamodel_contract import Needs, needs
 from m2t.namespaces import ECORE, XMI, XSI
 from m2t.read.nodes import Node
 from mrsfi_runtime.errors import ModelError
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
-_SWITCH = re.compile(r"true|false")
-_COUNT = re.compile(r"-1|[0-9]{1,6}", re.ASCII)
-_INTEGER = re.compile(r"-?[0-9]{1,9}", re.ASCII)
-_NUMBER = re.compile(r"-?[0-9]{1,15}(\.[0-9]{1,15})?", re.ASCII)
-_ANY = re.compile(r".*", re.DOTALL)
-_SOME = re.compile(r".+", re.DOTALL)
-
-VALUE_TYPES: Mapping[str, re.Pattern[str]] = MappingProxyType(
-    {"EString": _ANY, "EInt": _INTEGER, "EDouble": _NUMBER, "EBoolean": _SWITCH}
+_PATTERNS: Mapping[str, re.Pattern[str]] = MappingProxyType(
+    {
+        "Name": re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII),
+        "Count": re.compile(r"-1|[0-9]{1,6}", re.ASCII),
+        "Some": re.compile(r".+", re.DOTALL),
+        "EString": re.compile(r".*", re.DOTALL),
+        "EInt": re.compile(r"-?[0-9]{1,9}", re.ASCII),
+        "EDouble": re.compile(r"-?[0-9]{1,15}(\.[0-9]{1,15})?", re.ASCII),
+        "EBoolean": re.compile(r"true|false"),
+    }
 )
+VALUE_TYPES = {name: text for name, text in _PATTERNS.items() if name.startswith("E")}
 """Types of attributes beside enumerations, and what their defaults look like."""
 
 _MAX_ANCESTORS = 50
 _ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
 
-_FEATURE = {
-    "name": _NAME,
-    "eType": _SOME,
-    "lowerBound": _COUNT,
-    "upperBound": _COUNT,
-    **dict.fromkeys(("ordered", "unique", "changeable", "volatile", "transient"), _SWITCH),
-    **dict.fromkeys(("unsettable", "derived"), _SWITCH),
-}
-_ATTRIBUTES: Mapping[str, Mapping[str, re.Pattern[str]]] = MappingProxyType(
-    {
-        "EPackage": {"name": _NAME, "nsURI": _SOME, "nsPrefix": _NAME},
-        "EClass": {
-            "name": _NAME,
-            "abstract": _SWITCH,
-            "interface": _SWITCH,
-            "eSuperTypes": _ANY,
-            "instanceClassName": _SOME,
-        },
-        "EEnum": {"name": _NAME, "serializable": _SWITCH, "instanceClassName": _SOME},
-        "EEnumLiteral": {"name": _NAME, "value": _INTEGER, "literal": _NAME},
-        "EAttribute": {**_FEATURE, "iD": _SWITCH, "defaultValueLiteral": _ANY},
-        "EReference": {**_FEATURE, "containment": _SWITCH, "resolveProxies": _SWITCH},
-        "EAnnotation": {"source": _ANY},
-        "details": {"key": _ANY, "value": _ANY},
-    }
+_ANNOTATED = "val EAnnotation[*] eAnnotations"
+_NAMED = f"{_ANNOTATED}, attr Name[1] name"
+_FEATURE = (
+    f"{_NAMED}, attr Some[1] eType, attr Count[?] lowerBound, attr Count[?] upperBound, "
+    "attr EBoolean[?] ordered, attr EBoolean[?] unique, attr EBoolean[?] changeable, "
+    "attr EBoolean[?] volatile, attr EBoolean[?] transient, attr EBoolean[?] unsettable, "
+    "attr EBoolean[?] derived"
 )
-_REQUIRED: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "EPackage": ("name", "nsURI", "nsPrefix"),
-        **dict.fromkeys(("EClass", "EEnum", "EEnumLiteral"), ("name",)),
-        **dict.fromkeys(("EAttribute", "EReference"), ("name", "eType")),
-    }
-)
-_ANNOTATED = {"eAnnotations": ("EAnnotation",)}
-_CHILDREN: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
-    {
-        "EPackage": {**_ANNOTATED, "eClassifiers": ("EClass", "EEnum")},
-        "EClass": {**_ANNOTATED, "eStructuralFeatures": ("EAttribute", "EReference")},
-        "EEnum": {**_ANNOTATED, "eLiterals": ("EEnumLiteral",)},
-        "EEnumLiteral": _ANNOTATED,
-        "EAttribute": _ANNOTATED,
-        "EReference": _ANNOTATED,
-        "EAnnotation": {**_ANNOTATED, "details": ("details",)},
-        "details": {},
-    }
-)
+_UNDERSTOOD = needs(f"""
+EPackage: {_NAMED}, attr Some[1] nsURI, attr Name[1] nsPrefix, val EClass|EEnum[*] eClassifiers
+EClass: {_NAMED}, attr EBoolean[?] abstract, attr EBoolean[?] interface,
+    attr EString[?] eSuperTypes, attr Some[?] instanceClassName,
+    val EAttribute|EReference[*] eStructuralFeatures
+EEnum: {_NAMED}, attr EBoolean[?] serializable, attr Some[?] instanceClassName,
+    val EEnumLiteral[*] eLiterals
+EEnumLiteral: {_NAMED}, attr EInt[?] value, attr Name[?] literal
+EAttribute: {_FEATURE}, attr EBoolean[?] iD, attr EString[?] defaultValueLiteral
+EReference: {_FEATURE}, attr EBoolean[?] containment, attr EBoolean[?] resolveProxies
+EAnnotation: {_ANNOTATED}, attr EString[?] source, val details[*] details
+details: attr EString[?] key, attr EString[?] value
+""")
+"""What mrsfi understands of Ecore, in the notation of ``m2t.metamodel_contract``."""
 
 
 class MetamodelReader:
@@ -161,22 +139,22 @@ class MetamodelReader:
         if node.text.strip():
             finding = f"holds the text {shown(node.text.strip())}; expected none; delete it"
             self._report.add(node, "NoText", finding)
-        for name in _REQUIRED.get(kind, ()):
-            if name not in node.attributes:
+        known = _UNDERSTOOD[kind]
+        for name, need in known.items():
+            if need.n_least and name not in node.attributes:
                 finding = f"has no {name}; every {kind} needs one; add it"
                 self._report.add(node, "RequiredFeature", finding)
-        self._check_attributes(node, kind)
+        self._check_attributes(node, {name: known[name].type for name in _held(known, "attr")})
         for child in node.children:
-            self._check_child(node, kind, child)
+            self._check_child(node, known, child)
 
-    def _check_attributes(self, node: Node, kind: str) -> None:
+    def _check_attributes(self, node: Node, types: Mapping[str, str]) -> None:
         for name, text in node.attributes.items():
-            pattern = _ATTRIBUTES[kind].get(name)
-            if pattern is None:
-                listed = ", ".join(_ATTRIBUTES[kind])
+            if name not in types:
+                listed = ", ".join(types)
                 finding = f"has no attribute {shown(name)}; expected {listed}; correct it"
                 self._report.add(node, "KnownFeature", finding)
-            elif not pattern.fullmatch(text):
+            elif not _PATTERNS[types[name]].fullmatch(text):
                 finding = f"has {name} {shown(text)}, which is no such value; correct it"
                 self._report.add(node, "NumberSyntax", finding)
         for namespace, name in node.qualified:
@@ -184,13 +162,14 @@ class MetamodelReader:
                 finding = f"has attribute {shown(name)} of namespace {shown(namespace)}; delete it"
                 self._report.add(node, "KnownFeature", finding)
 
-    def _check_child(self, node: Node, kind: str, child: Node) -> None:
-        kinds = _CHILDREN[kind].get(child.tag) if not child.namespace else None
-        if kinds is None:
-            listed = ", ".join(_CHILDREN[kind]) or "none"
+    def _check_child(self, node: Node, known: Needs, child: Node) -> None:
+        tags = _held(known, "val")
+        if child.tag not in tags or child.namespace:
+            listed = ", ".join(tags) or "none"
             finding = f"is an unknown element of {node.description}; expected {listed}; correct it"
             self._report.add(child, "KnownFeature", finding)
             return
+        kinds = known[child.tag].type.split("|")
         text = child.xsi_type
         prefix, _, name = (text or "").rpartition(":")
         if text is None and len(kinds) == 1:
@@ -254,6 +233,10 @@ class MetamodelReader:
         if len(ancestors) > _MAX_ANCESTORS:
             finding = f"inherits from more than {_MAX_ANCESTORS} classes; expected fewer; join some"
             self._report.add(node, "FileSize", finding)
+
+
+def _held(known: Needs, holding: str) -> list[str]:
+    return [name for name, need in known.items() if need.holding == holding]
 
 
 class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
