@@ -10,8 +10,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from m2t.constraints.faults import broken_ticks, disordered_draw, disordered_parameters
-from m2t.constraints.mission import strangers
+from m2t.constraints.faults import (
+    Pairs,
+    broken_ticks,
+    exchanged_bounds,
+    exchanged_draw,
+    exchanged_window,
+)
+from m2t.constraints.mission import repeated, strangers
 from m2t.diagnostics import Diagnostic
 from m2t.line_difference import unified_difference
 from m2t.load import Inspection, LoadedModels
@@ -126,27 +132,9 @@ def _add_members(task: Any) -> None:
 
 
 def _delete_repeated_field(entry: Any) -> None:
-    if entry.eContainer() is None:  # deleted already: two defects of one name in one line
-        return
-    body = entry.eContainer().body
-    if next(other for other in body if other.name == entry.name) is not entry:
-        body.remove(entry)
-
-
-def _order_random_bounds(kind: Any) -> None:
-    drawn = disordered_draw(kind)
-    if drawn is not None:
-        _exchange(kind, *drawn)
-
-
-def _order_search_bounds(kind: Any) -> None:
-    for name in disordered_parameters(kind):
-        _exchange(kind, f"{name}_MIN", f"{name}_MAX")
-
-
-def _order_window(fault: Any) -> None:
-    if fault.start > fault.finish:
-        _exchange(fault, "start", "finish")
+    message = entry.eContainer()  # None if deleted already: two defects of one name in one line
+    if message is not None and entry in repeated(message.body):
+        message.body.remove(entry)
 
 
 def _round_ticks(kind: Any) -> None:
@@ -154,10 +142,16 @@ def _round_ticks(kind: Any) -> None:
         setattr(kind, name, float(round(getattr(kind, name))))
 
 
-def _exchange(element: Any, one: str, other: str) -> None:
-    first, second = getattr(element, one), getattr(element, other)
-    setattr(element, one, second)
-    setattr(element, other, first)
+def _exchanging(pairs: Callable[[Any], Pairs]) -> Remedy:
+    """Return the remedy that exchanges the values of pairs of features."""
+
+    def exchange(element: Any) -> None:
+        for one, other in pairs(element):
+            first, second = getattr(element, one), getattr(element, other)
+            setattr(element, one, second)
+            setattr(element, other, first)
+
+    return exchange
 
 
 def _nothing(_: Any) -> None:
@@ -173,13 +167,13 @@ FIXES: Mapping[str, Fix] = MappingProxyType(
         "AvoidCollisionMembers": Fix("Add the robots to the members of the goal", _add_members),
         "UniqueMessageField": Fix("Delete the repeated field", _delete_repeated_field),
         "RandomBoundsOrdered": Fix(
-            "Exchange the lowest and the highest random value", _order_random_bounds
+            "Exchange the lowest and the highest random value", _exchanging(exchanged_draw)
         ),
         "SearchBoundsOrdered": Fix(
-            "Exchange the lowest and the highest value", _order_search_bounds
+            "Exchange the lowest and the highest value", _exchanging(exchanged_bounds)
         ),
         "WholeTicks": Fix("Round to whole ticks", _round_ticks),
-        "WindowOrdered": Fix("Exchange start and finish", _order_window),
+        "WindowOrdered": Fix("Exchange start and finish", _exchanging(exchanged_window)),
     }
 )
 """Fixes by constraint; the ``.evl`` files offer the same under the same titles."""

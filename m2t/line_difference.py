@@ -1,22 +1,20 @@
 """Unified differences of long files in time that grows with their length.
 
 ``difflib`` looks at the whole file for every changed line. Here, lines that stand once in both
-files divide them first, as in a patience diff; what lies between two of them is compared a part
-at a time. That gives a right difference for any two files, and that of ``difflib`` where both fit
-into one part.
+files divide them first, as in a patience diff, and what lies between two of them is divided again.
+That gives a right difference for any two files, and that of ``difflib`` for short ones.
 """
 
 from bisect import bisect_left
-from collections import Counter
+from collections import Counter, defaultdict, deque
 from collections.abc import Iterator, Sequence
 from difflib import SequenceMatcher
 
-PART = 400
-"""Lines that are compared at a time; more only where they have nothing in common."""
+SHORT = 400
+"""Lines that are compared undivided; more only where nothing divides them."""
 
 _CONTEXT = 3
 
-Block = tuple[int, int, int]
 Opcode = tuple[str, int, int, int, int]
 
 
@@ -68,32 +66,56 @@ class _Aligned(SequenceMatcher[str]):
 
     def __init__(self, old: Sequence[str], new: Sequence[str]) -> None:
         super().__init__(None, (), ())
-        self._lengths = (len(old), len(new))
-        self._blocks = _common_blocks(old, new)
+        self._end = (len(old), len(new), 0)
+        self._pairs = _pairs(old, new)
 
-    def get_matching_blocks(self) -> list[Block]:  # type: ignore[override]
-        return [*self._blocks, (*self._lengths, 0)]
+    def get_matching_blocks(self) -> list[tuple[int, int, int]]:  # type: ignore[override]
+        """Return runs of equal lines: where they begin in both files, and how long they are."""
+        blocks: list[tuple[int, int, int]] = []
+        begin, length = (0, 0), 0
+        for pair in self._pairs:
+            if pair != (begin[0] + length, begin[1] + length):
+                blocks.append((*begin, length))
+                begin, length = pair, 0
+            length += 1
+        return [*blocks, (*begin, length), self._end]
 
 
-def _common_blocks(old: Sequence[str], new: Sequence[str]) -> list[Block]:
-    """Return runs of equal lines, in order: where they begin in both, and how long they are."""
-    blocks: list[Block] = []
-    at_old, at_new = 0, 0
-    is_short = max(len(old), len(new)) <= PART
-    for anchor_old, anchor_new in () if is_short else _anchors(old, new):
-        between = _compared(old[at_old:anchor_old], new[at_new:anchor_new])
-        _join(blocks, at_old, at_new, [*between, (anchor_old - at_old, anchor_new - at_new, 1)])
-        at_old, at_new = anchor_old + 1, anchor_new + 1
-    _join(blocks, at_old, at_new, _compared(old[at_old:], new[at_new:]))
-    return blocks
+def _pairs(old: Sequence[str], new: Sequence[str]) -> Iterator[tuple[int, int]]:
+    """Yield the places of equal lines in both files, in order."""
+    anchors = [] if max(len(old), len(new)) <= SHORT else _anchors(old, new)
+    if not anchors:
+        for a, b, length in SequenceMatcher(None, old, new).get_matching_blocks():
+            yield from zip(range(a, a + length), range(b, b + length), strict=True)
+        return
+    begin = (0, 0)
+    for a, b in anchors:
+        yield from _pairs_between(old, new, begin, (a, b))
+        yield a, b
+        begin = (a + 1, b + 1)
+    yield from _pairs_between(old, new, begin, (len(old), len(new)))
+
+
+def _pairs_between(
+    old: Sequence[str], new: Sequence[str], begin: tuple[int, int], end: tuple[int, int]
+) -> Iterator[tuple[int, int]]:
+    if begin[0] < end[0] and begin[1] < end[1]:
+        for a, b in _pairs(old[begin[0] : end[0]], new[begin[1] : end[1]]):
+            yield begin[0] + a, begin[1] + b
 
 
 def _anchors(old: Sequence[str], new: Sequence[str]) -> list[tuple[int, int]]:
-    """Return where lines stand that both files have once: as many as are in the same order."""
+    """Return where lines stand that both files have once: as many as are in the same order.
+
+    Without such lines, they are those that both files have as often as each other.
+    """
     counts_old, counts_new = Counter(old), Counter(new)
-    places = {line: n for n, line in enumerate(new) if counts_new[line] == 1}
-    pairs = [(n, places[line]) for n, line in enumerate(old) if line in places]
-    pairs = [(n, m) for n, m in pairs if counts_old[old[n]] == 1]
+    alike = {line for line, count in counts_old.items() if counts_new[line] == count}
+    dividing = {line for line in alike if counts_old[line] == 1} or alike
+    places: dict[str, deque[int]] = defaultdict(deque)
+    for n, line in enumerate(new):
+        places[line].append(n)
+    pairs = [(n, places[line].popleft()) for n, line in enumerate(old) if line in dividing]
     ends: list[int] = []  # the least end of an increasing run, by its length
     chosen: list[int] = []  # the pair that has it
     before: list[int] = []  # by pair, the one before it in its run; -1 if none
@@ -108,45 +130,3 @@ def _anchors(old: Sequence[str], new: Sequence[str]) -> list[tuple[int, int]]:
         run.append(pairs[k])
         k = before[k]
     return run[::-1]
-
-
-def _compared(old: Sequence[str], new: Sequence[str]) -> list[Block]:
-    """Return runs of equal lines, part by part.
-
-    A part is settled up to three quarters of its length, because its last lines may belong to
-    lines beyond it. One that settles nothing is compared again at twice the length.
-    """
-    blocks: list[Block] = []
-    at_old, at_new, size = 0, 0, PART
-    while at_old < len(old) and at_new < len(new):
-        part = SequenceMatcher(None, old[at_old : at_old + size], new[at_new : at_new + size])
-        found = part.get_matching_blocks()[:-1]
-        is_last = at_old + size >= len(old) and at_new + size >= len(new)
-        settled = found if is_last else [*_settled(found, size * 3 // 4)]
-        _join(blocks, at_old, at_new, settled)
-        if is_last:
-            break
-        if settled:
-            a, b, length = settled[-1]
-            at_old, at_new, size = at_old + a + length, at_new + b + length, PART
-        else:
-            size *= 2
-    return blocks
-
-
-def _settled(found: Sequence[Block], limit: int) -> Iterator[Block]:
-    for a, b, length in found:
-        fitting = min(length, limit - max(a, b))
-        if fitting > 0:
-            yield a, b, fitting
-
-
-def _join(blocks: list[Block], at_old: int, at_new: int, found: Sequence[Block]) -> None:
-    """Add runs that were found from a place on, joined where nothing lies between."""
-    for a, b, length in found:
-        begin = (at_old + a, at_new + b)
-        old, new, before = blocks[-1] if blocks else (-1, -1, 0)
-        if blocks and (old + before, new + before) == begin:
-            blocks[-1] = (old, new, before + length)
-        else:
-            blocks.append((*begin, length))

@@ -1,6 +1,7 @@
 """Find which disc a point first lies in, without asking every disc."""
 
 import math
+from collections import defaultdict
 from collections.abc import Callable
 from itertools import product
 from typing import Generic, TypeAlias, TypeVar
@@ -32,28 +33,23 @@ class Discs(Generic[T]):
     def add(self, element: T, center: Point, radius: float) -> None:
         """Add a disc after all others."""
         width = 2.0 ** math.frexp(radius)[1]
-        cells = self._grids.setdefault(width, {})
-        cells.setdefault(_cell(center, width), []).append(len(self._discs))
+        cells = self._grids.setdefault(width, defaultdict(list))
+        cells[_cell(center, width)].append(len(self._discs))
         self._discs.append((element, center, radius))
 
     def first_around(self, point: Point) -> T | None:
         """Return the element of the first disc that a point lies in, not on its edge."""
-        first = len(self._discs)
+        found = []
         for width, cells in self._grids.items():
             x, y = _cell(point, width)
             for dx, dy in product((-1, 0, 1), repeat=2):
-                first = self._first(cells.get((x + dx, y + dy), ()), point, first)
-        return self._discs[first][0] if first < len(self._discs) else None
+                near = cells.get((x + dx, y + dy), ())
+                found += next(([number] for number in near if self._holds(number, point)), [])
+        return self._discs[min(found)][0] if found else None
 
-    def _first(self, numbers: "list[int] | tuple[()]", point: Point, limit: int) -> int:
-        """Return the first disc of a cell, before a limit, that a point lies in; else the limit."""
-        for number in numbers:
-            if number >= limit:
-                break
-            _, center, radius = self._discs[number]
-            if self._distance(point, center) < radius:
-                return number
-        return limit
+    def _holds(self, number: int, point: Point) -> bool:
+        _, center, radius = self._discs[number]
+        return self._distance(point, center) < radius
 
 
 def _cell(point: Point, width: float) -> tuple[int, int]:

@@ -6,7 +6,7 @@ Source paper, section III-B b).
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from m2t.constraints.findings import number
 from m2t.diagnostics import Findings
@@ -15,6 +15,9 @@ from m2t.metaclasses import is_kind, slots
 from m2t.metamodel_contract import BOUNDS
 from m2t.metamodels import meaning
 from mrsfi_runtime.model.fault_types import OF_ROBOT, Field, Mode
+
+Pairs: TypeAlias = list[tuple[str, str]]
+"""Names of features of which the value of the first must not be above that of the second."""
 
 
 def check_faults(specification: Any, duration: int, findings: Findings) -> None:
@@ -61,15 +64,31 @@ def is_set(element: Any, name: str) -> bool:
     return slot is not None and bool(element.eIsSet(slot.feature))
 
 
-def disordered_parameters(kind: Any) -> list[str]:
-    """Return the parameters of a fault type whose lowest value is above their highest."""
-    return [
-        parameter.name
-        for parameter in meaning(kind).parameters
-        if (bounds := [f"{parameter.name}{end}" for end in BOUNDS])
-        and all(is_set(kind, name) for name in bounds)
-        and getattr(kind, bounds[0]) > getattr(kind, bounds[1])
-    ]
+def exchanged_window(fault: Any) -> Pairs:
+    """Return the names of start and finish if a fault finishes before it starts."""
+    return _exchanged(fault, _given(fault, ("start", "finish")))
+
+
+def exchanged_draw(kind: Any) -> Pairs:
+    """Return the names of lowest and highest value that a fault type draws, if exchanged."""
+    names = [parameter.name for parameter in meaning(kind).parameters]
+    is_drawn = meaning(kind).mode is Mode.RANDOM and names
+    return _exchanged(kind, [(names[0], names[1])] if is_drawn else [])
+
+
+def exchanged_bounds(kind: Any) -> Pairs:
+    """Return the names of the bounds of each parameter whose lowest is above its highest."""
+    low, high = BOUNDS
+    names = [parameter.name for parameter in meaning(kind).parameters]
+    return _exchanged(kind, _given(kind, *((f"{name}{low}", f"{name}{high}") for name in names)))
+
+
+def _given(element: Any, *pairs: tuple[str, str]) -> Pairs:
+    return [pair for pair in pairs if all(is_set(element, name) for name in pair)]
+
+
+def _exchanged(element: Any, pairs: Pairs) -> Pairs:
+    return [pair for pair in pairs if getattr(element, pair[0]) > getattr(element, pair[1])]
 
 
 def broken_ticks(kind: Any) -> list[str]:
@@ -79,15 +98,6 @@ def broken_ticks(kind: Any) -> list[str]:
         for name, slot in slots(kind.eClass).items()
         if slot.counts_ticks and is_set(kind, name) and getattr(kind, name) % 1
     ]
-
-
-def disordered_draw(kind: Any) -> tuple[str, str] | None:
-    """Return the lowest and highest value that a fault type draws, if they are exchanged."""
-    names = [parameter.name for parameter in meaning(kind).parameters]
-    if meaning(kind).mode is not Mode.RANDOM or not names:
-        return None
-    lowest, highest = names
-    return (lowest, highest) if getattr(kind, lowest) > getattr(kind, highest) else None
 
 
 def _check_window(fault: Any, duration: int, findings: Findings) -> None:
@@ -101,7 +111,7 @@ def _check_window(fault: Any, duration: int, findings: Findings) -> None:
         )
     if not (has_start and has_finish):
         return
-    if fault.start > fault.finish:
+    if exchanged_window(fault):
         findings.add(
             fault,
             "WindowOrdered",
@@ -118,22 +128,15 @@ def _check_window(fault: Any, duration: int, findings: Findings) -> None:
 
 
 def _check_parameters(kind: Any, findings: Findings) -> None:
-    drawn = disordered_draw(kind)
-    if drawn is not None:
-        lowest, highest = (number(getattr(kind, name)) for name in drawn)
+    drawn = [("RandomBoundsOrdered", *pair) for pair in exchanged_draw(kind)]
+    searched = [("SearchBoundsOrdered", *pair) for pair in exchanged_bounds(kind)]
+    for constraint, low, high in drawn + searched:
+        lowest, highest = number(getattr(kind, low)), number(getattr(kind, high))
         findings.add(
             kind,
-            "RandomBoundsOrdered",
-            f"has {drawn[0]} {lowest} above {drawn[1]} {highest}; expected the lower one first; "
+            constraint,
+            f"has {low} {lowest} above {high} {highest}; expected the lower one first; "
             "exchange them",
-        )
-    for name in disordered_parameters(kind):
-        lowest, highest = getattr(kind, f"{name}_MIN"), getattr(kind, f"{name}_MAX")
-        findings.add(
-            kind,
-            "SearchBoundsOrdered",
-            f"has {name}_MIN {number(lowest)} above {name}_MAX {number(highest)}; expected the "
-            "lower one first; exchange them",
         )
     for name in broken_ticks(kind):
         findings.add(

@@ -6,7 +6,8 @@ Source paper, section III-B a).
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 from typing import Any
 
 from pyecore.ecore import EObject
@@ -58,6 +59,15 @@ def strangers(goal: Any) -> list[Any]:
     return [robot for robot in goal.task.robots if robot not in goal.members]
 
 
+def repeated(entries: Iterable[Any]) -> Iterator[Any]:
+    """Yield the entries that have the name of one before them."""
+    names: set[str] = set()
+    for entry in entries:
+        if entry.name in names:
+            yield entry
+        names.add(entry.name)
+
+
 def areas(mission: Any) -> Iterator[Any]:
     """Return all areas but the mission's own, in model order."""
     for obstacle in mission.obstacles:
@@ -88,17 +98,14 @@ def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:
 
 
 def _check_property_names(station: Any, findings: Findings) -> None:
-    seen: set[str] = set()
-    for entries in (station.intProperties, station.stringProperties, station.doubleProperties):
-        for entry in entries:
-            if entry.name in seen:
-                findings.add(
-                    entry,
-                    "UniquePropertyName",
-                    f"is a property of {findings.describe(station)} for the second time; "
-                    "expected different names; rename one",
-                )
-            seen.add(entry.name)
+    properties = (station.intProperties, station.stringProperties, station.doubleProperties)
+    for entry in repeated(chain(*properties)):
+        findings.add(
+            entry,
+            "UniquePropertyName",
+            f"is a property of {findings.describe(station)} for the second time; "
+            "expected different names; rename one",
+        )
 
 
 def _check_area(mission: Any, area: Any, findings: Findings) -> None:
@@ -215,16 +222,15 @@ def _check_message(goal: Any, message: Any, findings: Findings) -> None:
             f"is sent by '{sender.ID}'; expected a member of the goal "
             f"({identities(goal.members)}); correct the sender or the members",
         )
-    seen: set[str] = set()
+    again = set(repeated(message.body))
     for entry in message.body:
         _check_field(sender, entry, findings)
-        if entry.name in seen:
+        if entry in again:
             findings.add(
                 entry,
                 "UniqueMessageField",
                 "is reported twice by the same message; expected it once; delete one",
             )
-        seen.add(entry.name)
 
 
 def _check_field(sender: Any, entry: Any, findings: Findings) -> None:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from m2t import line_difference
-from m2t.line_difference import PART, unified_difference
+from m2t.line_difference import SHORT, unified_difference
 
 LINES = st.lists(st.sampled_from("abcdefg"), max_size=60)
 
@@ -78,13 +78,13 @@ def test_short_files_differ_as_difflib_says(old, new):
 @given(st.integers(0, 2**32), st.sampled_from([2, 30, 5000]))
 def test_the_difference_of_long_files_makes_the_new_of_the_old(seed, n_kinds):
     rng = Random(seed)
-    old = [str(rng.randrange(n_kinds)) for _ in range(3 * PART)]
+    old = [str(rng.randrange(n_kinds)) for _ in range(3 * SHORT)]
     new = old[:]
     for _ in range(40):
         first = rng.randrange(len(new))
         fresh = [str(rng.randrange(n_kinds)) for _ in range(rng.randrange(4))]
         new[first : first + rng.randrange(4)] = fresh
-    new[PART:PART] = old[:100]
+    new[SHORT:SHORT] = old[:100]
 
     assert _applied(old, _found(old, new)) == new
 
@@ -102,7 +102,7 @@ def test_mended_faults_differ_in_their_own_lines_only():
 
 def test_a_long_insertion_is_one_hunk():
     old, _ = _model(600)
-    new = [*old[:1000], *(f"new {n}" for n in range(5 * PART)), *old[1000:]]
+    new = [*old[:1000], *(f"new {n}" for n in range(5 * SHORT)), *old[1000:]]
 
     found = _found(old, new)
 
@@ -119,7 +119,7 @@ def test_work_grows_as_the_number_of_defects(monkeypatch, every):
 
 
 def test_files_with_nothing_in_common_are_replaced_as_a_whole():
-    old, new = [f"a{n}" for n in range(5 * PART)], [f"b{n}" for n in range(5 * PART)]
+    old, new = [f"a{n}" for n in range(5 * SHORT)], [f"b{n}" for n in range(5 * SHORT)]
 
     found = _found(old, new)
 
