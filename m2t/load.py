@@ -14,7 +14,7 @@ from m2t.diagnostics import Diagnostic, Findings, Report
 from m2t.metamodels import load_metamodels
 from m2t.objects import ModelLoader
 from m2t.read.addresses import local_path
-from m2t.read.model_files import ModelFile, ModelFiles
+from m2t.read.model_files import ModelFiles
 from m2t.read.nodes import Node
 from mrsfi_runtime.errors import ModelError
 
@@ -57,8 +57,6 @@ class LoadedModels:
         Element of the file, with its line, of every object of both models.
     files
         All files that they came from, in the order in which they were read.
-    xmi_ids
-        The xmi:id of every object whose element has one.
     """
 
     mission: Any
@@ -67,7 +65,12 @@ class LoadedModels:
     faults_path: Path | None
     nodes: Mapping[Any, Node] = field(repr=False)
     files: tuple[LoadedFile, ...] = field(default=(), repr=False)
-    xmi_ids: Mapping[Any, str] = field(default_factory=dict, repr=False)
+
+    @property
+    def xmi_ids(self) -> Mapping[Any, str]:
+        """The xmi:id of every object whose element has one."""
+        found = ((element, node.xmi_id) for element, node in self.nodes.items())
+        return {element: identity for element, identity in found if identity is not None}
 
     @property
     def pool(self) -> tuple[Any, ...]:
@@ -279,10 +282,10 @@ class _Loading:
             mission_path=mission.path,
             faults_path=None if faults is None else faults.path,
             nodes=self._loader.nodes,
-            files=tuple(self._loaded_file(file) for file in self._files),
-            xmi_ids=self._loader.xmi_ids,
+            files=tuple(
+                LoadedFile(
+                    file.path, file.encoding, tuple(map(self._loader.objects.get, file.roots))
+                )
+                for file in self._files
+            ),
         )
-
-    def _loaded_file(self, file: ModelFile) -> LoadedFile:
-        roots = tuple(self._loader.instance(root) for root in file.roots)
-        return LoadedFile(file.path, file.encoding, roots)

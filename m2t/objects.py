@@ -22,14 +22,13 @@ class ModelLoader:
     ----------
     nodes
         Node of every object loaded so far.
-    xmi_ids
-        The xmi:id of every object whose element has one.
+    objects
+        Object of every node.
     """
 
     def __init__(self) -> None:
         self.nodes: dict[Any, Node] = {}
-        self.xmi_ids: dict[Any, str] = {}
-        self._objects: dict[Node, Any] = {}
+        self.objects: dict[Node, Any] = {}
         self._resources = ResourceSet()
         self._resources.resource_factory["xmi"] = _CheckedResource
 
@@ -41,49 +40,32 @@ class ModelLoader:
         tree
             The model, sound in structure; the model that it refers to is loaded before it.
         """
-        resource = self._resources.get_resource(_CheckedModel(tree), objects=self._objects)
-        for node in resource.nodes:
-            built = self._objects[node]
-            self.nodes[built] = node
-            if node.xmi_id is not None:
-                self.xmi_ids[built] = node.xmi_id
-        return resource.contents[0]
-
-    def instance(self, node: Node) -> Any:
-        """Return the object of a node; ``None`` if none was loaded."""
-        return self._objects.get(node)
-
-
-class _CheckedModel(URI):  # type: ignore[misc] # pyecore has no types
-    """Where a resource finds a model that was read and checked already."""
-
-    def __init__(self, tree: ModelTree) -> None:
-        super().__init__(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi")
-        self.tree = tree
+        uri = URI(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi")
+        return self._resources.get_resource(uri, tree=tree, loader=self).contents[0]
 
 
 class _CheckedResource(XMIResource):  # type: ignore[misc] # pyecore has no types
-    """A resource that is built from nodes; adds its objects to those of the models before it."""
+    """A resource that is built from nodes that were read and checked already."""
 
-    def __init__(self, uri: _CheckedModel, objects: dict[Node, Any]) -> None:
+    def __init__(self, uri: URI, tree: ModelTree, loader: ModelLoader) -> None:
         super().__init__(uri)
-        self.nodes: list[Node] = []
-        self._objects = objects
+        self._tree = tree
+        self._loader = loader
 
     def load(self, options: Any = None) -> None:
         """Build all objects, then refer from one to the other."""
         self.options = options or {}
-        tree = self.uri.tree
-        self.append(self._built(tree.root))
-        for reference, targets in tree.resolved:
+        self.append(self._built(self._tree.root))
+        objects = self._loader.objects
+        for reference, targets in self._tree.resolved:
             for target in targets:
-                put(self._objects[reference.source], reference.slot, self._objects[target])
+                put(objects[reference.source], reference.slot, objects[target])
 
     def _built(self, node: Node) -> Any:
         """Return the object of a node with its attributes and all that it contains."""
         built = node.metaclass()
-        self.nodes.append(node)
-        self._objects[node] = built
+        self._loader.nodes[built] = node
+        self._loader.objects[node] = built
         known = slots(node.metaclass)
         for name, text in node.attributes.items():
             slot = known[name]

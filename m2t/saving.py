@@ -54,12 +54,13 @@ def saved(models: LoadedModels) -> dict[Path, bytes]:
     ModelError
         If a model refers to an object outside the files, or holds a character that XML cannot.
     """
+    xmi_ids = models.xmi_ids
     return {
         file.path: dumps_file(
             file.roots,
             file.encoding,
             hrefs=addresses(models, file.path.parent, without=file),
-            xmi_ids=models.xmi_ids,
+            xmi_ids=xmi_ids,
         )
         for file in models.files
     }

@@ -58,5 +58,4 @@ def with_classes(models: LoadedModels, *packages: ModuleType) -> LoadedModels:
         files=tuple(
             replace(file, roots=tuple(made[root] for root in file.roots)) for file in models.files
         ),
-        xmi_ids={made[element]: identity for element, identity in models.xmi_ids.items()},
     )

@@ -11,7 +11,7 @@ from typing import Any
 from pyecore.ecore import EAnnotation, EProxy, EReference
 
 from m2t.namespaces import ECORE, XMI, XSI
-from m2t.write.xmi import ATTRIBUTE_ESCAPES, element_lines, encoded, escaped
+from m2t.write.xmi import ATTRIBUTE_ESCAPES, document, element_lines, escaped
 from mrsfi_runtime.errors import ModelError
 
 _WIDTH = 80
@@ -83,9 +83,7 @@ def dumps_metamodel(
     An attribute goes to a new line, indented by four more than its element, as soon as what
     stands before it ends beyond column 80. What equals Ecore's default is left out.
     """
-    writer = _EcoreWriter(package, hrefs)
-    body = "".join(line + "\n" for line in writer.document())
-    return encoded(f'<?xml version="1.0" encoding="{encoding}"?>\n{body}', encoding)
+    return document(_EcoreWriter(package, hrefs).lines(), encoding)
 
 
 class _EcoreWriter:
@@ -95,7 +93,7 @@ class _EcoreWriter:
         self._root = package
         self._hrefs = hrefs
 
-    def document(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
         """Return the lines of the root element."""
         lines = list(self._children(self._root, "  "))
         head = [("xmi:version", "2.0"), ("xmlns:xmi", XMI)]

@@ -7,7 +7,7 @@ and truncates the file before it knows that it can write the new content.
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
@@ -77,28 +77,26 @@ def dumps_file(
     xmi_ids: Mapping[Any, str] = _NOTHING,
 ) -> bytes:
     """Return a file with any number of roots as ``dumps`` does; several stand in ``xmi:XMI``."""
-    body = "\n".join(_Writer(roots, hrefs, xmi_ids).document())
-    return encoded(f'<?xml version="1.0" encoding="{encoding}"?>\n{body}\n', encoding)
+    return document(_Writer(roots, hrefs, xmi_ids).lines(), encoding)
 
 
-def encoded(text: str, encoding: str) -> bytes:
+def document(lines: Iterable[str], encoding: str) -> bytes:
+    """Return the bytes of an XML file with the lines of its root element."""
+    body = "\n".join(lines)
+    return _encoded(f'<?xml version="1.0" encoding="{encoding}"?>\n{body}\n', encoding)
+
+
+def _encoded(text: str, encoding: str) -> bytes:
     """Return text in an encoding, with hexadecimal references for what it lacks, as EMF does."""
-    if not text.isascii():
-        text = "".join(
-            character if _has(encoding, character) else f"&#x{ord(character):x};"
-            for character in text
-        )
+    lacking = {ord(each): f"&#x{ord(each):x};" for each in set(text) if _lacks(encoding, each)}
+    text = text.translate(lacking)
     if encoding.upper() == "UTF-16":  # as in Java: big-endian after a byte order mark
         return b"\xfe\xff" + text.encode("UTF-16-BE")
     return text.encode(encoding)
 
 
-def _has(encoding: str, character: str) -> bool:
-    try:
-        character.encode(encoding)
-    except UnicodeEncodeError:
-        return False
-    return True
+def _lacks(encoding: str, character: str) -> bool:
+    return not character.encode(encoding, "ignore")
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -166,19 +164,15 @@ class _Writer:
         self._starts = dict(_starts(roots, hrefs))
         self._positions: dict[tuple[Any, str], dict[Any, int]] = {}
 
-    def document(self) -> list[str]:
+    def lines(self) -> Iterator[str]:
         """Return the lines of the root element, or of those within ``xmi:XMI``."""
-        if len(self._roots) == 1:
-            attributes, lines = self._content(self._roots[0], "  ")
-            identity = self._identity(self._roots[0])
-            return list(
-                element_lines("", _tag(self._roots[0]), self._head() + identity + attributes, lines)
-            )
-        lines = []
-        for root in self._roots:
-            attributes, inner = self._content(root, "    ")
-            lines.extend(element_lines("  ", _tag(root), self._identity(root) + attributes, inner))
-        return list(element_lines("", "xmi:XMI", self._head(), lines))
+        indent = "  " if len(self._roots) > 1 else ""
+        elements = [(_tag(root), *self._content(root, indent)) for root in self._roots]
+        if len(elements) == 1:
+            ((tag, attributes, inner),) = elements
+            return element_lines("", tag, self._head() + attributes, inner)
+        lines = [line for element in elements for line in element_lines(indent, *element)]
+        return element_lines("", "xmi:XMI", self._head(), lines)
 
     def _head(self) -> str:
         xsi = f' xmlns:xsi="{XSI}"' if self._uses_xsi else ""
@@ -190,14 +184,13 @@ class _Writer:
     def _identity(self, element: Any) -> str:
         """Return the attribute xmi:id of an element that has one."""
         identity = self._xmi_ids.get(element)
-        if identity is None:
-            return ""
-        return f' xmi:id="{escaped(identity, ATTRIBUTE_ESCAPES)}"'
+        return "" if identity is None else _attribute("xmi:id", identity)
 
     def _content(self, element: Any, indent: str) -> tuple[str, list[str]]:
         """Return the attributes of an element as one text, and the lines of its children."""
-        attributes: list[str] = []
+        attributes = [self._identity(element)]
         lines: list[str] = []
+        indent += "  "
         for slot in slots(element.eClass).values():
             feature = slot.feature
             if not slot.many and not element.eIsSet(feature):
@@ -211,8 +204,7 @@ class _Writer:
                 texts = (escaped(_text(slot, value), _TEXT_ESCAPES) for value in held)
                 lines.extend(f"{indent}<{slot.name}>{text}</{slot.name}>" for text in texts)
             elif held and _is_written(feature, held[0]):
-                text = escaped(_text(slot, held[0]), ATTRIBUTE_ESCAPES)
-                attributes.append(f' {slot.name}="{text}"')
+                attributes.append(_attribute(slot.name, _text(slot, held[0])))
         return "".join(attributes), lines
 
     def _contained(self, slot: Slot, held: list[Any], indent: str) -> Iterator[str]:
@@ -221,14 +213,12 @@ class _Writer:
             if value in self._starts:  # the root of another file
                 yield self._reference(slot, value, kind, indent)
                 continue
-            attributes, lines = self._content(value, indent + "  ")
-            head = kind + self._identity(value) + attributes
-            yield from element_lines(indent, slot.name, head, lines)
+            attributes, lines = self._content(value, indent)
+            yield from element_lines(indent, slot.name, kind + attributes, lines)
 
     def _reference(self, slot: Slot, value: Any, kind: str, indent: str) -> str:
-        target = f"{self._address(value)}#{self._fragment(value)}"
-        href = escaped(target, ATTRIBUTE_ESCAPES)
-        return f'{indent}<{slot.name}{kind} href="{href}"/>'
+        href = _attribute("href", f"{self._address(value)}#{self._fragment(value)}")
+        return f"{indent}<{slot.name}{kind}{href}/>"
 
     def _refer(
         self,
@@ -239,16 +229,11 @@ class _Writer:
         lines: list[str],
     ) -> None:
         """Refer by attribute within the file, by elements as soon as one value is outside."""
-        if not held:
-            return
-        if all(self._address(value) == "" for value in held):
+        if any(self._address(value) for value in held):
+            lines += [self._reference(slot, each, self._type(slot, each), indent) for each in held]
+        elif held:
             fragments = " ".join(self._fragment(value) for value in held)
-            text = escaped(fragments, ATTRIBUTE_ESCAPES)
-            attributes.append(f' {slot.name}="{text}"')
-            return
-        lines.extend(
-            self._reference(slot, value, self._type(slot, value), indent) for value in held
-        )
+            attributes.append(_attribute(slot.name, fragments))
 
     def _type(self, slot: Slot, value: Any) -> str:
         """Return xsi:type where the declared class does not say it."""
@@ -273,28 +258,17 @@ class _Writer:
 
     def _top(self, value: Any) -> Any:
         """Return the root, in its file, of an object."""
-        passed = []
-        while value not in self._tops:
+        if value not in self._tops:
             container = value.eContainer()
-            if container is None:
-                self._tops[value] = value
-                break
-            passed.append(value)
-            value = container
-        top = self._tops[value]
-        self._tops.update((element, top) for element in passed)
-        return top
+            self._tops[value] = value if container is None else self._top(container)
+        return self._tops[value]
 
     def _fragment(self, element: Any) -> str:
         """Return how references name an element: by xmi:id, by ID, else by path."""
-        names = [self._xmi_ids.get(element)]
-        if names[0] is None:
-            known = slots(element.eClass).values()
-            names = [element.eGet(slot.feature) for slot in known if slot.is_id]
-        for name in names:
-            if name and not re.search(r"\s|^/", name):
-                return str(name)
-        return self._path(element)
+        known = slots(element.eClass).values()
+        ids = (element.eGet(slot.feature) for slot in known if slot.is_id)
+        name = self._xmi_ids.get(element, next(ids, None))
+        return str(name) if name and not re.search(r"\s|^/", name) else self._path(element)
 
     def _path(self, element: Any) -> str:
         container = element.eContainer()
@@ -321,6 +295,10 @@ def _starts(roots: Sequence[Any], hrefs: Mapping[Any, str]) -> Iterator[tuple[An
     for entries in files.values():
         for number, root in enumerate(entries):
             yield root, f"/{number}" if len(entries) > 1 else "/"
+
+
+def _attribute(name: str, value: str) -> str:
+    return f' {name}="{escaped(value, ATTRIBUTE_ESCAPES)}"'
 
 
 def _tag(root: Any) -> str:
