@@ -2,7 +2,6 @@
 
 import keyword
 import re
-from collections.abc import Iterable
 
 from mrsfi_runtime.errors import ModelError
 
@@ -61,30 +60,6 @@ def identifier(text: str) -> str:
 def constant(text: str) -> str:
     """Return the constant that stands for a model ID: its identifier in upper case."""
     return identifier(text).upper()
-
-
-def clashes(ids: Iterable[str]) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Find different IDs that become the same identifier.
-
-    Parameters
-    ----------
-    ids
-        IDs of all elements of a mission; those that ``identifier`` refuses are left out, and
-        an ID given twice counts once.
-
-    Returns
-    -------
-    tuple
-        Pairs of an identifier and the IDs that become it, in the order of first appearance.
-    """
-    spellings: dict[str, dict[str, None]] = {}
-    for text in ids:
-        try:
-            name = identifier(text)
-        except ModelError:
-            continue
-        spellings.setdefault(name, {})[text] = None
-    return tuple((name, tuple(found)) for name, found in spellings.items() if len(found) > 1)
 
 
 def snake_case(class_name: str) -> str:

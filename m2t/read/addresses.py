@@ -8,6 +8,7 @@ that of the nearest folder above it with a ``.project`` file. ``platform:/resour
 name or whose ``.project`` file gives it.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -61,45 +62,36 @@ def contained_path(folder: Path, first: Path, address: str) -> Path | None:
     path = local_path(folder, address)
     if path is None:
         return None
-    scopes = [first, _project_above(first)]
+    scopes = [first, _nearest(first, lambda place: (place / _PROJECT).is_file())]
     if address.startswith("platform:"):
-        name = _platform_parts(unquote(urlsplit(address).path))[1]
-        scopes.append(_named_project(folder, name))
+        scopes.append(_project(folder, unquote(urlsplit(address).path)))
     target = resolved_path(path)
-    is_inside = any(
-        scope is not None and target.is_relative_to(scope.resolve()) for scope in scopes
-    )
+    is_inside = any(scope and target.is_relative_to(scope.resolve()) for scope in scopes)
     return path if is_inside else None
 
 
 def _platform_path(folder: Path, path: str) -> Path | None:
-    kind, name, inside = _platform_parts(path)
-    if kind != "resource" or not inside or ".." in inside.split("/"):
-        return None
-    project = _named_project(folder, name)
-    return None if project is None else project / inside
-
-
-def _platform_parts(path: str) -> tuple[str, str, str]:
-    """Return the three parts of ``/resource/NAME/rest``."""
+    """Return the path that ``/resource/NAME/rest`` means."""
     kind, _, rest = path.removeprefix("/").partition("/")
-    name, _, inside = rest.partition("/")
-    return kind, name, inside.lstrip("/")
+    inside = rest.partition("/")[2].lstrip("/")
+    project = _project(folder, path)
+    if kind != "resource" or project is None or not inside or ".." in inside.split("/"):
+        return None
+    return project / inside
 
 
-def _named_project(folder: Path, name: str) -> Path | None:
+def _project(folder: Path, path: str) -> Path | None:
+    """Return the folder of the project that ``/resource/NAME/rest`` names."""
+    name = path.removeprefix("/").partition("/")[2].partition("/")[0]
     if not name:
         return None
-    here = folder.resolve()
-    for candidate in (here, *here.parents):
-        if candidate.name == name or _declared_name(candidate) == name:
-            return candidate
-    return None
+    return _nearest(folder, lambda place: place.name == name or _declared_name(place) == name)
 
 
-def _project_above(folder: Path) -> Path | None:
+def _nearest(folder: Path, is_wanted: Callable[[Path], bool]) -> Path | None:
+    """Return the nearest folder of a kind, from a folder upwards."""
     here = folder.resolve()
-    return next((place for place in (here, *here.parents) if (place / _PROJECT).is_file()), None)
+    return next((place for place in (here, *here.parents) if is_wanted(place)), None)
 
 
 def _declared_name(folder: Path) -> str | None:

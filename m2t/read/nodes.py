@@ -28,7 +28,6 @@ MAX_DEPTH = 100
 
 _INDEX = re.compile(r"[0-9]{1,9}", re.ASCII)
 _SHOWN_TAG = 60
-_BLOCK = 1024 * 1024
 
 _NO_PREFIXES: Mapping[str, str] = MappingProxyType({})
 
@@ -256,20 +255,12 @@ def _require_file(path: Path) -> None:
         raise OSError(errno.EINVAL, "It is no file")
 
 
-def _blocks(path: Path) -> Iterator[bytes]:
-    """Yield the content of a file block by block, until it is read or larger than allowed."""
-    n_bytes = 0
-    with path.open("rb") as stream:
-        while n_bytes <= MAX_BYTES and (block := stream.read(_BLOCK)):
-            n_bytes += len(block)
-            yield block
-
-
 def _content(path: Path) -> bytes:
     """Return the content of a file unless it is missing or too large."""
     try:
         _require_file(path)
-        content = b"".join(_blocks(path))
+        with path.open("rb") as stream:
+            content = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", str(error)) or type(error).__name__
         finding = f"cannot be read: {reason}; expected a model file at this path"

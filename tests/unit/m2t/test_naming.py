@@ -1,4 +1,4 @@
-"""Identifiers, constants and their clashes."""
+"""Identifiers and constants."""
 
 import keyword
 import re
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from m2t.naming import clashes, constant, identifier, snake_case
+from m2t.naming import constant, identifier, snake_case
 from mrsfi_runtime.errors import ModelError
 
 
@@ -55,16 +55,6 @@ def test_refusal_of_a_huge_id_stays_short():
 
 def test_constant_is_the_identifier_in_upper_case():
     assert constant("Scout-1") == "SCOUT_1"
-
-
-def test_clashes_name_all_spellings_in_order():
-    found = clashes(["g1", "scout 1", "r2", "G1", "Scout-1", "scout.1"])
-
-    assert found == (("g1", ("g1", "G1")), ("scout_1", ("scout 1", "Scout-1", "scout.1")))
-
-
-def test_same_id_twice_and_refused_ids_do_not_clash():
-    assert clashes(["r1", "r1", "class", "Class", "ö", ""]) == ()
 
 
 @pytest.mark.parametrize(
