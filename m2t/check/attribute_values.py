@@ -6,10 +6,9 @@ a model that loads here loads in Eclipse.
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, TypeAlias
 
 from pyecore.ecore import EEnum
 
@@ -24,8 +23,6 @@ _INT_RANGE = range(-(2**31), 2**31)
 _INTEGER = re.compile(r"[+-]?[0-9]{1,20}", re.ASCII)
 _DOUBLE = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf(inity)?)", re.ASCII | re.IGNORECASE)
-
-Value: TypeAlias = Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,29 +84,16 @@ def require_value(slot: Slot, text: str) -> None:
     Defect
         If the text is no such value, or one outside the feature's range.
     """
-    if isinstance(slot.type, EEnum):
-        _require_literal(slot, text)
+    if slot.type.name == "EString":
+        _require_length(slot, text)
         return
-    value = _READERS[slot.type.name](slot, text)
-    allowed = _TICKS if slot.counts_ticks else RANGES.get(slot.name)
-    if allowed is not None and isinstance(value, int | float) and value not in allowed:
-        raise Defect(
-            allowed.constraint,
-            f"has {slot.name} {shown(text)}; expected {allowed}; correct it",
-        )
+    for constraint, is_kept, expected in _rules(slot, text):
+        if not is_kept:
+            finding = f"has {slot.name} {shown(text)}; expected {expected}"
+            raise Defect(constraint, finding)
 
 
-def _require_literal(slot: Slot, text: str) -> None:
-    names = [literal.name for literal in slot.type.eLiterals]
-    if text not in names:
-        raise Defect(
-            "EnumLiteral",
-            f"has {slot.name} {shown(text)}; expected one of {', '.join(names)}; correct the "
-            "spelling",
-        )
-
-
-def _text(slot: Slot, text: str) -> str:
+def _require_length(slot: Slot, text: str) -> None:
     limit = MAX_NAME_LENGTH if slot.name in ("ID", "name") else MAX_TEXT_LENGTH
     if len(text) > limit:
         raise Defect(
@@ -117,43 +101,25 @@ def _text(slot: Slot, text: str) -> str:
             f"has a {slot.name} of {len(text):,} characters; expected at most {limit:,}; "
             "shorten it",
         )
-    return text
 
 
-def _integer(slot: Slot, text: str) -> int:
-    if not _INTEGER.fullmatch(text) or int(text) not in _INT_RANGE:
-        raise Defect(
-            "NumberSyntax",
-            f"has {slot.name} {shown(text)}; expected a whole number of 32 bits, such as 20; "
-            "correct it",
-        )
-    return int(text)
-
-
-def _double(slot: Slot, text: str) -> float:
-    what = f"has {slot.name} {shown(text)}"
-    if _NOT_FINITE.fullmatch(text):
-        raise Defect("FiniteNumber", f"{what}; expected a finite number; correct it")
-    if not _DOUBLE.fullmatch(text):
-        raise Defect("NumberSyntax", f"{what}; expected a number such as 2.5; correct it")
-    value = float(text)
-    if abs(value) > MAX_MAGNITUDE:
-        raise Defect(
-            "NumberMagnitude",
-            f"{what}; expected a number between -1.0E12 and 1.0E12; correct it",
-        )
-    return value
-
-
-def _boolean(slot: Slot, text: str) -> bool:
-    if text not in ("true", "false"):
-        raise Defect(
-            "EnumLiteral",
-            f"has {slot.name} {shown(text)}; expected true or false; correct the spelling",
-        )
-    return text == "true"
-
-
-_READERS: Mapping[str, Callable[[Slot, str], Value]] = MappingProxyType(
-    {"EString": _text, "EInt": _integer, "EDouble": _double, "EBoolean": _boolean}
-)
+def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
+    """Yield what a text has to keep, each with whether it does; each builds on the one before."""
+    kind = slot.type.name
+    if isinstance(slot.type, EEnum):
+        names = [literal.name for literal in slot.type.eLiterals]
+        yield "EnumLiteral", text in names, f"one of {', '.join(names)}; correct the spelling"
+    elif kind == "EBoolean":
+        is_literal = text in ("true", "false")
+        yield "EnumLiteral", is_literal, "true or false; correct the spelling"
+    elif kind == "EInt":
+        is_whole = bool(_INTEGER.fullmatch(text)) and int(text) in _INT_RANGE
+        yield "NumberSyntax", is_whole, "a whole number of 32 bits, such as 20; correct it"
+    else:
+        yield "FiniteNumber", not _NOT_FINITE.fullmatch(text), "a finite number; correct it"
+        yield "NumberSyntax", bool(_DOUBLE.fullmatch(text)), "a number such as 2.5; correct it"
+        is_near = abs(float(text)) <= MAX_MAGNITUDE
+        yield "NumberMagnitude", is_near, "a number between -1.0E12 and 1.0E12; correct it"
+    allowed = _TICKS if slot.counts_ticks else RANGES.get(slot.name)
+    if allowed is not None and kind in ("EInt", "EDouble"):
+        yield allowed.constraint, float(text) in allowed, f"{allowed}; correct it"

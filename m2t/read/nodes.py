@@ -113,22 +113,23 @@ def at(nodes: Sequence[Node], position: str) -> Node | None:
     return nodes[int(position)] if is_number and int(position) < len(nodes) else None
 
 
-@dataclass(frozen=True, slots=True)
 class XmlFile:
-    """A file that was read: its root element, the encoding it declares, and its size."""
+    """A file being read: handlers of the parser build its nodes and enforce the limits.
 
-    root: Node
-    encoding: str
-    n_bytes: int
-    n_elements: int
-
-
-class _TreeBuilder:
-    """Handlers of the parser, which build the nodes and enforce the limits."""
+    Attributes
+    ----------
+    root
+        Its root element.
+    encoding
+        Encoding that it declares, else that of its byte order mark.
+    n_bytes, n_elements
+        Its size.
+    """
 
     def __init__(self, path: Path) -> None:
         self.root: Node
         self.encoding = ""
+        self.n_bytes = 0
         self.n_elements = 0
         self._path = path
         self._open: list[Node] = []
@@ -148,8 +149,11 @@ class _TreeBuilder:
         return self._parser.CurrentLineNumber
 
     def parse(self, content: bytes) -> None:
-        """Build the nodes of a file."""
+        """Build the nodes of the file."""
         self._parser.Parse(content, True)
+        self.n_bytes = len(content)
+        is_wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+        self.encoding = self.encoding or ("UTF-16" if is_wide else "UTF-8")
 
     def _declaration(self, _: str, encoding: str | None, __: int) -> None:
         self.encoding = (encoding or "").upper()  # as Eclipse writes it back
@@ -211,12 +215,11 @@ def read_xml(path: Path, report: Report) -> XmlFile | None:
     XmlFile or None
         Its root element with all below it; ``None`` if the file cannot be used.
     """
-    builder = _TreeBuilder(path)
+    xml = XmlFile(path)
     try:
-        content = _content(path)
-        builder.parse(content)
+        xml.parse(_content(path))
     except Defect as defect:
-        report.add_file(path, builder.line, defect)
+        report.add_file(path, xml.line, defect)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
         finding = f"is not well-formed XML: {reason}; correct it at this line"
@@ -225,8 +228,7 @@ def read_xml(path: Path, report: Report) -> XmlFile | None:
         finding = f"has an encoding that cannot be read: {error}; save it as UTF-8"
         report.add_file(path, 1, Defect("WellFormedXml", finding))
     else:
-        encoding = builder.encoding or _detected(content)
-        return XmlFile(builder.root, encoding, len(content), builder.n_elements)
+        return xml
     return None
 
 
@@ -242,11 +244,6 @@ def read_root(path: Path, report: Report) -> Node:
     if xml is None:
         raise report.error()
     return xml.root
-
-
-def _detected(content: bytes) -> str:
-    """Return the encoding of a file that declares none, as the byte order mark tells it."""
-    return "UTF-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else "UTF-8"
 
 
 def _require_file(path: Path) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 from pyecore.ecore import EAnnotation, EProxy, EReference
 
 from m2t.namespaces import ECORE, XMI, XSI
-from m2t.write.xmi import ATTRIBUTE_ESCAPES, document, element_lines, escaped
+from m2t.write.xmi import attribute, document, element_lines
 from mrsfi_runtime.errors import ModelError
 
 _WIDTH = 80
@@ -95,27 +95,23 @@ class _EcoreWriter:
 
     def lines(self) -> Iterator[str]:
         """Return the lines of the root element."""
-        lines = list(self._children(self._root, "  "))
-        head = [("xmi:version", "2.0"), ("xmlns:xmi", XMI)]
-        if any(" xsi:type=" in line for line in lines):
-            head.append(("xmlns:xsi", XSI))
-        head.append(("xmlns:ecore", ECORE))
-        start = "<ecore:EPackage"
+        name, lines = "ecore:EPackage", list(self._children(self._root, "  "))
+        xsi = [("xmlns:xsi", XSI)] if any(" xsi:type=" in line for line in lines) else []
+        head = [("xmi:version", "2.0"), ("xmlns:xmi", XMI), *xsi, ("xmlns:ecore", ECORE)]
         # Eclipse inserts the namespaces last, so that they do not count for what follows.
-        own = [_broken(start, "", each) for each in (head, self._attributes(self._root))]
-        attributes = "".join(text.removeprefix(start) for text in own)
-        yield from element_lines("", "ecore:EPackage", attributes, lines)
+        own = [_broken("", name, each) for each in (head, self._attributes(self._root))]
+        return element_lines("", name, "".join(own), lines)
 
     def _children(self, element: Any, indent: str) -> Iterator[str]:
         for name in (name for name in _CHILDREN if _feature(element, name) is not None):
             for child in getattr(element, name):
                 kind = [("xsi:type", f"ecore:{_kind(child)}")] if name in _TYPED else []
-                attributes = kind + self._attributes(child)
+                attributes = _broken(indent, name, kind + self._attributes(child))
                 lines = list(self._children(child, indent + "  "))
-                yield from _element(indent, name, attributes, lines)
+                yield from element_lines(indent, name, attributes, lines)
         for key, value in element.details.items() if isinstance(element, EAnnotation) else ():
             entry = [("key", key)] + ([] if value is None else [("value", value)])
-            yield from _element(indent, "details", entry, [])
+            yield from element_lines(indent, "details", _broken(indent, "details", entry), [])
 
     def _attributes(self, element: Any) -> list[tuple[str, str]]:
         """Return what an element says in attributes: all that is not the default."""
@@ -165,26 +161,13 @@ def _feature(element: Any, name: str) -> Any:
     return type(element).eClass.findEStructuralFeature(name)
 
 
-def _element(
-    indent: str, name: str, attributes: list[tuple[str, str]], lines: list[str]
-) -> Iterator[str]:
-    """Yield the lines of an element."""
-    start = f"{indent}<{name}"
-    head = _broken(start, indent, attributes).removeprefix(start)
-    yield from element_lines(indent, name, head, lines)
-
-
-def _broken(start: str, indent: str, attributes: list[tuple[str, str]]) -> str:
-    """Return the beginning of a start tag, broken as Eclipse breaks it."""
-    done, line = "", start
+def _broken(indent: str, name: str, attributes: list[tuple[str, str]]) -> str:
+    """Return the attributes of a start tag, with line breaks where Eclipse has them."""
+    found = ""
     for key, value in attributes:
-        text = f'{key}="{escaped(value, ATTRIBUTE_ESCAPES)}"'
-        if len(line) > _WIDTH:
-            done += f"{line}\n"
-            line = f"{indent}    {text}"
-        else:
-            line = f"{line} {text}"
-    return done + line
+        line = f"{indent}<{name}{found}".rpartition("\n")[2]
+        found += (f"\n{indent}   " if len(line) > _WIDTH else "") + attribute(key, value)
+    return found
 
 
 def _require_plain(element: Any) -> None:

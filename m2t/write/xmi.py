@@ -22,7 +22,7 @@ from mrsfi_runtime.errors import ModelError
 
 _NOTHING: Mapping[Any, str] = MappingProxyType({})
 
-ATTRIBUTE_ESCAPES = str.maketrans(
+_ATTRIBUTE_ESCAPES = str.maketrans(
     {"&": "&amp;", "<": "&lt;", '"': "&quot;", "\t": "&#x9;", "\n": "&#xA;", "\r": "&#xD;"}
 )
 _TEXT_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", "\r": "&#xD;"})
@@ -184,7 +184,7 @@ class _Writer:
     def _identity(self, element: Any) -> str:
         """Return the attribute xmi:id of an element that has one."""
         identity = self._xmi_ids.get(element)
-        return "" if identity is None else _attribute("xmi:id", identity)
+        return "" if identity is None else attribute("xmi:id", identity)
 
     def _content(self, element: Any, indent: str) -> tuple[str, list[str]]:
         """Return the attributes of an element as one text, and the lines of its children."""
@@ -201,10 +201,10 @@ class _Writer:
             elif slot.is_reference:
                 self._refer(slot, held, indent, attributes, lines)
             elif slot.many:
-                texts = (escaped(_text(slot, value), _TEXT_ESCAPES) for value in held)
+                texts = (_escaped(_text(slot, value), _TEXT_ESCAPES) for value in held)
                 lines.extend(f"{indent}<{slot.name}>{text}</{slot.name}>" for text in texts)
             elif held and _is_written(feature, held[0]):
-                attributes.append(_attribute(slot.name, _text(slot, held[0])))
+                attributes.append(attribute(slot.name, _text(slot, held[0])))
         return "".join(attributes), lines
 
     def _contained(self, slot: Slot, held: list[Any], indent: str) -> Iterator[str]:
@@ -217,7 +217,7 @@ class _Writer:
             yield from element_lines(indent, slot.name, kind + attributes, lines)
 
     def _reference(self, slot: Slot, value: Any, kind: str, indent: str) -> str:
-        href = _attribute("href", f"{self._address(value)}#{self._fragment(value)}")
+        href = attribute("href", f"{self._address(value)}#{self._fragment(value)}")
         return f"{indent}<{slot.name}{kind}{href}/>"
 
     def _refer(
@@ -233,7 +233,7 @@ class _Writer:
             lines += [self._reference(slot, each, self._type(slot, each), indent) for each in held]
         elif held:
             fragments = " ".join(self._fragment(value) for value in held)
-            attributes.append(_attribute(slot.name, fragments))
+            attributes.append(attribute(slot.name, fragments))
 
     def _type(self, slot: Slot, value: Any) -> str:
         """Return xsi:type where the declared class does not say it."""
@@ -297,8 +297,9 @@ def _starts(roots: Sequence[Any], hrefs: Mapping[Any, str]) -> Iterator[tuple[An
             yield root, f"/{number}" if len(entries) > 1 else "/"
 
 
-def _attribute(name: str, value: str) -> str:
-    return f' {name}="{escaped(value, ATTRIBUTE_ESCAPES)}"'
+def attribute(name: str, value: str) -> str:
+    """Return an attribute of an element, after a space."""
+    return f' {name}="{_escaped(value, _ATTRIBUTE_ESCAPES)}"'
 
 
 def _tag(root: Any) -> str:
@@ -330,7 +331,7 @@ def _text(slot: Slot, value: Any) -> str:
     return str(value).lower() if slot.type.name == "EBoolean" else str(value)
 
 
-def escaped(text: str, escapes: Mapping[int, str]) -> str:
+def _escaped(text: str, escapes: Mapping[int, str]) -> str:
     """Return a text with what XML reserves escaped; refuse what XML cannot hold."""
     if _NO_XML.search(text):
         raise ModelError(
