@@ -34,9 +34,7 @@ class Timing:
         self.busy = busy()
 
     @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_makereport(
-        self,
-    ) -> Iterator[None]:
+    def pytest_runtest_makereport(self) -> Iterator[None]:
         report = yield
         now = busy()
         report.busy, self.busy = now - self.busy, now

@@ -67,9 +67,7 @@ def algorithm_of(campaign: Path) -> str:
         return store.settings.algorithm
 
 
-def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds(
-    whole: Path,
-) -> None:
+def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds(whole):
     code = load_code(whole / "generated")
     space = SearchSpace.of(code.mission, code.pool)
 
@@ -82,7 +80,7 @@ def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds
         assert 1 <= len(specification) <= 6
 
 
-def test_every_generation_keeps_statistics_of_a_recorded_population(whole: Path) -> None:
+def test_every_generation_keeps_statistics_of_a_recorded_population(whole):
     with CampaignStore.open(whole) as store:
         generations, recorded = store.generations(), store.evaluations()
 
@@ -93,7 +91,7 @@ def test_every_generation_keeps_statistics_of_a_recorded_population(whole: Path)
         assert generation.statistics["min"] == min(fitness)
 
 
-def test_killed_and_resumed_it_ends_as_one_that_never_was(place: Path, whole: Path) -> None:
+def test_killed_and_resumed_it_ends_as_one_that_never_was(place, whole):
     path = begin(place, "killed", algorithm_of(whole))
 
     is_killed = killed_after(0.0, SEARCH, path, 1, n_evaluated=20)

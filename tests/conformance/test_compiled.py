@@ -116,10 +116,7 @@ def test_a_region_that_divides_by_zero_fails_with_its_line_and_spares_the_others
 def test_a_region_that_reads_beyond_a_list_fails_as_in_python(tmp_path):
     code = edited(tmp_path, "return ci.robots[len(ci.robots) + 7].x > 0.0")
 
-    with (
-        COMPILED.open(code, SEED) as engine,
-        pytest.raises(EvaluationError, match="IndexError"),
-    ):
+    with COMPILED.open(code, SEED) as engine, pytest.raises(EvaluationError, match="IndexError"):
         engine.evaluate(())
 
 

@@ -41,7 +41,7 @@ def flown(runtime: Path, mission: Path, cache: Path) -> list[str]:
 
 
 @slow
-def test_an_edited_kernel_compiles_anew(tmp_path: Path) -> None:
+def test_an_edited_kernel_compiles_anew(tmp_path):
     mission = small_mission(tmp_path / "mission").directory
     package = tmp_path / "src" / "mrsfi_runtime"
     shutil.copytree(Path(str(mrsfi_runtime.__file__)).parent, package)

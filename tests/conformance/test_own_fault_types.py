@@ -140,7 +140,7 @@ def fly(code: MissionCode, fault: str, values: tuple[float, ...]) -> Beliefs:
     return seen
 
 
-def test_a_type_of_a_known_mode_acts_on_a_robot_without_any_message(code: MissionCode) -> None:
+def test_a_type_of_a_known_mode_acts_on_a_robot_without_any_message(code):
     seen = fly(code, "slip", (3.0,))
 
     for tick, (believed, true) in enumerate(zip(seen.rows, seen.true, strict=True)):
@@ -149,7 +149,7 @@ def test_a_type_of_a_known_mode_acts_on_a_robot_without_any_message(code: Missio
         assert believed[1:] == true[1:]
 
 
-def test_a_random_count_is_whole_and_within_its_bounds(code: MissionCode) -> None:
+def test_a_random_count_is_whole_and_within_its_bounds(code):
     seen = fly(code, "drawn", (1.0, 9.0))
 
     drawn = {seen.rows[tick][2] for tick in range(START, FINISH + 1)}
@@ -157,7 +157,7 @@ def test_a_random_count_is_whole_and_within_its_bounds(code: MissionCode) -> Non
     assert len(drawn) > 3
 
 
-def test_bounds_and_conflicts_follow_from_what_the_metamodel_says(code: MissionCode) -> None:
+def test_bounds_and_conflicts_follow_from_what_the_metamodel_says(code):
     pool = code.pool
     speed = code.mission.robots[2].speed
     table = conflicts(code.mission, pool)
@@ -171,7 +171,7 @@ def test_bounds_and_conflicts_follow_from_what_the_metamodel_says(code: MissionC
     assert SearchSpace.of(code.mission, pool).candidates["slip"].bounds == ((0.0, 7.0),)
 
 
-def test_an_own_effect_remembers_from_its_start_to_its_finish(code: MissionCode) -> None:
+def test_an_own_effect_remembers_from_its_start_to_its_finish(code):
     seen = fly(code, "stuck", (1.5,))
 
     at_start = seen.true[START]
@@ -183,7 +183,7 @@ def test_an_own_effect_remembers_from_its_start_to_its_finish(code: MissionCode)
         assert believed[2:] == true[2:]
 
 
-def test_an_own_effect_moves_an_obstacle_on_the_map_and_back(code: MissionCode) -> None:
+def test_an_own_effect_moves_an_obstacle_on_the_map_and_back(code):
     seen = fly(code, "drift", (0.5,))
 
     for tick, (believed, true) in enumerate(zip(seen.rows, seen.true, strict=True)):
@@ -191,7 +191,7 @@ def test_an_own_effect_moves_an_obstacle_on_the_map_and_back(code: MissionCode) 
         assert believed[3] == true[3] + shift
 
 
-def test_an_own_effect_on_a_message_that_lacks_a_property_does_nothing(code: MissionCode) -> None:
+def test_an_own_effect_on_a_message_that_lacks_a_property_does_nothing(code):
     (outcome,) = ReferenceEngine(code, 3).evaluate_many([(TimedFault("silent", 0, 20, (1.0,)),)])
 
     assert outcome.applied == (0,)
@@ -206,7 +206,7 @@ SPECIFICATIONS = [
 ]
 
 
-def test_both_engines_agree_also_after_other_specifications(code: MissionCode) -> None:
+def test_both_engines_agree_also_after_other_specifications(code):
     reference = ReferenceEngine(code, 3)
     expected = [reference.evaluate(specification) for specification in SPECIFICATIONS]
 
@@ -219,7 +219,7 @@ def test_both_engines_agree_also_after_other_specifications(code: MissionCode) -
     assert all(all(outcome.changed) for outcome in found[:4])
 
 
-def test_own_effects_fly_over_rosbridge_as_without_a_bus(code: MissionCode) -> None:
+def test_own_effects_fly_over_rosbridge_as_without_a_bus(code):
     expected = [ReferenceEngine(code, 3).evaluate(each) for each in SPECIFICATIONS[:2]]
 
     with RosbridgeEngine(code, 3, patience=Patience()) as engine:
@@ -228,7 +228,7 @@ def test_own_effects_fly_over_rosbridge_as_without_a_bus(code: MissionCode) -> N
     assert found == expected
 
 
-def test_search_evolves_own_types_within_the_bounds_of_their_ranges(code: MissionCode) -> None:
+def test_search_evolves_own_types_within_the_bounds_of_their_ranges(code):
     space = SearchSpace.of(code.mission, code.pool)
     rng = Random(5)
 
@@ -248,9 +248,7 @@ def test_search_evolves_own_types_within_the_bounds_of_their_ranges(code: Missio
     assert all(timed.values[0] % 1 == 0 for timed in drawn if timed.fault == "slip")
 
 
-def test_what_does_not_compile_in_a_region_is_named_and_linted_with_its_line(
-    target: Path, tmp_path: Path
-) -> None:
+def test_what_does_not_compile_in_a_region_is_named_and_linted_with_its_line(target, tmp_path):
     folder = shutil.copytree(target, tmp_path / "generated")
     end = "    # protected region Held.apply end\n"
     edit(folder / "fault_effects.py", end, f"    sensor.rate = sensor.rat + fault.agee\n{end}")
@@ -280,8 +278,8 @@ def test_what_does_not_compile_in_a_region_is_named_and_linted_with_its_line(
     ],
 )
 def test_an_effect_that_changes_what_its_type_does_not_name_is_an_error(
-    target: Path, tmp_path: Path, line: str, named: str
-) -> None:
+    target, tmp_path, line, named
+):
     folder = shutil.copytree(target, tmp_path / "generated")
     end = "    # protected region StuckReport.apply end\n"
     edit(folder / "fault_effects.py", end, f"    {line}\n{end}")

@@ -32,7 +32,7 @@ def run(settings: CampaignSettings, recorder: MemoryRecorder, evaluate: Evaluate
     )
 
 
-def test_it_searches_with_as_many_evaluations_as_it_may(settings: CampaignSettings) -> None:
+def test_it_searches_with_as_many_evaluations_as_it_may(settings):
     recorder = MemoryRecorder()
 
     run(settings, recorder, evaluate_stand_in)
@@ -41,7 +41,7 @@ def test_it_searches_with_as_many_evaluations_as_it_may(settings: CampaignSettin
     assert recorder.generations[-1].statistics["max"] >= recorder.generations[0].statistics["max"]
 
 
-def test_it_goes_on_after_a_cut_as_if_there_had_been_none(settings: CampaignSettings) -> None:
+def test_it_goes_on_after_a_cut_as_if_there_had_been_none(settings):
     whole, cut = MemoryRecorder(), MemoryRecorder()
     run(settings, whole, evaluate_stand_in)
 

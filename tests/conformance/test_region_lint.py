@@ -1,7 +1,6 @@
 """The lint of regions warns of what was measured to differ or not to compile, and of no more."""
 
 import sys
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -151,7 +150,7 @@ def written(folder, case):
 
 
 @pytest.mark.parametrize("case", **_names(DIFFERENT))
-def test_what_is_warned_of_compiles_and_differs(tmp_path: Path, case: Case) -> None:
+def test_what_is_warned_of_compiles_and_differs(tmp_path, case):
     line = written(tmp_path, case)
 
     found = lint_regions(tmp_path)
@@ -164,7 +163,7 @@ def test_what_is_warned_of_compiles_and_differs(tmp_path: Path, case: Case) -> N
 
 
 @pytest.mark.parametrize("case", **_names(NOT_COMPILED))
-def test_what_is_said_not_to_compile_does_not(tmp_path: Path, case: Case) -> None:
+def test_what_is_said_not_to_compile_does_not(tmp_path, case):
     line = written(tmp_path, case)
 
     found = lint_regions(tmp_path)
@@ -175,7 +174,7 @@ def test_what_is_said_not_to_compile_does_not(tmp_path: Path, case: Case) -> Non
 
 
 @pytest.mark.parametrize("case", **_names(ALIKE))
-def test_what_is_not_warned_of_is_alike(tmp_path: Path, case: Case) -> None:
+def test_what_is_not_warned_of_is_alike(tmp_path, case):
     written(tmp_path, case)
 
     found = lint_regions(tmp_path)
@@ -185,7 +184,7 @@ def test_what_is_not_warned_of_is_alike(tmp_path: Path, case: Case) -> None:
         assert python == compiled
 
 
-def test_sums_of_floats_differ_from_python_3_12_on(tmp_path: Path) -> None:
+def test_sums_of_floats_differ_from_python_3_12_on(tmp_path):
     body = SWEEP.format(POSITIVE, "sum([x, 0.1, -x, 0.2, x / 3.0])")
     line = write_region(tmp_path, body) + 3
 
@@ -205,7 +204,7 @@ SERIES = {"average", "mean", "nanmean", "nansum", "linalg.norm", "std", "sum", "
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if "." in name])
-def test_every_name_differs_or_does_not_compile(tmp_path: Path, name: str) -> None:
+def test_every_name_differs_or_does_not_compile(tmp_path, name):
     short = name.partition(".")[2]
     call = name.replace("numpy", "np")
     if short in SERIES:
@@ -235,7 +234,7 @@ def test_every_name_differs_or_does_not_compile(tmp_path: Path, name: str) -> No
     ],
     ids=["calls itself", "has a list for a default"],
 )
-def test_a_helper_that_is_said_not_to_compile_does_not(tmp_path: Path, helper: str) -> None:
+def test_a_helper_that_is_said_not_to_compile_does_not(tmp_path, helper):
     write_region(tmp_path, "return helper(3)", f"@kernel\n{helper}")
 
     found = lint_regions(tmp_path)
@@ -245,7 +244,7 @@ def test_a_helper_that_is_said_not_to_compile_does_not(tmp_path: Path, helper: s
     assert [(one.place, one.constraint) for one in found] == [("region 'helpers'", COMPILES)]
 
 
-def test_generated_code_has_nothing_to_warn_of() -> None:
+def test_generated_code_has_nothing_to_warn_of():
     missions = [path.parent for path in ROOT.glob("generated/*/collective_intelligence.py")]
 
     assert len(missions) >= 3

@@ -10,9 +10,7 @@ from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.mission import load_module
 
 
-def test_an_edit_of_the_same_size_in_the_same_second_is_seen(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_edit_of_the_same_size_in_the_same_second_is_seen(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
     path = tmp_path / "team.py"
     found = []
@@ -26,9 +24,7 @@ def test_an_edit_of_the_same_size_in_the_same_second_is_seen(
     assert found == [4, 6]
 
 
-def test_code_loaded_by_a_relative_path_knows_its_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_code_loaded_by_a_relative_path_knows_its_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("team.py").write_text("def speed():\n    return 4\n", encoding="utf-8")
 
@@ -38,7 +34,7 @@ def test_code_loaded_by_a_relative_path_knows_its_file(
     assert module.speed.__code__.co_filename == str(tmp_path / "team.py")
 
 
-def test_code_of_another_version_is_told_apart_from_a_mistake(tmp_path: Path) -> None:
+def test_code_of_another_version_is_told_apart_from_a_mistake(tmp_path):
     path = tmp_path / "old.py"
     path.write_text("from mrsfi_runtime.api import reactions\n", encoding="utf-8")
 

@@ -1,6 +1,5 @@
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -28,7 +27,7 @@ sys.exit(f"imported {heavy}" if heavy else 0)
 """
 
 
-def test_help_names_every_command_and_every_exit_code(tmp_path: Path) -> None:
+def test_help_names_every_command_and_every_exit_code(tmp_path):
     text = mrsfi("--help", cwd=tmp_path).stdout
 
     assert all(f"\n  {command} " in text for command in COMMANDS)
@@ -36,14 +35,14 @@ def test_help_names_every_command_and_every_exit_code(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_of_every_command_has_examples(command: str, tmp_path: Path) -> None:
+def test_help_of_every_command_has_examples(command, tmp_path):
     text = mrsfi(command, "--help", cwd=tmp_path).stdout
 
     assert f"Usage: mrsfi {command} " in text
     assert f"Examples:\n    mrsfi {command}" in text
 
 
-def test_help_imports_no_heavy_library() -> None:
+def test_help_imports_no_heavy_library():
     done = subprocess.run(
         [sys.executable, "-c", _LIGHT_START], capture_output=True, check=False, encoding="utf-8"
     )
@@ -51,7 +50,7 @@ def test_help_imports_no_heavy_library() -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_version_is_printed(tmp_path: Path) -> None:
+def test_version_is_printed(tmp_path):
     assert mrsfi("--version", cwd=tmp_path).stdout.startswith("mrsfi, version ")
 
 
@@ -79,7 +78,7 @@ def test_version_is_printed(tmp_path: Path) -> None:
         ("report",),
     ],
 )
-def test_wrong_usage_ends_with_2_and_a_message(arguments: tuple[str, ...], place: Path) -> None:
+def test_wrong_usage_ends_with_2_and_a_message(arguments, place):
     done = mrsfi(*arguments, cwd=place, expected=2)
 
     assert done.stdout == ""
@@ -87,7 +86,7 @@ def test_wrong_usage_ends_with_2_and_a_message(arguments: tuple[str, ...], place
     assert not (place / "runs").exists()
 
 
-def test_traceback_is_shown_on_request_only(place: Path) -> None:
+def test_traceback_is_shown_on_request_only(place):
     done = subprocess.run(
         [sys.executable, "-m", "mrsfi_runtime.cli.main", "--traceback", "validate", "nowhere"],
         cwd=place,

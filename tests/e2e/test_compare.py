@@ -35,7 +35,7 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return folder, done.stdout
 
 
-def test_it_prints_medians_tests_and_where_everything_is(compared: tuple[Path, str]) -> None:
+def test_it_prints_medians_tests_and_where_everything_is(compared):
     _, output = compared
 
     lines = output.splitlines()
@@ -46,7 +46,7 @@ def test_it_prints_medians_tests_and_where_everything_is(compared: tuple[Path, s
     assert max(map(len, lines)) <= 100
 
 
-def test_the_folder_holds_runs_tables_and_figures(compared: tuple[Path, str]) -> None:
+def test_the_folder_holds_runs_tables_and_figures(compared):
     folder = compared[0] / "runs" / "compare-uuv_sampling-b"
 
     assert sorted(file.name for file in (folder / "runs").iterdir()) == [
@@ -65,14 +65,13 @@ def test_the_folder_holds_runs_tables_and_figures(compared: tuple[Path, str]) ->
     assert len([test for test in content["tests"] if test["measure"] == "fitness"]) == 3
 
 
-def test_a_run_is_the_campaign_of_the_same_seed(compared: tuple[Path, str]) -> None:
+def test_a_run_is_the_campaign_of_the_same_seed(compared):
     place, _ = compared
     folder = place / "runs" / "compare-uuv_sampling-b"
     run = json.loads((folder / "runs" / "random-2.json").read_text())["result"]
 
     campaign = mrsfi_json(
-        *("evolve", MISSION, "--case", "b", "--algorithm", "random", "--seed", "2", *FEW),
-        cwd=place,
+        *("evolve", MISSION, "--case", "b", "--algorithm", "random", "--seed", "2", *FEW), cwd=place
     )
 
     assert run["digest"] == campaign["digest"]
@@ -80,7 +79,7 @@ def test_a_run_is_the_campaign_of_the_same_seed(compared: tuple[Path, str]) -> N
     assert run["front_size"] == len(campaign["front"]["points"])
 
 
-def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(place: Path) -> None:
+def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(place):
     out = ("--out", "runs/c")
     mrsfi(*SMALL, "--seeds", "1", "--algorithms", "random", *out, cwd=place)
     before = contents(place / "runs" / "c" / "runs")
@@ -94,9 +93,7 @@ def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(pl
 
 
 @slow
-def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(
-    compared: tuple[Path, str], place: Path
-) -> None:
+def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(compared, place):
     folder = place / "runs" / "compare-uuv_sampling-b"
     command = (*SMALL, "--seeds", "2")
     with subprocess.Popen(
@@ -117,7 +114,7 @@ def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(
     assert not list(folder.glob("unfinished-*"))
 
 
-def test_runs_of_another_number_of_evaluations_or_mission_are_not_mixed(place: Path) -> None:
+def test_runs_of_another_number_of_evaluations_or_mission_are_not_mixed(place):
     small = (*SMALL, "--seeds", "1", "--algorithms", "random")
     mrsfi(*small, cwd=place)
 
@@ -132,7 +129,7 @@ def test_runs_of_another_number_of_evaluations_or_mission_are_not_mixed(place: P
     assert "mission.xmi: the comparison's own copy differs" in changed.stderr
 
 
-def test_replications_of_a_campaign_file_are_flown_too(place: Path) -> None:
+def test_replications_of_a_campaign_file_are_flown_too(place):
     file = place / "models" / MISSION / "case_a.toml"
     edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")
     small = ("--algorithm", "random", "--evaluations", "3", "--engine", "reference")
@@ -146,7 +143,7 @@ def test_replications_of_a_campaign_file_are_flown_too(place: Path) -> None:
     assert found["runs"][0]["digest"] == campaign["digest"]
 
 
-def test_a_folder_of_something_else_is_refused(place: Path) -> None:
+def test_a_folder_of_something_else_is_refused(place):
     campaign = place / "runs" / "campaign"
     campaign.mkdir(parents=True)
     (campaign / "campaign.sqlite").write_bytes(b"")
@@ -168,16 +165,14 @@ def test_a_folder_of_something_else_is_refused(place: Path) -> None:
         (("--case", "z"), "found no campaign file 'z'"),
     ],
 )
-def test_wrong_usage_ends_with_2_and_makes_no_folder(
-    arguments: tuple[str, ...], message: str, place: Path
-) -> None:
+def test_wrong_usage_ends_with_2_and_makes_no_folder(arguments, message, place):
     done = mrsfi("compare", MISSION, *arguments, cwd=place, expected=2)
 
     assert message in done.stderr
     assert not (place / "runs").exists()
 
 
-def test_stale_generated_code_ends_with_4(place: Path) -> None:
+def test_stale_generated_code_ends_with_4(place):
     edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
 
     done = mrsfi(*SMALL, cwd=place, expected=4)

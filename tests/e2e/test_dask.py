@@ -31,9 +31,7 @@ def whole(place: Path) -> Any:
 
 
 @slow
-def test_a_worker_killed_in_mid_campaign_changes_nothing(
-    place: Path, tmp_path: Path, whole: Any
-) -> None:
+def test_a_worker_killed_in_mid_campaign_changes_nothing(place, tmp_path, whole):
     out = place / "runs" / "killed"
 
     with scheduler(tmp_path, 2, has_nannies=True) as cluster:
@@ -65,9 +63,7 @@ def test_a_worker_killed_in_mid_campaign_changes_nothing(
 
 
 @slow
-def test_a_lost_scheduler_ends_with_8_and_the_campaign_goes_on_without_it(
-    place: Path, tmp_path: Path, whole: Any
-) -> None:
+def test_a_lost_scheduler_ends_with_8_and_the_campaign_goes_on_without_it(place, tmp_path, whole):
     out = place / "runs" / "lost"
 
     with scheduler(tmp_path, 1) as cluster:
@@ -90,7 +86,7 @@ def test_a_lost_scheduler_ends_with_8_and_the_campaign_goes_on_without_it(
 
 
 @slow
-def test_ctrl_c_ends_a_local_cluster_quietly_and_another_goes_on(place: Path, whole: Any) -> None:
+def test_ctrl_c_ends_a_local_cluster_quietly_and_another_goes_on(place, whole):
     out = place / "runs" / "stopped"
     local = ("--dask", "local", "--workers", "2")
 
@@ -104,7 +100,7 @@ def test_ctrl_c_ends_a_local_cluster_quietly_and_another_goes_on(place: Path, wh
     assert resumed.stdout.splitlines()[-1].split() == ["digest", whole["digest"]]
 
 
-def test_a_comparison_finds_the_same_on_a_local_cluster(place: Path) -> None:
+def test_a_comparison_finds_the_same_on_a_local_cluster(place):
     here, there = (
         mrsfi_json(*COMPARE, *options, "--out", f"runs/compared-{number}", cwd=place)
         for number, options in enumerate([("--workers", "1"), ("--dask", "local")])
@@ -114,7 +110,7 @@ def test_a_comparison_finds_the_same_on_a_local_cluster(place: Path) -> None:
     assert there["tests"] == here["tests"]
 
 
-def test_an_address_where_nobody_answers_ends_with_8_soon(place: Path) -> None:
+def test_an_address_where_nobody_answers_ends_with_8_soon(place):
     begin = monotonic()
 
     done = mrsfi(*EVOLVE, "--dask", "tcp://127.0.0.1:1", cwd=place, expected=8)
@@ -132,9 +128,7 @@ def test_an_address_where_nobody_answers_ends_with_8_soon(place: Path) -> None:
     ],
 )
 @pytest.mark.parametrize("command", ["evolve", "compare"])
-def test_options_that_make_no_sense_end_with_2_and_leave_nothing(
-    place: Path, command: str, options: tuple[str, ...], expected: str
-) -> None:
+def test_options_that_make_no_sense_end_with_2_and_leave_nothing(place, command, options, expected):
     before = sorted(place.rglob("*"))
 
     error = mrsfi(command, MISSION, *options, cwd=place, expected=2).stderr

@@ -1,17 +1,7 @@
-from pathlib import Path
-
-from tests.support.cli import (
-    MISSION,
-    SMALL,
-    contents,
-    edit,
-    interrupted,
-    mrsfi,
-    mrsfi_json,
-)
+from tests.support.cli import MISSION, SMALL, contents, edit, interrupted, mrsfi, mrsfi_json
 
 
-def test_it_ends_with_the_ten_most_critical_the_front_and_the_folder(place: Path) -> None:
+def test_it_ends_with_the_ten_most_critical_the_front_and_the_folder(place):
     arguments = ("--case", "b", "--population", "12", "--generations", "0")
 
     done = mrsfi("evolve", MISSION, *arguments, "--ratio", "g3:g1=2:1", cwd=place)
@@ -27,7 +17,7 @@ def test_it_ends_with_the_ten_most_critical_the_front_and_the_folder(place: Path
     assert "generation 0/0" in done.stderr
 
 
-def test_the_folder_holds_what_the_run_used_and_found(flown: Path) -> None:
+def test_the_folder_holds_what_the_run_used_and_found(flown):
     assert (flown / "model" / "mission.xmi").is_file()
     assert (flown / "generated" / "collective_intelligence.py").is_file()
     assert (flown / "report.md").is_file()
@@ -38,7 +28,7 @@ def test_the_folder_holds_what_the_run_used_and_found(flown: Path) -> None:
     assert (flown / "critical" / "01.xmi").is_file()
 
 
-def test_a_found_specification_validates_and_flies_again(flown: Path) -> None:
+def test_a_found_specification_validates_and_flies_again(flown):
     place = flown.parent.parent
     found = flown / "critical" / "01.xmi"
 
@@ -49,9 +39,7 @@ def test_a_found_specification_validates_and_flies_again(flown: Path) -> None:
     assert flight["digest"] == replayed["digest"]
 
 
-def test_same_seed_same_digest_with_two_workers_and_another_with_another_seed(
-    flown: Path, place: Path
-) -> None:
+def test_same_seed_same_digest_with_two_workers_and_another_with_another_seed(flown, place):
     small = ("evolve", MISSION, "--case", "b", "--population", "4", "--generations", "2")
     one = mrsfi_json("replay", flown, "--all", cwd=place)
 
@@ -65,14 +53,14 @@ def test_same_seed_same_digest_with_two_workers_and_another_with_another_seed(
     ]
 
 
-def test_stale_generated_code_ends_with_4_and_makes_no_folder(place: Path) -> None:
+def test_stale_generated_code_ends_with_4_and_makes_no_folder(place):
     edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
 
     assert "mrsfi generate" in mrsfi("evolve", MISSION, cwd=place, expected=4).stderr
     assert not (place / "runs").exists()
 
 
-def test_a_wrong_key_in_a_campaign_file_ends_with_2_and_names_it(place: Path) -> None:
+def test_a_wrong_key_in_a_campaign_file_ends_with_2_and_names_it(place):
     (place / "mine.toml").write_text("[search]\npopulaton = 4\n", encoding="utf-8")
 
     error = mrsfi("evolve", MISSION, "--case", "mine.toml", cwd=place, expected=2).stderr
@@ -81,7 +69,7 @@ def test_a_wrong_key_in_a_campaign_file_ends_with_2_and_names_it(place: Path) ->
     assert "populaton" in error
 
 
-def test_a_folder_in_use_ends_with_9_and_stays_as_it_is(flown: Path) -> None:
+def test_a_folder_in_use_ends_with_9_and_stays_as_it_is(flown):
     before = contents(flown)
 
     mrsfi("evolve", MISSION, *SMALL, "--out", flown, cwd=flown.parent.parent, expected=9)
@@ -89,7 +77,7 @@ def test_a_folder_in_use_ends_with_9_and_stays_as_it_is(flown: Path) -> None:
     assert contents(flown) == before
 
 
-def test_ctrl_c_ends_with_130_and_leaves_a_campaign_that_can_be_reported(place: Path) -> None:
+def test_ctrl_c_ends_with_130_and_leaves_a_campaign_that_can_be_reported(place):
     arguments = ("evolve", MISSION, "--population", "4", "--generations", "5000")
 
     done = interrupted(

@@ -19,7 +19,7 @@ def _answered(answer: str, *arguments: str | Path, cwd: Path) -> subprocess.Comp
     )
 
 
-def test_fix_shows_the_diff_and_writes_what_was_right_before(place: Path) -> None:
+def test_fix_shows_the_diff_and_writes_what_was_right_before(place):
     faults = place / "models" / MISSION / "faults.xmi"
     before = faults.read_bytes()
     edit(faults, RIGHT, WRONG)
@@ -33,7 +33,7 @@ def test_fix_shows_the_diff_and_writes_what_was_right_before(place: Path) -> Non
     assert text.splitlines()[-1].startswith(f"ok: {MISSION}")
 
 
-def test_fix_writes_when_the_user_agrees(place: Path) -> None:
+def test_fix_writes_when_the_user_agrees(place):
     faults = place / "models" / MISSION / "faults.xmi"
     before = faults.read_bytes()
     edit(faults, RIGHT, WRONG)
@@ -44,7 +44,7 @@ def test_fix_writes_when_the_user_agrees(place: Path) -> None:
     assert faults.read_bytes() == before
 
 
-def test_fix_writes_nothing_when_the_user_does_not_agree(place: Path) -> None:
+def test_fix_writes_nothing_when_the_user_does_not_agree(place):
     edit(place / "models" / MISSION / "faults.xmi", RIGHT, WRONG)
     before = contents(place / "models")
 
@@ -57,7 +57,7 @@ def test_fix_writes_nothing_when_the_user_does_not_agree(place: Path) -> None:
     assert contents(place / "models") == before
 
 
-def test_fix_of_a_flawless_mission_says_so(place: Path) -> None:
+def test_fix_of_a_flawless_mission_says_so(place):
     before = contents(place / "models")
 
     text = mrsfi("validate", MISSION, "--fix", cwd=place).stdout
@@ -66,7 +66,7 @@ def test_fix_of_a_flawless_mission_says_so(place: Path) -> None:
     assert contents(place / "models") == before
 
 
-def test_fix_leaves_errors_of_structure_to_the_user(place: Path) -> None:
+def test_fix_leaves_errors_of_structure_to_the_user(place):
     edit(place / "models" / MISSION / "mission.xmi", 'name="LEN" speed="5.0"', 'speed="fast"')
     before = contents(place / "models")
 
@@ -76,7 +76,7 @@ def test_fix_leaves_errors_of_structure_to_the_user(place: Path) -> None:
     assert contents(place / "models") == before
 
 
-def test_fix_tells_when_a_file_loses_its_layout(place: Path) -> None:
+def test_fix_tells_when_a_file_loses_its_layout(place):
     faults = place / "models" / MISSION / "faults.xmi"
     edit(faults, RIGHT, WRONG)
     edit(faults, "<startRobot>", "<!-- why --><startRobot>")
@@ -86,7 +86,7 @@ def test_fix_tells_when_a_file_loses_its_layout(place: Path) -> None:
     assert "is not as Eclipse writes it; layout and comments will be lost" in text
 
 
-def test_fix_mends_a_written_specification(place: Path) -> None:
+def test_fix_mends_a_written_specification(place):
     models = place / "models" / MISSION
     path = stop_specification(models / "byhand.xmi", [(200, 100)])
 
@@ -95,6 +95,6 @@ def test_fix_mends_a_written_specification(place: Path) -> None:
     assert 'start="100" finish="200"' in path.read_text(encoding="ascii")
 
 
-def test_fix_options_that_make_no_sense_together_are_refused(place: Path) -> None:
+def test_fix_options_that_make_no_sense_together_are_refused(place):
     assert "--json" in mrsfi("validate", MISSION, "--fix", "--json", cwd=place, expected=2).stderr
     assert "--fix" in mrsfi("validate", MISSION, "--yes", cwd=place, expected=2).stderr

@@ -20,7 +20,7 @@ def file(text: str, place: Path) -> Path:
     return path
 
 
-def test_an_imported_mission_generates_and_flies(file: Path, place: Path) -> None:
+def test_an_imported_mission_generates_and_flies(file, place):
     text = mrsfi("import", file, "--out", "models/harbour", cwd=place).stdout
 
     mrsfi("generate", "harbour", cwd=place)
@@ -33,9 +33,7 @@ def test_an_imported_mission_generates_and_flies(file: Path, place: Path) -> Non
     assert not any(goal["believed"] for goal in flight["goals"])
 
 
-def test_a_file_without_faults_becomes_a_mission_that_flies_and_waits_for_some(
-    file: Path, place: Path
-) -> None:
+def test_a_file_without_faults_becomes_a_mission_that_flies_and_waits_for_some(file, place):
     text = file.read_text(encoding="ascii")
     begin, end = text.index("<specification"), text.index("</setup:Setup>")
     file.write_text(text[:begin] + text[end:], encoding="ascii")
@@ -56,14 +54,14 @@ def test_a_file_without_faults_becomes_a_mission_that_flies_and_waits_for_some(
     assert not (place / "runs").exists()
 
 
-def test_the_folder_is_named_after_the_file(file: Path, place: Path) -> None:
+def test_the_folder_is_named_after_the_file(file, place):
     mrsfi("import", file, cwd=place)
 
     assert "no difference" in mrsfi("diff", MISSION, "Paper_model", cwd=place).stdout
     assert mrsfi("validate", "Paper_model", cwd=place).stdout.startswith("ok: Paper_model: ")
 
 
-def test_import_as_json_lists_every_note(file: Path, place: Path) -> None:
+def test_import_as_json_lists_every_note(file, place):
     edit(file, 'ID="s2" parentID="r1"', 'ID="s2" parentID="r3"')
 
     result = mrsfi_json("import", file, "--out", "models/harbour", cwd=place)
@@ -74,7 +72,7 @@ def test_import_as_json_lists_every_note(file: Path, place: Path) -> None:
     assert result["counts"]["faults"] == 30
 
 
-def test_import_into_an_existing_folder_needs_force(file: Path, place: Path) -> None:
+def test_import_into_an_existing_folder_needs_force(file, place):
     before = contents(place)
 
     error = mrsfi("import", file, "--out", f"models/{MISSION}", cwd=place, expected=2).stderr
@@ -85,13 +83,13 @@ def test_import_into_an_existing_folder_needs_force(file: Path, place: Path) -> 
     assert "case_a.toml" not in forced
 
 
-def test_import_of_a_model_of_ours_says_that_it_needs_none(place: Path) -> None:
+def test_import_of_a_model_of_ours_says_that_it_needs_none(place):
     path = f"models/{MISSION}/mission.xmi"
 
     assert "need no import" in mrsfi("import", path, cwd=place, expected=3).stderr
 
 
-def test_diff_works_with_git(place: Path) -> None:
+def test_diff_works_with_git(place):
     git = require_program("git")
     model = f"models/{MISSION}/mission.xmi"
     identity = ["-c", "user.name=t", "-c", "user.email=t@example.org"]
@@ -109,7 +107,7 @@ def test_diff_works_with_git(place: Path) -> None:
     assert (change["element"], change["old"], change["new"]) == ("robot r2", "4.0", "6.0")
 
 
-def test_diff_of_nothing_ends_with_2_and_of_no_model_with_3(place: Path) -> None:
+def test_diff_of_nothing_ends_with_2_and_of_no_model_with_3(place):
     (place / "text.xmi").write_text("text")
 
     assert "nowhere" in mrsfi("diff", "nowhere", MISSION, cwd=place, expected=2).stderr

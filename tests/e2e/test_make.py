@@ -48,7 +48,7 @@ def make(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_plain_make_prints_every_target_with_a_line(clone: Path) -> None:
+def test_plain_make_prints_every_target_with_a_line(clone):
     done = make(cwd=clone)
 
     assert done.returncode == 0
@@ -59,7 +59,7 @@ def test_plain_make_prints_every_target_with_a_line(clone: Path) -> None:
         )
 
 
-def test_variables_reach_the_command_and_empty_ones_leave_the_defaults(clone: Path) -> None:
+def test_variables_reach_the_command_and_empty_ones_leave_the_defaults(clone):
     given = make("-n", "evolve", "CASE=b", "SEED=7", "WORKERS=2", "OUT=runs/x", cwd=clone).stdout
     bus = make("-n", "evolve", "ENGINE=rosbridge", "URL=ws://h:1", "RESUME=r", cwd=clone).stdout
     empty = make("-n", "evolve", "MISSION=", "CASE=", "SEED=", "ENGINE=", cwd=clone).stdout
@@ -74,9 +74,7 @@ def test_variables_reach_the_command_and_empty_ones_leave_the_defaults(clone: Pa
 
 
 @pytest.mark.parametrize(("target", "has_tools"), [("evolve", False), ("test", True)])
-def test_a_target_installs_what_it_needs_with_pins(
-    target: str, has_tools: bool, clone: Path
-) -> None:
+def test_a_target_installs_what_it_needs_with_pins(target, has_tools, clone):
     text = make("-n", target, cwd=clone).stdout
 
     assert "--constraint constraints.txt" in text
@@ -84,7 +82,7 @@ def test_a_target_installs_what_it_needs_with_pins(
     assert ('".[dev,fast]"' in text) == has_tools
 
 
-def test_what_is_installed_is_not_installed_again(clone: Path) -> None:
+def test_what_is_installed_is_not_installed_again(clone):
     (clone / ".venv").mkdir()
     for stamp in (".created", ".installed", ".installed-dev"):
         (clone / ".venv" / stamp).touch()
@@ -92,7 +90,7 @@ def test_what_is_installed_is_not_installed_again(clone: Path) -> None:
     assert "pip install" not in make("-n", "evolve", "test", "check", cwd=clone).stdout
 
 
-def test_an_old_python_is_refused_with_a_message(clone: Path) -> None:
+def test_an_old_python_is_refused_with_a_message(clone):
     old = clone / "python-old"
     old.write_text("#!/bin/sh\nexit 1\n", encoding="utf-8")
     old.chmod(old.stat().st_mode | stat.S_IXUSR)
@@ -104,7 +102,7 @@ def test_an_old_python_is_refused_with_a_message(clone: Path) -> None:
     assert not (clone / ".venv").exists()
 
 
-def test_clean_keeps_campaigns(clone: Path) -> None:
+def test_clean_keeps_campaigns(clone):
     (clone / "runs" / "one").mkdir(parents=True)
     (clone / ".venv").mkdir()
 
@@ -114,7 +112,7 @@ def test_clean_keeps_campaigns(clone: Path) -> None:
     assert not (clone / ".venv").exists()
 
 
-def test_every_pin_is_exact_and_every_dependency_is_pinned() -> None:
+def test_every_pin_is_exact_and_every_dependency_is_pinned():
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
     pins = [line for line in lines if line and not line.startswith("#")]
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))

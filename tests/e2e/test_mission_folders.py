@@ -14,7 +14,7 @@ def here(place: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("mission", [MISSION, f"models/{MISSION}", f"models/{MISSION}/"])
-def test_a_name_and_a_path_lead_to_the_same_folders(mission: str, here: Path) -> None:
+def test_a_name_and_a_path_lead_to_the_same_folders(mission, here):
     found = find_mission(mission)
 
     assert found.name == MISSION
@@ -22,15 +22,13 @@ def test_a_name_and_a_path_lead_to_the_same_folders(mission: str, here: Path) ->
     assert found.generated == Path("generated") / MISSION
 
 
-def test_a_mission_outside_models_has_its_code_beside_it(here: Path, tmp_path: Path) -> None:
+def test_a_mission_outside_models_has_its_code_beside_it(here, tmp_path):
     (here / "models" / MISSION).rename(tmp_path / "harbour")
 
     assert find_mission("harbour").generated == Path("generated/harbour")
 
 
-def test_inside_the_mission_folder_a_dot_is_enough(
-    here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_inside_the_mission_folder_a_dot_is_enough(here, monkeypatch):
     monkeypatch.chdir(here / "models" / MISSION)
 
     found = find_mission(".")
@@ -39,7 +37,7 @@ def test_inside_the_mission_folder_a_dot_is_enough(
     assert found.generated == here / "generated" / MISSION
 
 
-def test_an_unknown_mission_is_told_which_there_are(here: Path) -> None:
+def test_an_unknown_mission_is_told_which_there_are(here):
     assert here.is_dir()
     with pytest.raises(UsageError, match=MISSION):
         find_mission("atlantis")

@@ -31,7 +31,7 @@ def _is_broken(folder: Path) -> bool:
 
 
 @pytest.mark.parametrize("kind", seeds(list(MUTILATIONS)[:3], 1))
-def test_command_line_refuses_mutilated_models(tmp_path: Path, kind: str) -> None:
+def test_command_line_refuses_mutilated_models(tmp_path, kind):
     folder = copy_models(tmp_path)
     original = (folder / MISSION).read_bytes()
     draw = random.Random(f"command line {kind}")
@@ -46,9 +46,7 @@ def test_command_line_refuses_mutilated_models(tmp_path: Path, kind: str) -> Non
 
 
 @pytest.mark.parametrize("kind", seeds(list(MUTILATIONS)[-3:], 1))
-def test_command_line_refuses_mutilated_metamodels(
-    tmp_path: Path, installed: Path, monkeypatch: pytest.MonkeyPatch, kind: str
-) -> None:
+def test_command_line_refuses_mutilated_metamodels(tmp_path, installed, monkeypatch, kind):
     models = copy_models(tmp_path)
     original = (installed / FAULTS_FILE).read_bytes()
     draw = random.Random(f"command line {kind}")

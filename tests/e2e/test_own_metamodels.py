@@ -36,7 +36,7 @@ def _require_flight(project: Path) -> None:
     mrsfi_process("simulate", MISSION, "--no-faults", cwd=project)
 
 
-def test_team_adds_features(project: Path) -> None:
+def test_team_adds_features(project):
     mission, faults = (project / "metamodels" / name for name in (MISSION_FILE, FAULTS_FILE))
     models = project / "models" / MISSION
     add_feature(mission, "Robot", attribute("colour") + attribute("tags", more='upperBound="-1"'))
@@ -68,7 +68,7 @@ def test_team_adds_features(project: Path) -> None:
     assert 'own={"weight": 2.0, "remark": "x"},' in loader
 
 
-def test_team_adds_subclasses(project: Path) -> None:
+def test_team_adds_subclasses(project):
     mission, faults = (project / "metamodels" / name for name in (MISSION_FILE, FAULTS_FILE))
     models = project / "models" / MISSION
     add_classes(
@@ -104,7 +104,7 @@ def test_team_adds_subclasses(project: Path) -> None:
     assert loader.read_bytes() == shipped.read_bytes()
 
 
-def test_team_adds_parts_of_its_own(project: Path) -> None:
+def test_team_adds_parts_of_its_own(project):
     mission, faults = (project / "metamodels" / name for name in (MISSION_FILE, FAULTS_FILE))
     models = project / "models" / MISSION
     part = '<eStructuralFeatures xsi:type="ecore:EReference" containment="true" '
@@ -122,7 +122,7 @@ def test_team_adds_parts_of_its_own(project: Path) -> None:
     _require_flight(project)
 
 
-def test_team_writes_an_effect_of_its_own_in_two_files(project: Path) -> None:
+def test_team_writes_an_effect_of_its_own_in_two_files(project):
     content = meaning(mode="OWN", property="SPEED") + parameter("OFFSET", range="SPEED")
     add_fault_type(project / "metamodels" / FAULTS_FILE, "StuckSpeed", "RobotFault", content)
     stuck = '<stuckSpeed OFFSET="0.5"><affectedRobot href="mission.xmi#r3"/></stuckSpeed>'

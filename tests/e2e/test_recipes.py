@@ -1,7 +1,5 @@
 """The recipes of the README's "Extend": as few files as it says, and alike on both engines."""
 
-from pathlib import Path
-
 import pytest
 
 from tests.recipes.performed import RECIPES, perform
@@ -20,9 +18,7 @@ N_EDITED = {
 
 @slow
 @pytest.mark.parametrize("name", RECIPES)
-def test_a_recipe_edits_few_files_and_flies_alike_on_both_engines(
-    name: str, tmp_path: Path
-) -> None:
+def test_a_recipe_edits_few_files_and_flies_alike_on_both_engines(name, tmp_path):
     done = perform(name, tmp_path / "tree")
 
     assert len(done.edited) == N_EDITED[name], done.edited

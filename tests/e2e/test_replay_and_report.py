@@ -20,14 +20,14 @@ def execute(campaign: Path, statement: str) -> None:
         connection.execute(statement)
 
 
-def test_replay_of_the_best_is_the_same_as_recorded(campaign: Path, tmp_path: Path) -> None:
+def test_replay_of_the_best_is_the_same_as_recorded(campaign, tmp_path):
     text = mrsfi("replay", campaign, cwd=tmp_path).stdout
 
     assert "same as recorded, digest " in text
     assert "AvoidCollision" in text
 
 
-def test_replay_of_one_evaluation_writes_log_and_trace(campaign: Path, tmp_path: Path) -> None:
+def test_replay_of_one_evaluation_writes_log_and_trace(campaign, tmp_path):
     arguments = ("replay", campaign, "--evaluation", "0", "--log", "a.log", "--trace", "a.csv")
 
     assert mrsfi_json(*arguments, cwd=tmp_path)["evaluation"] == 0
@@ -35,7 +35,7 @@ def test_replay_of_one_evaluation_writes_log_and_trace(campaign: Path, tmp_path:
     assert (tmp_path / "a.csv").read_text(encoding="utf-8").startswith("tick,")
 
 
-def test_replay_of_all_confirms_every_evaluation(campaign: Path, tmp_path: Path) -> None:
+def test_replay_of_all_confirms_every_evaluation(campaign, tmp_path):
     replayed = mrsfi_json("replay", campaign, "--all", cwd=tmp_path)
 
     recorded = json.loads((campaign / "summary.json").read_text(encoding="utf-8"))
@@ -46,7 +46,7 @@ def test_replay_of_all_confirms_every_evaluation(campaign: Path, tmp_path: Path)
     }
 
 
-def test_a_forged_digest_ends_with_7(campaign: Path, tmp_path: Path) -> None:
+def test_a_forged_digest_ends_with_7(campaign, tmp_path):
     execute(campaign, "UPDATE evaluation SET digest = 'forged' WHERE idx = 2")
 
     error = mrsfi("replay", campaign, "--evaluation", "2", cwd=tmp_path, expected=7).stderr
@@ -57,7 +57,7 @@ def test_a_forged_digest_ends_with_7(campaign: Path, tmp_path: Path) -> None:
     mrsfi("replay", campaign, "--evaluation", "1", cwd=tmp_path)
 
 
-def test_an_edited_copy_of_the_code_ends_with_7(campaign: Path, tmp_path: Path) -> None:
+def test_an_edited_copy_of_the_code_ends_with_7(campaign, tmp_path):
     edit(
         campaign / "generated" / "mission_loader.py", "samples_per_second=5", "samples_per_second=9"
     )
@@ -66,8 +66,8 @@ def test_an_edited_copy_of_the_code_ends_with_7(campaign: Path, tmp_path: Path) 
 
 
 def test_report_takes_the_latest_campaign_writes_the_same_bytes_and_picks_by_ratio(
-    flown: Path, campaign: Path, tmp_path: Path
-) -> None:
+    flown, campaign, tmp_path
+):
     found = mrsfi_json("report", "--ratio", "g3:g1=2:1", cwd=tmp_path)
 
     assert found["folder"] == "runs/copy"
@@ -78,14 +78,14 @@ def test_report_takes_the_latest_campaign_writes_the_same_bytes_and_picks_by_rat
 
 
 @pytest.mark.parametrize("command", ["report", "replay"])
-def test_a_folder_without_a_campaign_ends_with_9(command: str, tmp_path: Path) -> None:
+def test_a_folder_without_a_campaign_ends_with_9(command, tmp_path):
     (tmp_path / "empty").mkdir()
 
     assert "empty" in mrsfi(command, "empty", cwd=tmp_path, expected=9).stderr
     assert "nowhere" in mrsfi(command, "nowhere", cwd=tmp_path, expected=9).stderr
 
 
-def test_a_broken_campaign_ends_with_9(campaign: Path, tmp_path: Path) -> None:
+def test_a_broken_campaign_ends_with_9(campaign, tmp_path):
     (campaign / "generated" / "simulation.py").unlink()
     assert "simulation.py" in mrsfi("replay", campaign, cwd=tmp_path, expected=9).stderr
 
@@ -93,7 +93,7 @@ def test_a_broken_campaign_ends_with_9(campaign: Path, tmp_path: Path) -> None:
     assert "campaign.sqlite" in mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr
 
 
-def test_an_evaluation_that_is_not_there_ends_with_9(campaign: Path, tmp_path: Path) -> None:
+def test_an_evaluation_that_is_not_there_ends_with_9(campaign, tmp_path):
     assert (
         "99999"
         in mrsfi("replay", campaign, "--evaluation", "99999", cwd=tmp_path, expected=9).stderr

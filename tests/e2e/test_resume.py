@@ -46,9 +46,7 @@ def campaign(whole: Any, place: Path, tmp_path: Path) -> Path:
 
 
 @slow
-def test_a_command_killed_at_any_moment_of_its_life_is_resumed_or_begun_anew(
-    place: Path, lifetime: tuple[Any, float]
-) -> None:
+def test_a_command_killed_at_any_moment_of_its_life_is_resumed_or_begun_anew(place, lifetime):
     whole, seconds = lifetime
     random = Random(11)
 
@@ -76,9 +74,7 @@ def killed(seconds: float, *arguments: str | Path, cwd: Path) -> None:
             process.send_signal(SIGKILL)
 
 
-def test_ctrl_c_says_how_to_go_on_and_the_result_is_that_of_one_run(
-    place: Path, whole: Any
-) -> None:
+def test_ctrl_c_says_how_to_go_on_and_the_result_is_that_of_one_run(place, whole):
     out = place / "runs" / "stopped"
 
     done = interrupted(*EVOLVE, "--out", str(out), cwd=place, sign="generation 2/")
@@ -94,8 +90,8 @@ def test_ctrl_c_says_how_to_go_on_and_the_result_is_that_of_one_run(
 
 
 def test_the_command_of_a_finished_campaign_repeated_with_resume_only_writes_the_report_anew(
-    campaign: Path, tmp_path: Path, whole: Any
-) -> None:
+    campaign, tmp_path, whole
+):
     report = (campaign / "report.md").read_bytes()
     (campaign / "report.md").unlink()
     again = (*EVOLVE, "--case", "a", "--engine", "reference")
@@ -122,8 +118,8 @@ def test_the_command_of_a_finished_campaign_repeated_with_resume_only_writes_the
     ],
 )
 def test_an_option_that_contradicts_the_campaign_ends_with_2_and_is_named(
-    campaign: Path, tmp_path: Path, options: tuple[str, ...], named: str
-) -> None:
+    campaign, tmp_path, options, named
+):
     before = contents(campaign)
 
     error = mrsfi("evolve", "--resume", campaign, *options, cwd=tmp_path, expected=2).stderr
@@ -132,14 +128,12 @@ def test_an_option_that_contradicts_the_campaign_ends_with_2_and_is_named(
     assert contents(campaign) == before
 
 
-def test_neither_mission_nor_resume_ends_with_2(tmp_path: Path) -> None:
+def test_neither_mission_nor_resume_ends_with_2(tmp_path):
     assert "--resume DIR" in mrsfi("evolve", cwd=tmp_path, expected=2).stderr
 
 
 @pytest.mark.parametrize("name", ["generated/simulation.py", "model/mission.xmi"])
-def test_a_changed_copy_of_models_or_code_ends_with_9_and_is_named(
-    campaign: Path, tmp_path: Path, name: str
-) -> None:
+def test_a_changed_copy_of_models_or_code_ends_with_9_and_is_named(campaign, tmp_path, name):
     with (campaign / name).open("a", encoding="utf-8") as file:
         file.write("\n")
     before = contents(campaign)
@@ -151,9 +145,7 @@ def test_a_changed_copy_of_models_or_code_ends_with_9_and_is_named(
     assert {**contents(campaign), **lock} == {**before, **lock}
 
 
-def test_a_record_that_does_not_follow_from_its_settings_ends_with_9(
-    campaign: Path, tmp_path: Path
-) -> None:
+def test_a_record_that_does_not_follow_from_its_settings_ends_with_9(campaign, tmp_path):
     execute(campaign, "UPDATE evaluation SET specification = '[]' WHERE idx = 3")
 
     error = mrsfi("evolve", "--resume", campaign, cwd=tmp_path, expected=9).stderr
@@ -161,7 +153,7 @@ def test_a_record_that_does_not_follow_from_its_settings_ends_with_9(
     assert "specification 3 of the search is another one" in error
 
 
-def test_a_newer_record_ends_with_9_and_stays_as_it_is(campaign: Path, tmp_path: Path) -> None:
+def test_a_newer_record_ends_with_9_and_stays_as_it_is(campaign, tmp_path):
     execute(campaign, "PRAGMA user_version = 99")
     before = contents(campaign)
 
@@ -172,9 +164,7 @@ def test_a_newer_record_ends_with_9_and_stays_as_it_is(campaign: Path, tmp_path:
 
 
 @pytest.mark.parametrize("name", ["empty", "nowhere"])
-def test_a_folder_without_a_campaign_ends_with_9_and_stays_as_it_is(
-    tmp_path: Path, name: str
-) -> None:
+def test_a_folder_without_a_campaign_ends_with_9_and_stays_as_it_is(tmp_path, name):
     (tmp_path / "empty").mkdir()
 
     error = mrsfi("evolve", "--resume", name, cwd=tmp_path, expected=9).stderr

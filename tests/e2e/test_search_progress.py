@@ -33,13 +33,11 @@ def ticking(seconds: float) -> Iterator[float]:
         (CampaignSettings(evaluations=40), state(7, n_evaluations=9, n_failures=1), 0.25),
     ],
 )
-def test_share_done_counts_generations_or_evaluations(
-    settings: CampaignSettings, at: CampaignProgress, share: float
-) -> None:
+def test_share_done_counts_generations_or_evaluations(settings, at, share):
     assert share_done(settings, at) == share
 
 
-def test_a_line_has_generation_best_mean_and_time_left(capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_line_has_generation_best_mean_and_time_left(capfd):
     clock = ticking(65.0)
     lines = PlainLines(CampaignSettings(generations=1), lambda: next(clock))
 
@@ -51,9 +49,7 @@ def test_a_line_has_generation_best_mean_and_time_left(capfd: pytest.CaptureFixt
     )
 
 
-def test_a_long_search_prints_some_hundred_lines_and_always_the_last(
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+def test_a_long_search_prints_some_hundred_lines_and_always_the_last(capfd):
     clock = ticking(1.0)
     lines = PlainLines(CampaignSettings(generations=5000), lambda: next(clock))
 
@@ -65,9 +61,7 @@ def test_a_long_search_prints_some_hundred_lines_and_always_the_last(
     assert printed[-1].startswith("generation 5000/5000")
 
 
-def test_what_was_recorded_before_does_not_count_into_the_time_left(
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+def test_what_was_recorded_before_does_not_count_into_the_time_left(capfd):
     clock = ticking(60.0)
     lines = PlainLines(CampaignSettings(generations=9), lambda: next(clock), begun=0.7)
 
@@ -76,9 +70,7 @@ def test_what_was_recorded_before_does_not_count_into_the_time_left(
     assert capfd.readouterr().err.endswith("evaluations 90  left 2:00\n")
 
 
-def test_a_generation_that_was_all_recorded_before_prints_nothing(
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+def test_a_generation_that_was_all_recorded_before_prints_nothing(capfd):
     lines = PlainLines(CampaignSettings(evaluations=100), lambda: 0.0, begun=0.5)
 
     lines(state(7, n_evaluations=50))

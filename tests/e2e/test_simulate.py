@@ -1,5 +1,4 @@
 import subprocess
-from pathlib import Path
 
 import pytest
 
@@ -8,7 +7,7 @@ from tests.support.cli import MISSION, command_line, edit, mrsfi, mrsfi_json, st
 VIOLATIONS = ("believed", "true", "phantom", "masked")
 
 
-def test_a_hand_written_specification_is_flown(place: Path) -> None:
+def test_a_hand_written_specification_is_flown(place):
     stop_specification(place / "models" / MISSION / "stop.xmi", [(100, 900)])
 
     flight = mrsfi_json("simulate", MISSION, "--faults", f"models/{MISSION}/stop.xmi", cwd=place)
@@ -22,9 +21,7 @@ def test_a_hand_written_specification_is_flown(place: Path) -> None:
 @pytest.mark.parametrize(
     "windows", [[(100, 200), (150, 300)], [None]], ids=["overlap", "no window"]
 )
-def test_a_specification_that_cannot_be_flown_ends_with_5(
-    windows: list[tuple[int, int] | None], place: Path
-) -> None:
+def test_a_specification_that_cannot_be_flown_ends_with_5(windows, place):
     path = stop_specification(place / "models" / MISSION / "bad.xmi", windows)
 
     error = mrsfi("simulate", MISSION, "--faults", path, cwd=place, expected=5).stderr
@@ -32,7 +29,7 @@ def test_a_specification_that_cannot_be_flown_ends_with_5(
     assert "h1" in error
 
 
-def test_log_and_trace_have_every_tick(place: Path) -> None:
+def test_log_and_trace_have_every_tick(place):
     mrsfi("simulate", MISSION, "--log", "flight.log", "--trace", "flight.csv", cwd=place)
 
     log = (place / "flight.log").read_text(encoding="utf-8").splitlines()
@@ -41,13 +38,13 @@ def test_log_and_trace_have_every_tick(place: Path) -> None:
     assert len(trace) == 1 + 1000
 
 
-def test_stale_generated_code_is_not_flown(place: Path) -> None:
+def test_stale_generated_code_is_not_flown(place):
     edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
 
     assert "mrsfi generate" in mrsfi("simulate", MISSION, cwd=place, expected=4).stderr
 
 
-def test_each_fault_is_audited_alone_and_written_as_a_page(place: Path) -> None:
+def test_each_fault_is_audited_alone_and_written_as_a_page(place):
     rows = mrsfi_json(
         "simulate", MISSION, "--each-fault", "100:900", "--markdown", "page.md", cwd=place
     )
@@ -62,7 +59,7 @@ def test_each_fault_is_audited_alone_and_written_as_a_page(place: Path) -> None:
     assert sum(line.startswith("| f") for line in page.splitlines()) == 1 + 30
 
 
-def test_a_reader_that_goes_away_is_no_error(place: Path) -> None:
+def test_a_reader_that_goes_away_is_no_error(place):
     with subprocess.Popen(
         command_line("simulate", MISSION),
         cwd=place,

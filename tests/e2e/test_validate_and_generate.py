@@ -1,9 +1,7 @@
-from pathlib import Path
-
 from tests.support.cli import MISSION, contents, edit, mrsfi, mrsfi_json, stop_specification
 
 
-def test_validate_says_ok_and_how_much_there_is(place: Path) -> None:
+def test_validate_says_ok_and_how_much_there_is(place):
     text = mrsfi("validate", MISSION, cwd=place).stdout
 
     assert text.splitlines()[-1].startswith(
@@ -11,11 +9,11 @@ def test_validate_says_ok_and_how_much_there_is(place: Path) -> None:
     )
 
 
-def test_validate_accepts_the_path_of_a_mission_folder(place: Path, tmp_path: Path) -> None:
+def test_validate_accepts_the_path_of_a_mission_folder(place, tmp_path):
     assert "ok: uuv_sampling" in mrsfi("validate", place / "models" / MISSION, cwd=tmp_path).stdout
 
 
-def test_validate_as_json_has_counts_and_diagnostics(place: Path) -> None:
+def test_validate_as_json_has_counts_and_diagnostics(place):
     found = mrsfi_json("validate", MISSION, cwd=place)
 
     assert found["mission"] == MISSION
@@ -23,7 +21,7 @@ def test_validate_as_json_has_counts_and_diagnostics(place: Path) -> None:
     assert len(found["diagnostics"]) == found["n_warnings"]
 
 
-def test_validate_of_a_broken_model_ends_with_3_and_names_the_line(place: Path) -> None:
+def test_validate_of_a_broken_model_ends_with_3_and_names_the_line(place):
     mission = place / "models" / MISSION / "mission.xmi"
     edit(mission, 'name="LEN" speed="5.0"', 'name="LEN" speed="fast"')
     line = next(
@@ -38,7 +36,7 @@ def test_validate_of_a_broken_model_ends_with_3_and_names_the_line(place: Path) 
     assert "1 error" in text.splitlines()[-1]
 
 
-def test_validate_checks_a_written_specification(place: Path) -> None:
+def test_validate_checks_a_written_specification(place):
     models = place / "models" / MISSION
     sound = stop_specification(models / "sound.xmi", [(100, 200)])
     broken = stop_specification(models / "broken.xmi", [(100, 200)])
@@ -48,7 +46,7 @@ def test_validate_checks_a_written_specification(place: Path) -> None:
     assert "r77" in mrsfi("validate", broken, cwd=place, expected=3).stdout
 
 
-def test_generate_into_an_empty_folder_gives_the_committed_code(place: Path) -> None:
+def test_generate_into_an_empty_folder_gives_the_committed_code(place):
     text = mrsfi("generate", MISSION, "--generated", "fresh", cwd=place).stdout
 
     committed = contents(place / "generated" / MISSION)
@@ -59,7 +57,7 @@ def test_generate_into_an_empty_folder_gives_the_committed_code(place: Path) -> 
     assert "written    fresh/simulation.py" in text
 
 
-def test_a_second_generation_writes_nothing(place: Path) -> None:
+def test_a_second_generation_writes_nothing(place):
     before = contents(place)
 
     text = mrsfi("generate", MISSION, cwd=place).stdout
@@ -69,7 +67,7 @@ def test_a_second_generation_writes_nothing(place: Path) -> None:
     assert "unchanged  generated/uuv_sampling/mission_loader.py" in text
 
 
-def test_generate_check_ends_with_4_when_a_model_changed_and_writes_nothing(place: Path) -> None:
+def test_generate_check_ends_with_4_when_a_model_changed_and_writes_nothing(place):
     assert "fresh" in mrsfi("generate", MISSION, "--check", cwd=place).stdout
     edit(place / "models" / MISSION / "mission.xmi", 'name="LEN"', 'name="LENA"')
     before = contents(place)
@@ -81,7 +79,7 @@ def test_generate_check_ends_with_4_when_a_model_changed_and_writes_nothing(plac
     assert contents(place) == before
 
 
-def test_generate_diff_shows_only_the_lines_that_mean_the_change(place: Path) -> None:
+def test_generate_diff_shows_only_the_lines_that_mean_the_change(place):
     edit(place / "models" / MISSION / "mission.xmi", 'name="LEN"', 'name="LENA"')
     before = contents(place)
 
@@ -92,7 +90,7 @@ def test_generate_diff_shows_only_the_lines_that_mean_the_change(place: Path) ->
     assert contents(place) == before
 
 
-def test_generate_of_a_broken_model_ends_with_3_and_writes_nothing(place: Path) -> None:
+def test_generate_of_a_broken_model_ends_with_3_and_writes_nothing(place):
     edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="fast"')
     before = contents(place)
 
@@ -101,7 +99,7 @@ def test_generate_of_a_broken_model_ends_with_3_and_writes_nothing(place: Path) 
     assert contents(place) == before
 
 
-def test_a_goal_that_is_violated_without_faults_is_worth_a_warning(place: Path) -> None:
+def test_a_goal_that_is_violated_without_faults_is_worth_a_warning(place):
     mission = place / "models" / MISSION / "mission.xmi"
     edit(mission, 'targetSampleNumber="500"', 'targetSampleNumber="5000"')
     mrsfi("generate", MISSION, cwd=place)

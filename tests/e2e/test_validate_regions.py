@@ -15,7 +15,7 @@ def _edited(place: Path, body: str = OWN) -> tuple[Path, int]:
     return code, code.read_text(encoding="utf-8").splitlines().index(f"    {body}") + 1
 
 
-def test_validate_warns_of_a_region_that_compiles_to_something_else(place: Path) -> None:
+def test_validate_warns_of_a_region_that_compiles_to_something_else(place):
     _, line = _edited(place)
 
     lines = mrsfi("validate", MISSION, cwd=place).stdout.splitlines()
@@ -28,7 +28,7 @@ def test_validate_warns_of_a_region_that_compiles_to_something_else(place: Path)
     assert lines[-1].endswith("1 warning")
 
 
-def test_warnings_of_regions_stand_beside_those_of_models_in_json(place: Path) -> None:
+def test_warnings_of_regions_stand_beside_those_of_models_in_json(place):
     _, line = _edited(place)
 
     found = mrsfi_json("validate", MISSION, cwd=place)
@@ -45,7 +45,7 @@ def test_warnings_of_regions_stand_beside_those_of_models_in_json(place: Path) -
     }
 
 
-def test_regions_are_read_although_the_model_is_broken(place: Path) -> None:
+def test_regions_are_read_although_the_model_is_broken(place):
     _edited(place)
     edit(place / "models" / MISSION / "mission.xmi", 'name="LEN" speed="5.0"', 'speed="fast"')
 
@@ -54,7 +54,7 @@ def test_regions_are_read_although_the_model_is_broken(place: Path) -> None:
     assert "[RegionCompilesAlike]" in text
 
 
-def test_a_mission_that_was_not_generated_yet_has_no_regions_to_warn_of(place: Path) -> None:
+def test_a_mission_that_was_not_generated_yet_has_no_regions_to_warn_of(place):
     text = mrsfi("validate", MISSION, "--generated", "nowhere", cwd=place).stdout
 
     assert "[Region" not in text
@@ -74,8 +74,8 @@ MISSPELT = "return ci.mission.tick < 0 and ci.robots[R1].heading > 0.0"
     ],
 )
 def test_a_region_that_fails_is_an_error_of_every_command_before_anything_flies(
-    place: Path, body: str, constraint: str, said: str
-) -> None:
+    place, body, constraint, said
+):
     _, line = _edited(place, body)
     where = f"generated/{MISSION}/collective_intelligence.py:{line}: "
 
@@ -93,7 +93,7 @@ def test_a_region_that_fails_is_an_error_of_every_command_before_anything_flies(
     assert not (place / "runs").exists()
 
 
-def test_what_does_not_compile_is_named_in_generated_and_leaves_no_folder(place: Path) -> None:
+def test_what_does_not_compile_is_named_in_generated_and_leaves_no_folder(place):
     _, line = _edited(place, "return {1: ci} == {}")
 
     arguments = ("evolve", MISSION, "--engine", "compiled")
@@ -104,7 +104,7 @@ def test_what_does_not_compile_is_named_in_generated_and_leaves_no_folder(place:
     assert not (place / "runs").exists()
 
 
-def test_an_error_of_the_models_decides_the_exit_code(place: Path) -> None:
+def test_an_error_of_the_models_decides_the_exit_code(place):
     _edited(place, UNREACHED)
     edit(place / "models" / MISSION / "mission.xmi", 'name="LEN" speed="5.0"', 'speed="fast"')
 
@@ -113,7 +113,7 @@ def test_an_error_of_the_models_decides_the_exit_code(place: Path) -> None:
     assert "[RegionRuns]" in text
 
 
-def test_a_file_that_cannot_be_imported_is_named_with_its_line(place: Path) -> None:
+def test_a_file_that_cannot_be_imported_is_named_with_its_line(place):
     code = place / "generated" / MISSION / "collective_intelligence.py"
     begin = "# protected region imports on begin\n"
     edit(code, begin, f"{begin}from nowhere import near\n")

@@ -90,8 +90,7 @@ def test_a_message_may_come_in_several_frames():
 
 
 @pytest.mark.parametrize(
-    ("path", "headers"),
-    [(f"/?token={TOKEN}", {}), ("/", {"Authorization": f"Bearer {TOKEN}"})],
+    ("path", "headers"), [(f"/?token={TOKEN}", {}), ("/", {"Authorization": f"Bearer {TOKEN}"})]
 )
 def test_a_client_that_shows_the_token_is_let_in(path, headers):
     with bridge(token=TOKEN) as server, client(server, path, additional_headers=headers) as guest:

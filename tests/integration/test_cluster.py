@@ -59,9 +59,7 @@ def expected(specifications: Sequence[Specification]) -> list[object]:
 
 
 @pytest.mark.parametrize("name", [REFERENCE, COMPILED])
-def test_results_are_those_of_this_process_in_order(
-    two_workers: Scheduler, specifications, expected, name: str
-) -> None:
+def test_results_are_those_of_this_process_in_order(two_workers, specifications, expected, name):
     with Cluster(two_workers.address) as cluster:
         pool = ClusterPool(cluster, load_code(GENERATED), 1, EngineSettings(name))
 
@@ -70,9 +68,7 @@ def test_results_are_those_of_this_process_in_order(
         assert list(pool.evaluate_many([])) == []
 
 
-def test_a_worker_gets_the_code_once_and_is_left_as_it_was(
-    two_workers: Scheduler, specifications
-) -> None:
+def test_a_worker_gets_the_code_once_and_is_left_as_it_was(two_workers, specifications):
     folders = [worker.log.parent for worker in two_workers.workers]
 
     with Cluster(two_workers.address) as cluster:
@@ -85,7 +81,7 @@ def test_a_worker_gets_the_code_once_and_is_left_as_it_was(
     assert not [file for folder in folders for file in folder.rglob("mission_loader.py")]
 
 
-def test_mission_seeds_are_kept_apart(two_workers: Scheduler, specifications) -> None:
+def test_mission_seeds_are_kept_apart(two_workers, specifications):
     with Cluster(two_workers.address) as cluster, WorkerPool(load_code(GENERATED), 2) as other:
         pools = [ClusterPool(cluster, load_code(GENERATED), seed, SLOW_ENGINE) for seed in (1, 2)]
 
@@ -95,8 +91,8 @@ def test_mission_seeds_are_kept_apart(two_workers: Scheduler, specifications) ->
 
 
 def test_a_region_that_fails_gives_the_failure_that_it_gives_here(
-    two_workers: Scheduler, tmp_path: Path, specifications
-) -> None:
+    two_workers, tmp_path, specifications
+):
     body = "    return 1 // (99 - ci.mission.tick) > 9\n"
     folder = edited(tmp_path, "energy.check", body, MISSION)
 
@@ -111,8 +107,8 @@ def test_a_region_that_fails_gives_the_failure_that_it_gives_here(
 
 
 def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
-    two_workers: Scheduler, tmp_path: Path, specifications, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    two_workers, tmp_path, specifications, monkeypatch
+):
     (tmp_path / "only_here.py").write_text("HIGHEST = 9\n", encoding="utf-8")
     monkeypatch.syspath_prepend(str(tmp_path))
     folder = edited(tmp_path, "imports", "from only_here import HIGHEST\n", MISSION)
@@ -129,7 +125,7 @@ def test_a_region_that_needs_what_the_worker_lacks_names_worker_and_remedy(
     assert "has to be installed on every worker" in str(refused.value)
 
 
-def test_conflicting_faults_are_refused_as_they_are_here(two_workers: Scheduler) -> None:
+def test_conflicting_faults_are_refused_as_they_are_here(two_workers):
     conflicting = (TimedFault("f4", 0, 9, (1.0,)), TimedFault("f4", 5, 9, (1.0,)))
 
     with Cluster(two_workers.address) as cluster:
@@ -138,9 +134,7 @@ def test_conflicting_faults_are_refused_as_they_are_here(two_workers: Scheduler)
             list(pool.evaluate_many([conflicting]))
 
 
-def test_a_search_that_stops_asking_leaves_the_workers_free(
-    two_workers: Scheduler, specifications, expected
-) -> None:
+def test_a_search_that_stops_asking_leaves_the_workers_free(two_workers, specifications, expected):
     with Cluster(two_workers.address) as cluster:
         pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         asked = pool.evaluate_many(specifications)
@@ -153,9 +147,7 @@ def test_a_search_that_stops_asking_leaves_the_workers_free(
 
 
 @slow
-def test_a_worker_that_joins_late_takes_over_from_one_that_died(
-    tmp_path: Path, specifications, expected
-) -> None:
+def test_a_worker_that_joins_late_takes_over_from_one_that_died(tmp_path, specifications, expected):
     with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
         pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         before = list(pool.evaluate_many(specifications))
@@ -165,9 +157,7 @@ def test_a_worker_that_joins_late_takes_over_from_one_that_died(
         assert list(pool.evaluate_many(specifications)) == before == expected
 
 
-def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(
-    tmp_path: Path, specifications
-) -> None:
+def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(tmp_path, specifications):
     body = "    import os\n\n    os._exit(1)\n"
     folder = edited(tmp_path, "energy.check", body, MISSION)
 
@@ -177,9 +167,7 @@ def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(
             list(pool.evaluate_many(specifications[:1]))
 
 
-def test_when_the_last_worker_is_gone_the_user_is_told_how_to_start_one(
-    tmp_path: Path, specifications
-) -> None:
+def test_when_the_last_worker_is_gone_the_user_is_told_how_to_start_one(tmp_path, specifications):
     with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
         pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         place.workers[0].kill()
@@ -193,7 +181,7 @@ def impatient(cluster: Cluster) -> None:
     cluster._patience = 0.5
 
 
-def test_a_scheduler_without_workers_is_refused(tmp_path: Path) -> None:
+def test_a_scheduler_without_workers_is_refused(tmp_path):
     with (
         scheduler(tmp_path, 0) as place,
         pytest.raises(TransportError, match=r"found no worker within 0\.5 s; start some with"),
@@ -201,7 +189,7 @@ def test_a_scheduler_without_workers_is_refused(tmp_path: Path) -> None:
         Cluster(place.address, patience=0.5)
 
 
-def test_a_lost_scheduler_is_a_transport_error(tmp_path: Path, specifications) -> None:
+def test_a_lost_scheduler_is_a_transport_error(tmp_path, specifications):
     with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
         pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
         asked = pool.evaluate_many(specifications)
@@ -212,9 +200,7 @@ def test_a_lost_scheduler_is_a_transport_error(tmp_path: Path, specifications) -
             list(asked)
 
 
-def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(
-    tmp_path: Path, specifications
-) -> None:
+def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(tmp_path, specifications):
     package = Path(copytree(ROOT / "src" / "mrsfi_runtime", tmp_path / "other" / "mrsfi_runtime"))
     with (package / "kernel" / "flight.py").open("a", encoding="utf-8") as file:
         file.write("# another one\n")
@@ -231,7 +217,7 @@ def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(
             ClusterPool(second, load_code(GENERATED), 1, SLOW_ENGINE)
 
 
-def test_a_worker_without_mrsfi_is_refused(tmp_path: Path) -> None:
+def test_a_worker_without_mrsfi_is_refused(tmp_path):
     with scheduler(tmp_path / "dask", 0) as place:
         place.start_worker(without_mrsfi(tmp_path / "none"))
         with (
@@ -244,7 +230,7 @@ def test_a_worker_without_mrsfi_is_refused(tmp_path: Path) -> None:
 
 
 @slow
-def test_a_local_cluster_is_reachable_from_this_machine_only(specifications, expected) -> None:
+def test_a_local_cluster_is_reachable_from_this_machine_only(specifications, expected):
     with Cluster("local", 2) as cluster:
         pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
 
@@ -253,7 +239,7 @@ def test_a_local_cluster_is_reachable_from_this_machine_only(specifications, exp
         assert list(pool.evaluate_many(specifications)) == expected
 
 
-def test_another_python_is_refused(two_workers: Scheduler) -> None:
+def test_another_python_is_refused(two_workers):
     shipment = Shipment.of(GENERATED)
     other = replace(shipment, environment={**shipment.environment, "Python": "2.7"})
 
@@ -266,8 +252,8 @@ def test_another_python_is_refused(two_workers: Scheduler) -> None:
 
 @slow
 def test_a_cluster_with_certificates_is_reached_with_those_of_the_configuration(
-    tmp_path: Path, specifications, expected, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, specifications, expected, monkeypatch
+):
     security = distributed.Security.temporary()
     tls = {"distributed.comm.tls.ca-file": security.tls_ca_file}
     for role in ("scheduler", "worker", "client"):

@@ -115,7 +115,7 @@ def _performed(console: str, folder: Path, *codes: int) -> str:
     return "".join(f"{line.rstrip()}\n" for line in text.splitlines()).rstrip() + "\n"
 
 
-def test_every_path_named_exists() -> None:
+def test_every_path_named_exists():
     missing = [
         f"{page}: {name}"
         for page in PAGES
@@ -126,7 +126,7 @@ def test_every_path_named_exists() -> None:
     assert missing == []
 
 
-def test_every_module_named_exists() -> None:
+def test_every_module_named_exists():
     pattern = rf"(?<![\w./-])(?:{'|'.join(PACKAGES)})(?!\.csv)(?:\.[A-Za-z_]\w*)+(?!/)"
 
     missing = [
@@ -139,7 +139,7 @@ def test_every_module_named_exists() -> None:
     assert missing == []
 
 
-def test_every_link_leads_somewhere() -> None:
+def test_every_link_leads_somewhere():
     broken = []
     for page, text in PAGES.items():
         for link in re.findall(r"\]\((?!\w+://)([^)\s]+)\)", text):
@@ -151,7 +151,7 @@ def test_every_link_leads_somewhere() -> None:
     assert broken == []
 
 
-def test_every_command_and_option_exists() -> None:
+def test_every_command_and_option_exists():
     pattern = r"(?:^\$ |^|`|\| )mrsfi ([^`\n|#]+)"
 
     unknown = [
@@ -164,7 +164,7 @@ def test_every_command_and_option_exists() -> None:
     assert unknown == []
 
 
-def test_every_target_of_make_exists() -> None:
+def test_every_target_of_make_exists():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     targets = set(re.findall(r"^([a-z-]+):", makefile, flags=re.MULTILINE))
 
@@ -174,7 +174,7 @@ def test_every_target_of_make_exists() -> None:
         assert named <= targets, page
 
 
-def test_the_tree_of_the_readme_is_the_tree() -> None:
+def test_the_tree_of_the_readme_is_the_tree():
     named: list[str] = []
     for line in _block_after("Tree", "metamodels/").splitlines():
         room, entries = re.fullmatch(r"(  (?=\w))?((?:[\w/]+/(?: |$))*).*", line).groups()  # type: ignore[union-attr]
@@ -191,13 +191,13 @@ def test_the_tree_of_the_readme_is_the_tree() -> None:
     assert sorted(named) == sorted(rooms)
 
 
-def test_the_flight_without_faults_ends_as_the_readme_says(tmp_path: Path) -> None:
+def test_the_flight_without_faults_ends_as_the_readme_says(tmp_path):
     console = _block_after("Five minutes", "--no-faults")
 
     assert _performed(console, workspace(tmp_path), 0) == console
 
 
-def test_an_edit_of_a_model_and_a_defect_are_shown_as_the_readme_says(tmp_path: Path) -> None:
+def test_an_edit_of_a_model_and_a_defect_are_shown_as_the_readme_says(tmp_path):
     speed = _block_after("Edit a model, see the code change", "--diff")
     defect = _block_after("Edit a model, see the code change", "r9")
     folder = workspace(tmp_path)

@@ -1,6 +1,5 @@
 """A robot more in the model is a row more in the generated code, not a page."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 from m2t.generate import diff, generate
@@ -37,9 +36,7 @@ def add_robot(models: Path) -> None:
     edit(models / "mission.xmi", '  <servers ID="sv1"', f'{ROBOT}  <servers ID="sv1"')
 
 
-def test_a_robot_with_two_sensors_adds_rows_only(
-    tmp_path: Path, note: Callable[[str], None]
-) -> None:
+def test_a_robot_with_two_sensors_adds_rows_only(tmp_path, note):
     models, target = copy_models(tmp_path), tmp_path / "generated" / "uuv_sampling"
     generate(models, target)
     add_robot(models)
@@ -53,7 +50,7 @@ def test_a_robot_with_two_sensors_adds_rows_only(
     note(f"a robot with two sensors more, in lines: {sizes}")
 
 
-def test_the_robot_of_a_row_more_flies(tmp_path: Path) -> None:
+def test_the_robot_of_a_row_more_flies(tmp_path):
     models, target = copy_models(tmp_path), tmp_path / "generated" / "uuv_sampling"
     add_robot(models)
     generate(models, target)

@@ -13,21 +13,9 @@ from mrsfi_runtime.cli.evolve import begun
 from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.integration.network import (
-    Witness,
-    bridge,
-    child_of,
-    wait_for_tick,
-)
+from tests.integration.network import Witness, bridge, child_of, wait_for_tick
 from tests.support.cli import ROOT, mrsfi
-from tests.support.interrupted import (
-    MISSION,
-    SEARCH,
-    are_gone,
-    digest,
-    evaluations,
-    finished,
-)
+from tests.support.interrupted import MISSION, SEARCH, are_gone, digest, evaluations, finished
 from tests.support.rosbridge import process
 from tests.tiers import slow
 
@@ -58,9 +46,7 @@ def tick_of(errors: str) -> int:
     [(signal.SIGKILL, "was lost"), (signal.SIGSTOP, "was silent for 2 s")],
     ids=["killed", "stopped: its sockets are half open"],
 )
-def test_a_server_lost_in_mid_run_ends_both_sides_with_8(
-    sign: signal.Signals, problem: str, note: Note
-) -> None:
+def test_a_server_lost_in_mid_run_ends_both_sides_with_8(sign, problem, note):
     with (
         bridge() as server,
         process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
@@ -80,9 +66,7 @@ def test_a_server_lost_in_mid_run_ends_both_sides_with_8(
 @pytest.mark.parametrize(
     ("side", "silent"), [("ci", "the simulation"), ("simulation", "the collective intelligence")]
 )
-def test_a_killed_side_ends_the_other_with_8_and_the_server_goes_on(
-    side: str, silent: str, note: Note
-) -> None:
+def test_a_killed_side_ends_the_other_with_8_and_the_server_goes_on(side, silent, note):
     with (
         bridge() as server,
         process(*FLIGHT, "--url", server.url, "--side", "simulation") as simulation,
@@ -99,7 +83,7 @@ def test_a_killed_side_ends_the_other_with_8_and_the_server_goes_on(
             assert witness.is_served()
 
 
-def test_a_killed_command_leaves_no_simulation_behind() -> None:
+def test_a_killed_command_leaves_no_simulation_behind():
     with bridge() as server, process(*FLIGHT, "--url", server.url) as command:
         wait_for_tick(server.url, 1, 100)
         simulation = child_of(command)
@@ -119,9 +103,7 @@ def uninterrupted(path: Path) -> None:
 
 
 @slow
-def test_a_campaign_whose_server_dies_keeps_what_it_found_and_resumes(
-    tmp_path: Path, note: Note
-) -> None:
+def test_a_campaign_whose_server_dies_keeps_what_it_found_and_resumes(tmp_path, note):
     whole, path = tmp_path / "whole", tmp_path / "killed"
     uninterrupted(whole)
     words = ("evolve", MISSION, "--population", "4", "--generations", "2", "--seed", "3")

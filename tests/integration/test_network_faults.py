@@ -42,9 +42,7 @@ def bounded(server: Server, extra: int, note: Note, what: str) -> Iterator[None]
     assert after - before < extra
 
 
-def test_a_client_that_never_reads_is_told_and_cut_off_and_the_others_miss_nothing(
-    note: Note,
-) -> None:
+def test_a_client_that_never_reads_is_told_and_cut_off_and_the_others_miss_nothing(note):
     text = "x" * 65_536
     n_messages = 800
 
@@ -71,7 +69,7 @@ def test_a_client_that_never_reads_is_told_and_cut_off_and_the_others_miss_nothi
 
 
 @slow
-def test_10_000_malformed_frames_harm_nobody(note: Note) -> None:
+def test_10_000_malformed_frames_harm_nobody(note):
     random = Random(7)
     n_texts, n_binaries = 9_500, 500
 
@@ -101,7 +99,7 @@ def closed_after(url: str, content: bytes) -> int | None:
         return client.closed()
 
 
-def test_noise_below_the_websocket_protocol_harms_nobody(note: Note) -> None:
+def test_noise_below_the_websocket_protocol_harms_nobody(note):
     random = Random(8)
 
     with bridge() as server, Witness(server.url) as witness:
@@ -128,7 +126,7 @@ def many_files() -> Iterator[None]:
 
 @slow
 @pytest.mark.usefixtures("many_files")
-def test_1_000_connections_are_served_and_one_more_is_refused(note: Note) -> None:
+def test_1_000_connections_are_served_and_one_more_is_refused(note):
     async def subscribed(url: str) -> ClientConnection:
         client = await connect_async(url, compression=None, ping_interval=None, open_timeout=30)
         operation = {"op": "subscribe", "topic": "/all", "type": STRING}
@@ -160,7 +158,7 @@ def test_1_000_connections_are_served_and_one_more_is_refused(note: Note) -> Non
 
 
 @pytest.mark.parametrize("manner", ["one frame", "continued frames", "fragments"])
-def test_a_message_of_100_megabytes_is_refused_in_bounded_memory(manner: str, note: Note) -> None:
+def test_a_message_of_100_megabytes_is_refused_in_bounded_memory(manner, note):
     with bridge("--max-frame", 4) as server, Witness(server.url) as witness:
         with bounded(server, 40 * MEBI, note, f"100 MB in {manner}"), raw_socket(server.url) as raw:
             send_operation(raw, "set_level", level="error")

@@ -1,7 +1,5 @@
 """A server that keeps order within a topic only, as the genuine one does: nothing goes unseen."""
 
-from pathlib import Path
-
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
@@ -25,7 +23,7 @@ def flown(url: str) -> list[list[str]]:
         return digests(engine, SEEDS)
 
 
-def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(tmp_path: Path) -> None:
+def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(tmp_path):
     with EmbeddedBridge() as server, page_simulator(tmp_path, server.url):
         in_order = flown(server.url)
 
@@ -41,7 +39,7 @@ def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(tmp_pat
     assert scattered == [in_order, in_order]
 
 
-def test_the_own_simulation_flies_as_in_process() -> None:
+def test_the_own_simulation_flies_as_in_process():
     with EmbeddedBridge() as server, Relay(server.url, scatter=SCATTER) as relay:
         simulation = SimulationProcess(CODE, relay.url, "asyncio", PATIENCE)
         try:
@@ -70,8 +68,8 @@ def test_the_own_simulation_flies_as_in_process() -> None:
     ids=["does not wait for commands", "does not count them"],
 )
 def test_a_simulator_that_flies_with_what_it_happens_to_have_is_refused(
-    tmp_path: Path, found: str, replaced: str, problem: str
-) -> None:
+    tmp_path, found, replaced, problem
+):
     with (
         EmbeddedBridge() as server,
         Relay(server.url, scatter=SCATTER) as relay,

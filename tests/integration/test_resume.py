@@ -59,8 +59,8 @@ def whole(place: Path) -> Path:
 
 @pytest.mark.parametrize(("n_workers", "n_kills"), [pytest.param(1, 20, marks=slow), (2, 5)])
 def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
-    place: Path, whole: Path, n_workers: int, n_kills: int
-) -> None:
+    place, whole, n_workers, n_kills
+):
     path = begin(place, f"killed-{n_workers}", SETTINGS)
     random = Random(n_workers)
     most = 2 * len(evaluations(whole)) // n_kills  # per run, so that the last kills come late
@@ -84,7 +84,7 @@ def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
 
 
 @slow
-def test_kills_inside_a_write_leave_nothing_to_repair(place: Path) -> None:
+def test_kills_inside_a_write_leave_nothing_to_repair(place):
     undisturbed = begin(place, "written", MANY)
     n_all = finished(WRITE, undisturbed)
     path = begin(place, "torn", MANY)
@@ -106,7 +106,7 @@ def test_kills_inside_a_write_leave_nothing_to_repair(place: Path) -> None:
     assert digest(path) == digest(undisturbed)
 
 
-def test_workers_end_with_their_killed_campaign(place: Path) -> None:
+def test_workers_end_with_their_killed_campaign(place):
     path = begin(place, "orphans", SETTINGS)
 
     with running(SEARCH, path, 2) as process:
@@ -124,7 +124,7 @@ def started_workers(process: subprocess.Popen[str]) -> list[int]:
     return workers_of(process.pid)
 
 
-def test_a_killed_worker_ends_the_run_and_the_campaign_goes_on(place: Path, whole: Path) -> None:
+def test_a_killed_worker_ends_the_run_and_the_campaign_goes_on(place, whole):
     path = begin(place, "worker", SETTINGS)
 
     with running(SEARCH, path, 2) as process:
@@ -140,7 +140,7 @@ def test_a_killed_worker_ends_the_run_and_the_campaign_goes_on(place: Path, whol
     assert digest(path) == digest(whole)
 
 
-def test_a_second_process_is_refused_until_the_first_is_dead(place: Path) -> None:
+def test_a_second_process_is_refused_until_the_first_is_dead(place):
     path = begin(place, "locked", SETTINGS)
 
     with running(SEARCH, path, 1) as process:
@@ -168,7 +168,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
-def test_a_disk_without_room_ends_with_9_and_the_campaign_goes_on(place: Path, whole: Path) -> None:
+def test_a_disk_without_room_ends_with_9_and_the_campaign_goes_on(place, whole):
     path = begin(place, "full", SETTINGS)
     resume = ("evolve", "--resume", str(path), "--workers", "1")
 
@@ -190,7 +190,7 @@ def test_a_disk_without_room_ends_with_9_and_the_campaign_goes_on(place: Path, w
     assert digest(path) == digest(whole)
 
 
-def test_a_start_that_was_killed_is_begun_anew_in_its_folder(place: Path) -> None:
+def test_a_start_that_was_killed_is_begun_anew_in_its_folder(place):
     path = begin(place, "half", SETTINGS)
     (path / "campaign.sqlite").rename(path / "campaign.sqlite.new")
     (path / "generated" / "simulation.py").unlink()
@@ -209,7 +209,7 @@ def test_a_start_that_was_killed_is_begun_anew_in_its_folder(place: Path) -> Non
     assert (path / "generated" / "simulation.py").is_file()
 
 
-def test_a_campaign_that_was_moved_goes_on(place: Path, whole: Path, tmp_path: Path) -> None:
+def test_a_campaign_that_was_moved_goes_on(place, whole, tmp_path):
     path = begin(place, "moved", SETTINGS)
     killed_after(0.0, SEARCH, path, 1, n_evaluated=20)
     moved = Path(shutil.copytree(path, tmp_path / "elsewhere"))

@@ -15,12 +15,7 @@ from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.errors import (
-    TransportClosed,
-    TransportError,
-    TransportTimeout,
-    UsageError,
-)
+from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout, UsageError
 from mrsfi_runtime.hosting.waiting import Patience
 from tests.support.rosbridge import (
     FLIGHT_SEED,

@@ -14,7 +14,7 @@ sys.exit(main(sys.argv[1:]))
 
 
 @pytest.mark.parametrize("command", ["evolve", "compare"])
-def test_without_dask_the_user_is_told_what_to_install(tmp_path, command: str) -> None:
+def test_without_dask_the_user_is_told_what_to_install(tmp_path, command):
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT_DASK, command, "tight_margins", "--dask", "local"],
         check=False,

@@ -6,7 +6,7 @@ import pytest
 
 from m2t.protected_regions import Region, merge, parse, record_of
 from mrsfi_runtime.errors import ProtectedRegionError
-from tests.interop.eclipse import ROOT, Note, harness
+from tests.interop.eclipse import ROOT, harness
 from tests.support.models.copies import FAULTS, MISSION, MODELS
 
 PROGRAMS = Path(__file__).parent / "epsilon"
@@ -43,7 +43,7 @@ def _bodies(text: str) -> dict[str, str]:
     return {region.id: region.body for region in parse(text, NAME).regions.values()}
 
 
-def test_a_query_finds_everything_by_the_names_of_the_metamodels() -> None:
+def test_a_query_finds_everything_by_the_names_of_the_metamodels():
     models = [str(MODELS / MISSION), str(MODELS / FAULTS)]
 
     printed = harness("eol", {"program": str(PROGRAMS / "team.eol"), "models": models})["printed"]
@@ -63,7 +63,7 @@ def test_a_query_finds_everything_by_the_names_of_the_metamodels() -> None:
     assert len(lines) == 7 + 30
 
 
-def test_regions_of_egl_are_regions_of_ours(tmp_path: Path, note: Note) -> None:
+def test_regions_of_egl_are_regions_of_ours(tmp_path, note):
     text = _egl(tmp_path / NAME)
 
     document = parse(text, NAME)
@@ -79,7 +79,7 @@ def _tasks() -> list[str]:
     return ["AvoidCollision", "StayWithinMissionArea", "SufficientEnergy", *["GatherSamples"] * 3]
 
 
-def test_egl_and_we_merge_hand_written_code_into_the_same_text(tmp_path: Path) -> None:
+def test_egl_and_we_merge_hand_written_code_into_the_same_text(tmp_path):
     target = tmp_path / NAME
     generated = _egl(target)
     by_hand = _edited(_edited(generated, "g4.check", BODY), "imports", "import math\n")
@@ -92,9 +92,7 @@ def test_egl_and_we_merge_hand_written_code_into_the_same_text(tmp_path: Path) -
     assert merge(parse(generated, NAME), parse(by_hand, NAME), records) == merged
 
 
-def test_egl_keeps_hand_written_code_of_a_file_that_we_generated(
-    tmp_path: Path, note: Note
-) -> None:
+def test_egl_keeps_hand_written_code_of_a_file_that_we_generated(tmp_path, note):
     target = tmp_path / NAME
     ours = OURS.read_text(encoding="utf-8")
     kept = [name for name in _bodies(ours) if name == "imports" or name.endswith(".check")]
@@ -110,7 +108,7 @@ def test_egl_keeps_hand_written_code_of_a_file_that_we_generated(
     assert survived == len(kept)
 
 
-def test_our_markers_are_written_as_egl_writes_them() -> None:
+def test_our_markers_are_written_as_egl_writes_them():
     """EGL's own spelling, checked above, is ``# protected region ID on begin`` and ``end``."""
     for path in OURS.parent.glob("*.py"):
         for part in parse(path.read_text(encoding="utf-8"), path.name).parts:
@@ -122,7 +120,7 @@ def test_our_markers_are_written_as_egl_writes_them() -> None:
 @pytest.mark.parametrize(
     ("region", "renamed"), [("never", "never"), ("g4.check", "g44.check")], ids=["off", "orphan"]
 )
-def test_egl_loses_code_where_we_refuse(region: str, renamed: str, tmp_path: Path) -> None:
+def test_egl_loses_code_where_we_refuse(region, renamed, tmp_path):
     target = tmp_path / NAME
     generated = _egl(target)
     by_hand = _edited(generated, region, BODY).replace(f"region {region} ", f"region {renamed} ")

@@ -101,9 +101,7 @@ def _require_equal(part: str, files: Sequence[Saved], note: Note) -> None:
     assert [file.difference for file in files if not file.is_equal] == []
 
 
-def test_emf_validates_metamodels_and_models_and_saves_the_same_bytes(
-    tmp_path: Path, note: Note
-) -> None:
+def test_emf_validates_metamodels_and_models_and_saves_the_same_bytes(tmp_path, note):
     paths = [*map(Path, METAMODELS), *sorted((ROOT / "models").glob("*/*.xmi"))]
 
     files = resave(paths, tmp_path)
@@ -111,9 +109,7 @@ def test_emf_validates_metamodels_and_models_and_saves_the_same_bytes(
     _require_equal("(a) metamodels and models", files, note)
 
 
-def test_emf_validates_specifications_of_scripts_and_saves_the_same_bytes(
-    tmp_path: Path, note: Note
-) -> None:
+def test_emf_validates_specifications_of_scripts_and_saves_the_same_bytes(tmp_path, note):
     folder = copy_models(tmp_path)
     pool = [fault.ID for fault in load_mission_folder(folder).faults.faults]
     every = [(fault, 3 * place, 900 + place, {}) for place, fault in enumerate(pool)]
@@ -129,9 +125,7 @@ def test_emf_validates_specifications_of_scripts_and_saves_the_same_bytes(
     _require_equal("(b) specifications of scripts", files, note)
 
 
-def test_emf_validates_what_search_found_and_saves_the_same_bytes(
-    tmp_path: Path, note: Note
-) -> None:
+def test_emf_validates_what_search_found_and_saves_the_same_bytes(tmp_path, note):
     require_harness()
     place = workspace(tmp_path)
     mrsfi("evolve", MISSION, "--case", "b", *SMALL, "--out", "runs/small", cwd=place)
@@ -142,9 +136,7 @@ def test_emf_validates_what_search_found_and_saves_the_same_bytes(
     _require_equal("(b) specifications of search", files, note)
 
 
-def test_drawn_models_cover_every_class_and_every_feature(
-    drawn: list[DrawnFolder], counts: Counter[str], note: Note
-) -> None:
+def test_drawn_models_cover_every_class_and_every_feature(drawn, counts, note):
     names = sorted(everything())
 
     missing = [name for name in names if not counts[name]]
@@ -159,17 +151,13 @@ def test_drawn_models_cover_every_class_and_every_feature(
     assert missing == []
 
 
-def test_emf_validates_drawn_models_and_saves_the_same_bytes(
-    drawn: list[DrawnFolder], tmp_path: Path, note: Note
-) -> None:
+def test_emf_validates_drawn_models_and_saves_the_same_bytes(drawn, tmp_path, note):
     files = resave([file for folder in drawn for file in folder.files], tmp_path)
 
     _require_equal("(b) drawn models, from us to EMF", files, note)
 
 
-def test_emf_validates_drawn_metamodels_and_both_save_the_same_bytes(
-    tmp_path: Path, note: Note
-) -> None:
+def test_emf_validates_drawn_metamodels_and_both_save_the_same_bytes(tmp_path, note):
     paths = [tmp_path / f"{seed}.ecore" for seed in range(N_METAMODELS)]
     for seed, path in enumerate(paths):
         path.write_bytes(dumps_metamodel(draw_metamodel(seed)))
@@ -185,9 +173,7 @@ def _loaded_metamodel(path: Path) -> bytes:
     return dumps_metamodel(ResourceSet().get_resource(URI(str(path))).contents[0])
 
 
-def test_what_emf_saves_we_load_and_write_with_the_same_bytes(
-    drawn: list[DrawnFolder], emf: list[Saved], tmp_path: Path, note: Note
-) -> None:
+def test_what_emf_saves_we_load_and_write_with_the_same_bytes(drawn, emf, tmp_path, note):
     for file in emf:
         target = tmp_path / file.path.parent.name / file.path.name
         target.parent.mkdir(exist_ok=True)
@@ -198,9 +184,7 @@ def test_what_emf_saves_we_load_and_write_with_the_same_bytes(
     _require_same("(b) drawn models, from EMF to us", emf, ours, note)
 
 
-def test_other_spellings_are_saved_by_emf_and_us_with_the_same_bytes(
-    emf: list[Saved], note: Note
-) -> None:
+def test_other_spellings_are_saved_by_emf_and_us_with_the_same_bytes(emf, note):
     folders = dict.fromkeys(file.path.parent for file in emf)
 
     ours = [content for folder in folders for content in _saved(folder)]

@@ -64,7 +64,7 @@ FORMS: Mapping[str, Mapping[str, bytes]] = {
 }
 
 
-def test_a_file_keeps_its_form_as_eclipse_keeps_it(tmp_path: Path, note: Note) -> None:
+def test_a_file_keeps_its_form_as_eclipse_keeps_it(tmp_path, note):
     for form, files in FORMS.items():
         folder = tmp_path / "models" / form
         folder.mkdir(parents=True)
@@ -81,7 +81,7 @@ def test_a_file_keeps_its_form_as_eclipse_keeps_it(tmp_path: Path, note: Note) -
     _require_same(emf, ours, "(b) files in other forms", note)
 
 
-def test_a_split_mission_keeps_its_files_as_eclipse_keeps_them(tmp_path: Path, note: Note) -> None:
+def test_a_split_mission_keeps_its_files_as_eclipse_keeps_them(tmp_path, note):
     """Eclipse follows a containment to another file only where the metamodel lets it."""
     folder = tmp_path / "split"
     (folder / "parts").mkdir(parents=True)
@@ -100,9 +100,7 @@ def test_a_split_mission_keeps_its_files_as_eclipse_keeps_them(tmp_path: Path, n
     _require_same(emf, saved(load_mission_folder(folder)), "(b) split mission", note)
 
 
-def test_addresses_of_a_workspace_are_read_and_written_as_eclipse_does(
-    tmp_path: Path, note: Note
-) -> None:
+def test_addresses_of_a_workspace_are_read_and_written_as_eclipse_does(tmp_path, note):
     project, folder = tmp_path / "checkout", tmp_path / "checkout" / "models" / "uuv"
     (project / "shared").mkdir(parents=True)
     folder.mkdir(parents=True)
@@ -149,7 +147,7 @@ def _require_same(emf: list[Saved], ours: Mapping[Path, bytes], part: str, note:
     assert different[:9] == []
 
 
-def test_java_before_19_writes_some_doubles_longer_than_needed(tmp_path: Path) -> None:
+def test_java_before_19_writes_some_doubles_longer_than_needed(tmp_path):
     """Java 19 mended ``Double.toString``, so that such values differ by Eclipse's own Java."""
     path = tmp_path / MISSION
     path.write_text(_edited('speed="5.0"', 'speed="5.684341886080802E-14"'), encoding="ascii")
@@ -162,9 +160,7 @@ def test_java_before_19_writes_some_doubles_longer_than_needed(tmp_path: Path) -
     assert saved(load_mission_folder(tmp_path))[path] == path.read_bytes()
 
 
-def test_emf_loses_characters_that_an_encoding_lacks_unless_it_is_ascii_or_latin_1(
-    tmp_path: Path,
-) -> None:
+def test_emf_loses_characters_that_an_encoding_lacks_unless_it_is_ascii_or_latin_1(tmp_path):
     path = tmp_path / MISSION
     path.write_bytes(_named("L€ &#x4e2d;", "WINDOWS-1252"))
 
@@ -174,7 +170,7 @@ def test_emf_loses_characters_that_an_encoding_lacks_unless_it_is_ascii_or_latin
     assert b'name="L\x80 &#x4e2d;"' in saved(load_mission_folder(tmp_path))[path]
 
 
-def test_emf_cannot_read_its_own_list_of_references_to_an_id_with_a_space(tmp_path: Path) -> None:
+def test_emf_cannot_read_its_own_list_of_references_to_an_id_with_a_space(tmp_path):
     text = MISSION_TEXT.replace("</robots>", "</robots>\n  <robots ID='r 9' name='' speed='1'/>", 1)
     path = tmp_path / MISSION
     path.write_text(text.replace('members="', 'members="//@robots.1 ', 1), encoding="ascii")
@@ -197,7 +193,7 @@ def test_emf_cannot_read_its_own_list_of_references_to_an_id_with_a_space(tmp_pa
     ],
     ids=["two elements in a place for one are one too many for us only", "prefix other than xsi"],
 )
-def test_emf_and_we_read_differently(content: str, complaint: str, tmp_path: Path) -> None:
+def test_emf_and_we_read_differently(content, complaint, tmp_path):
     path = tmp_path / MISSION
     path.write_text(content, encoding="ascii")
 

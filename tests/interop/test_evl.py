@@ -18,7 +18,7 @@ from m2t.fixes import FIXES
 from m2t.load import inspect_folder
 from m2t.naming import RESERVED
 from m2t.write.xmi import dumps
-from tests.interop.eclipse import ROOT, Note
+from tests.interop.eclipse import ROOT
 from tests.interop.evl import (
     EVL,
     TWINS,
@@ -75,7 +75,7 @@ def models(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, list[Judged
     return {**parts, "models of the test suite": judged(_recorded(recorded))}
 
 
-def test_both_find_the_same_in_valid_models(models: Mapping[str, list[Judged]], note: Note) -> None:
+def test_both_find_the_same_in_valid_models(models, note):
     valid = models["valid models"]
 
     require_same_findings("valid models", valid, note)
@@ -84,17 +84,13 @@ def test_both_find_the_same_in_valid_models(models: Mapping[str, list[Judged]], 
     assert [sum(model.ours.values()) for model in valid[:2]] == [0, 0]
 
 
-def test_both_find_the_same_in_every_broken_model(
-    models: Mapping[str, list[Judged]], note: Note
-) -> None:
+def test_both_find_the_same_in_every_broken_model(models, note):
     found = require_same_findings("broken models", models["broken models"], note)
 
     assert found == TWINS
 
 
-def test_both_find_the_same_in_missions_in_several_files(
-    models: Mapping[str, list[Judged]], note: Note
-) -> None:
+def test_both_find_the_same_in_missions_in_several_files(models, note):
     part = "broken models in several files"
 
     found = require_same_findings(part, models[part], note)
@@ -102,17 +98,13 @@ def test_both_find_the_same_in_missions_in_several_files(
     assert found == TWINS
 
 
-def test_both_find_the_same_in_randomly_mutated_models(
-    models: Mapping[str, list[Judged]], note: Note
-) -> None:
+def test_both_find_the_same_in_randomly_mutated_models(models, note):
     found = require_same_findings("mutated models", models["mutated models"], note)
 
     assert len(found) >= len(TWINS) * 0.85
 
 
-def test_both_find_the_same_in_every_model_of_the_test_suite(
-    models: Mapping[str, list[Judged]], note: Note
-) -> None:
+def test_both_find_the_same_in_every_model_of_the_test_suite(models, note):
     part = models["models of the test suite"]
 
     found = require_same_findings("models of the test suite", part, note)
@@ -121,9 +113,7 @@ def test_both_find_the_same_in_every_model_of_the_test_suite(
     assert len(found) >= 20
 
 
-def test_both_write_the_same_when_they_fix_models(
-    models: Mapping[str, list[Judged]], note: Note
-) -> None:
+def test_both_write_the_same_when_they_fix_models(models, note):
     judged_models = [model for part in models.values() for model in part]
 
     fixed = require_same_fixes(judged_models, note)
@@ -132,7 +122,7 @@ def test_both_write_the_same_when_they_fix_models(
     assert fixed == {name for name, _ in stated_fixes()}
 
 
-def test_what_has_no_twin_is_refused_or_dropped_by_eclipse(tmp_path: Path) -> None:
+def test_what_has_no_twin_is_refused_or_dropped_by_eclipse(tmp_path):
     refused = [name for name, found in CONSTRAINTS.items() if "refuses" in found.reason]
     dropped = [name for name, found in CONSTRAINTS.items() if "drops" in found.reason]
     broken = [entry for entry in BROKEN if entry.constraint in (*refused, *dropped)]
@@ -148,7 +138,7 @@ def test_what_has_no_twin_is_refused_or_dropped_by_eclipse(tmp_path: Path) -> No
     assert {entry.constraint for entry in broken} == {*refused, *dropped}
 
 
-def test_every_twin_is_stated_in_the_file_that_its_entry_names() -> None:
+def test_every_twin_is_stated_in_the_file_that_its_entry_names():
     stated: dict[str, set[tuple[str, str]]] = {}
     for name in ("mission.evl", "faults.evl"):
         text = (EVL / name).read_text(encoding="utf-8")
@@ -163,7 +153,7 @@ def test_every_twin_is_stated_in_the_file_that_its_entry_names() -> None:
     }
 
 
-def test_both_reserve_the_same_names() -> None:
+def test_both_reserve_the_same_names():
     text = (EVL / "constraints" / "limits.evl").read_text(encoding="utf-8")
     (block,) = re.findall(r"var RESERVED = Set \{(.*?)\}", text, re.DOTALL)
 

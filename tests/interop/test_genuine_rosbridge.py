@@ -13,7 +13,6 @@ from typing import Any
 
 import pytest
 
-from tests.interop.eclipse import Note
 from tests.support.cli import MISSION, ROOT, command_line, mrsfi_json, workspace
 from tests.support.missing import skip
 from tests.support.page_simulator import page_simulator, write_page_simulator
@@ -62,7 +61,7 @@ def flown_beside(server: Path, *command: str, cwd: Path) -> Any:
 
 
 @pytest.mark.parametrize("client", ["asyncio", "twisted"])
-def test_a_mission_flies_as_in_process(server: Path, place: Path, client: str, note: Note) -> None:
+def test_a_mission_flies_as_in_process(server, place, client, note):
     bus = ("--engine", "rosbridge", "--url", URL, "--client", client)
     begin = monotonic()
 
@@ -72,9 +71,7 @@ def test_a_mission_flies_as_in_process(server: Path, place: Path, client: str, n
     note(f"the genuine rosbridge server, {client}", seconds=round(monotonic() - begin))
 
 
-def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(
-    server: Path, place: Path, note: Note
-) -> None:
+def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(server, place, note):
     with process("bridge", "--port", "0") as bridge:
         url = bridge.stdout.readline().strip()
         with page_simulator(place, url):

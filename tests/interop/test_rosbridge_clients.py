@@ -17,7 +17,6 @@ from typing import Any
 
 import pytest
 
-from tests.interop.eclipse import Note
 from tests.support.cli import command_line, require_program
 from tests.support.missing import skip
 
@@ -87,9 +86,7 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("transport", ["twisted", "asyncio"])
-def test_roslibpys_own_suite_passes(
-    suite: Path, tmp_path: Path, note: Note, transport: str
-) -> None:
+def test_roslibpys_own_suite_passes(suite, tmp_path, note, transport):
     report = tmp_path / "report.xml"
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
     command += ["tests/ros1", "tests/test_ws_headers.py", "tests/test_transport.py"]
@@ -140,20 +137,18 @@ def roslib(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return report
 
 
-def test_roslib_finishes_every_step(roslib: dict[str, Any], note: Note) -> None:
+def test_roslib_finishes_every_step(roslib, note):
     broken = {name: step for name, step in roslib.items() if "broken" in str(step)}
 
     assert broken == {}
     note("roslib on Node", steps=len(roslib))
 
 
-def test_roslib_receives_what_it_publishes_in_order_until_it_unsubscribes(
-    roslib: dict[str, Any],
-) -> None:
+def test_roslib_receives_what_it_publishes_in_order_until_it_unsubscribes(roslib):
     assert roslib["topics"] == {"numbers": list(range(200)), "late": 0}
 
 
-def test_roslib_receives_latched_and_compressed_messages(roslib: dict[str, Any]) -> None:
+def test_roslib_receives_latched_and_compressed_messages(roslib):
     assert roslib["latched"] == {"x": 1.5, "y": 0, "z": 0}
     assert roslib["png"] == 1000
     assert roslib["cbor"] == {
@@ -164,7 +159,7 @@ def test_roslib_receives_latched_and_compressed_messages(roslib: dict[str, Any])
     }
 
 
-def test_roslib_calls_and_provides_services(roslib: dict[str, Any]) -> None:
+def test_roslib_calls_and_provides_services(roslib):
     services = roslib["services"]
 
     assert services["sum"] == {"values": {"sum": 42}}
@@ -175,7 +170,7 @@ def test_roslib_calls_and_provides_services(roslib: dict[str, Any]) -> None:
     assert "has no field 'c'" in services["wrong"]["error"]
 
 
-def test_roslib_keeps_parameters(roslib: dict[str, Any]) -> None:
+def test_roslib_keeps_parameters(roslib):
     assert roslib["parameters"] == {
         "missing": None,
         "kept": {"speed": 2.5, "names": ["a", "b"]},
@@ -184,7 +179,7 @@ def test_roslib_keeps_parameters(roslib: dict[str, Any]) -> None:
     }
 
 
-def test_roslib_sees_topics_services_types_and_nodes(roslib: dict[str, Any]) -> None:
+def test_roslib_sees_topics_services_types_and_nodes(roslib):
     seen = roslib["introspection"]
 
     assert {"/rosout", "/js/pose"} <= set(seen["topics"])
@@ -198,5 +193,5 @@ def test_roslib_sees_topics_services_types_and_nodes(roslib: dict[str, Any]) -> 
     assert seen["raw"] == len(seen["topics"])
 
 
-def test_an_action_of_roslib_gives_its_result(roslib: dict[str, Any]) -> None:
+def test_an_action_of_roslib_gives_its_result(roslib):
     assert roslib["action"] == {"result": 42}

@@ -14,7 +14,6 @@ import pytest
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.mission import load_code
-from tests.interop.eclipse import Note
 from tests.support.cli import (
     MISSION,
     ROOT,
@@ -85,7 +84,7 @@ def of_task(flight: Any, task: str, count: str) -> list[int]:
     return [goal[count] for goal in flight["goals"] if goal["task"] == task]
 
 
-def test_the_mission_succeeds_without_faults(flight: Any, note: Note) -> None:
+def test_the_mission_succeeds_without_faults(flight, note):
     samples = of_task(flight, SAMPLES, "samples")
 
     assert flight["duration"] == 1000
@@ -96,16 +95,14 @@ def test_the_mission_succeeds_without_faults(flight: Any, note: Note) -> None:
     note("MuJoCo behind the topics", ticks=flight["duration"], samples=sum(samples))
 
 
-def test_the_flight_is_another_than_that_of_the_own_simulation(flight: Any, place: Path) -> None:
+def test_the_flight_is_another_than_that_of_the_own_simulation(flight, place):
     own = mrsfi_json("simulate", MISSION, cwd=place)
 
     assert flight["digest"] != own["digest"]
     assert [goal["id"] for goal in flight["goals"]] == [goal["id"] for goal in own["goals"]]
 
 
-def test_the_same_seed_gives_the_same_flight(
-    flight: Any, options: tuple[str, ...], place: Path
-) -> None:
+def test_the_same_seed_gives_the_same_flight(flight, options, place):
     again = mrsfi_json("simulate", MISSION, *options, cwd=place)
     other = mrsfi_json("simulate", MISSION, "--seed", "2", *options, cwd=place)
 
@@ -113,7 +110,7 @@ def test_the_same_seed_gives_the_same_flight(
     assert other["digest"] != flight["digest"]
 
 
-def test_order_within_topics_is_all_that_it_needs() -> None:
+def test_order_within_topics_is_all_that_it_needs():
     require_mujoco()
     code, flown = code_of(MISSION, 60), []
     for scatter in (0.0, 0.02):
@@ -128,9 +125,7 @@ def test_order_within_topics_is_all_that_it_needs() -> None:
     assert flown[0] == flown[1]
 
 
-def test_a_stopped_vehicle_misses_its_samples(
-    flight: Any, options: tuple[str, ...], place: Path
-) -> None:
+def test_a_stopped_vehicle_misses_its_samples(flight, options, place):
     faults = stop_specification(place / "models" / MISSION / "stopped.xmi", [(100, 900)])
 
     stopped = mrsfi_json("simulate", MISSION, "--faults", faults, *options, cwd=place)
@@ -141,9 +136,7 @@ def test_a_stopped_vehicle_misses_its_samples(
     assert of_task(stopped, SAMPLES, "true")[2] > 300
 
 
-def test_a_campaign_searches_on_it_over_one_connection(
-    options: tuple[str, ...], place: Path
-) -> None:
+def test_a_campaign_searches_on_it_over_one_connection(options, place):
     search = ("--population", "3", "--generations", "1", "--out", "campaign")
 
     told = mrsfi_process("evolve", MISSION, *search, *options, cwd=place, timeout=300)
@@ -156,7 +149,7 @@ def test_a_campaign_searches_on_it_over_one_connection(
     assert "somebody else's simulation" in other.stderr
 
 
-def test_the_simulator_imports_nothing_of_mrsfi() -> None:
+def test_the_simulator_imports_nothing_of_mrsfi():
     text = SIMULATOR.read_text(encoding="utf-8")
 
     imports = [line for line in text.splitlines() if line.startswith(("import ", "from "))]
@@ -165,7 +158,7 @@ def test_the_simulator_imports_nothing_of_mrsfi() -> None:
     assert not any("mrsfi" in line or "m2t" in line for line in imports)
 
 
-def test_its_world_is_that_of_the_model() -> None:
+def test_its_world_is_that_of_the_model():
     world = ET.parse(EXAMPLE / "world.xml")
     mission = load_code(ROOT / "generated" / MISSION).mission
 
@@ -196,7 +189,7 @@ def test_its_world_is_that_of_the_model() -> None:
     }
 
 
-def test_the_minimal_simulator_of_the_page_flies(place: Path) -> None:
+def test_the_minimal_simulator_of_the_page_flies(place):
     with process("bridge", "--port", "0") as server:
         url = server.stdout.readline().strip()
         with page_simulator(place, url):

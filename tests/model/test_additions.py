@@ -66,9 +66,7 @@ def a_subclass(path: Path, name: str, kind: str, rng: Random) -> None:
 @pytest.mark.parametrize("seed", seeds(range(24)))
 @pytest.mark.parametrize("add", [an_attribute, a_part, a_subclass])
 @pytest.mark.parametrize("file", FILES)
-def test_what_a_team_adds_and_uses_is_generated_or_refused_by_line(
-    tmp_path: Path, file: str, add: Callable[..., None], seed: int
-) -> None:
+def test_what_a_team_adds_and_uses_is_generated_or_refused_by_line(tmp_path, file, add, seed):
     rng = Random(seed)
     metamodels = copy_metamodels(tmp_path / "metamodels").parent
     classes = _classes_in_use(file, is_replaced=add is a_subclass)
@@ -107,8 +105,8 @@ DETAILS = (
 
 @pytest.mark.parametrize("seed", seeds(range(60), 6))
 def test_an_annotation_that_a_team_adds_changes_what_is_generated_or_is_refused_by_line(
-    tmp_path: Path, seed: int
-) -> None:
+    tmp_path, seed
+):
     rng = Random(seed)
     path = copy_metamodels(tmp_path / "metamodels").with_name(rng.choice(FILES))
     text = path.read_text(encoding="utf-8")
@@ -124,8 +122,8 @@ def test_an_annotation_that_a_team_adds_changes_what_is_generated_or_is_refused_
 
 @pytest.mark.parametrize("seed", seeds(range(60), 6))
 def test_an_annotation_that_a_team_changes_changes_what_is_generated_or_is_refused_by_line(
-    tmp_path: Path, seed: int
-) -> None:
+    tmp_path, seed
+):
     rng = Random(seed)
     path = copy_metamodels(tmp_path / "metamodels")
     text = path.read_text(encoding="utf-8")

@@ -6,10 +6,10 @@ from m2t.diagnostics import CONSTRAINTS
 PAGE = Path(__file__).parent.parent.parent / "docs" / "constraints.md"
 
 
-def test_the_page_lists_all_constraints_as_they_are() -> None:
+def test_the_page_lists_all_constraints_as_they_are():
     assert PAGE.read_text(encoding="utf-8") == constraints_page()
 
 
-def test_every_constraint_is_stated_in_evl_or_has_a_reason_not_to_be() -> None:
+def test_every_constraint_is_stated_in_evl_or_has_a_reason_not_to_be():
     for name, constraint in CONSTRAINTS.items():
         assert bool(constraint.evl) != bool(constraint.reason), name

@@ -1,7 +1,5 @@
 """One broken model per constraint: the right file, line, element and words."""
 
-from pathlib import Path
-
 import pytest
 
 from m2t.diagnostics import CONSTRAINTS
@@ -16,7 +14,7 @@ def _label(broken: Broken) -> str:
 
 
 @pytest.mark.parametrize("broken", BROKEN, ids=_label)
-def test_broken_model_is_reported_at_its_line(folder: Path, broken: Broken) -> None:
+def test_broken_model_is_reported_at_its_line(folder, broken):
     path = folder / broken.file
     edit(path, broken.old, broken.new)
 
@@ -32,7 +30,7 @@ def test_broken_model_is_reported_at_its_line(folder: Path, broken: Broken) -> N
     assert str(first) == f"{path}:{first.line}: {first.message} [{broken.constraint}]"
 
 
-def test_errors_stop_loading_with_all_of_them(folder: Path) -> None:
+def test_errors_stop_loading_with_all_of_them(folder):
     edit(folder / MISSION, 'x="250.0" y="-250.0"', 'x="2000.0" y="1.0"')
     edit(folder / MISSION, 'sensor="s4"', 'sensor="s6"')
     edit(folder / FAULTS, 'DELAY="200.0"', 'DELAY="2.5"')
@@ -50,13 +48,13 @@ def test_errors_stop_loading_with_all_of_them(folder: Path) -> None:
     ]
 
 
-def test_warnings_do_not_stop_loading(folder: Path) -> None:
+def test_warnings_do_not_stop_loading(folder):
     edit(folder / MISSION, 'x="250.0" y="-250.0"', 'x="2000.0" y="1.0"')
 
     assert load_mission_folder(folder).mission.robots[0].position.x == 2000.0
 
 
-def test_missing_mission_is_reported(tmp_path: Path) -> None:
+def test_missing_mission_is_reported(tmp_path):
     (found,) = inspect_folder(tmp_path).diagnostics
 
     assert found.constraint == "ReadableFile"
@@ -65,13 +63,13 @@ def test_missing_mission_is_reported(tmp_path: Path) -> None:
     )
 
 
-def test_every_constraint_has_a_broken_model() -> None:
+def test_every_constraint_has_a_broken_model():
     covered = {broken.constraint for broken in BROKEN} | {"ReadableFile"}
 
     assert covered == set(CONSTRAINTS)
 
 
-def test_all_defects_of_both_files_are_reported_at_once(folder: Path) -> None:
+def test_all_defects_of_both_files_are_reported_at_once(folder):
     edit(folder / MISSION, 'speed="5.0"', 'speed="fast"')
     edit(folder / MISSION, 'type="DEPTH"', 'type="DEBTH"')
     edit(folder / FAULTS, "#m4", "#m44")
@@ -85,5 +83,5 @@ def test_all_defects_of_both_files_are_reported_at_once(folder: Path) -> None:
     ]
 
 
-def test_flawless_models_have_no_diagnostics(tmp_path: Path) -> None:
+def test_flawless_models_have_no_diagnostics(tmp_path):
     assert inspect_folder(copy_models(tmp_path)).diagnostics == ()

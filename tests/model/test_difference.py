@@ -79,22 +79,20 @@ faults.xmi | ID="fs" | ID="pool" | fault specification pool: ID fs → pool
 @pytest.mark.parametrize(
     ("file", "before", "after", "line"), CHANGES, ids=[change[3][:30] for change in CHANGES]
 )
-def test_one_change_is_one_line(
-    file: str, before: str, after: str, line: str, old: Path, new: Path
-) -> None:
+def test_one_change_is_one_line(file, before, after, line, old, new):
     edit(new / file, before, after)
 
     assert lines(old, new) == [line]
 
 
-def test_an_added_element_is_removed_the_other_way_round(old: Path, new: Path) -> None:
+def test_an_added_element_is_removed_the_other_way_round(old, new):
     edit(new / MISSION, "</mission:Mission>", GOAL)
     edit(new / MISSION, '<servers ID="sv1"', ROBOT)
 
     assert lines(new, old) == ["robot r4 removed", "goal g7 removed"]
 
 
-def test_what_is_added_inside_of_an_element_names_it(old: Path, new: Path) -> None:
+def test_what_is_added_inside_of_an_element_names_it(old, new):
     edit(
         new / MISSION,
         '<sensors ID="s1"',
@@ -105,7 +103,7 @@ def test_what_is_added_inside_of_an_element_names_it(old: Path, new: Path) -> No
     assert lines(new, old) == ["sensor s9 removed from robot r1"]
 
 
-def test_an_element_that_moved_is_neither_added_nor_removed(old: Path, new: Path) -> None:
+def test_an_element_that_moved_is_neither_added_nor_removed(old, new):
     text = (old / MISSION).read_text()
     sensor = next(line for line in text.splitlines(keepends=True) if 'ID="s4"' in line)
     edit(new / MISSION, sensor, "")
@@ -118,7 +116,7 @@ def test_an_element_that_moved_is_neither_added_nor_removed(old: Path, new: Path
     ]
 
 
-def test_an_element_that_moved_into_a_new_one_is_told(old: Path, new: Path) -> None:
+def test_an_element_that_moved_into_a_new_one_is_told(old, new):
     text = (old / MISSION).read_text()
     sensor = next(line for line in text.splitlines(keepends=True) if 'ID="s4"' in line)
     edit(new / MISSION, sensor, "")
@@ -131,7 +129,7 @@ def test_an_element_that_moved_into_a_new_one_is_told(old: Path, new: Path) -> N
     ]
 
 
-def test_another_order_is_told_in_one_line(old: Path, new: Path) -> None:
+def test_another_order_is_told_in_one_line(old, new):
     obstacles = [
         line for line in (old / MISSION).read_text().split("\n  <obstacles ") if 'ID="o' in line[:5]
     ]
@@ -143,7 +141,7 @@ def test_another_order_is_told_in_one_line(old: Path, new: Path) -> None:
     ]
 
 
-def test_a_changed_fault_type_shows_the_type_and_what_went_with_it(old: Path, new: Path) -> None:
+def test_a_changed_fault_type_shows_the_type_and_what_went_with_it(old, new):
     edit(new / FAULTS, '<fixedSpeed FIXED_VAL="50">', "<zeroSpeed>")
     edit(new / FAULTS, "</fixedSpeed>", "</zeroSpeed>")
 
@@ -153,7 +151,7 @@ def test_a_changed_fault_type_shows_the_type_and_what_went_with_it(old: Path, ne
     ]
 
 
-def test_a_task_that_became_another_shows_its_area_and_points(tmp_path: Path) -> None:
+def test_a_task_that_became_another_shows_its_area_and_points(tmp_path):
     old = write_mission(tmp_path / "old", "all", ALL_TASKS)
     new = write_mission(tmp_path / "new", "all", ALL_TASKS)
     edit(new / MISSION, '<trajectory x="10.0"/>', '<trajectory x="11.0"/>\n<trajectory/>')
@@ -168,7 +166,7 @@ def test_a_task_that_became_another_shows_its_area_and_points(tmp_path: Path) ->
     ]
 
 
-def test_spelling_is_no_difference(old: Path, new: Path) -> None:
+def test_spelling_is_no_difference(old, new):
     edit(new / MISSION, 'speed="5.0"', 'speed="5"')
     edit(new / MISSION, "<servers ", "<!-- ashore -->\n\n<servers ")
     edit(new / MISSION, 'ID="r1" name="LEN"', 'name="LEN" ID="r1"')
@@ -180,7 +178,7 @@ def test_spelling_is_no_difference(old: Path, new: Path) -> None:
     assert lines(old, new) == []
 
 
-def test_a_mission_that_is_split_equals_the_whole(old: Path, new: Path) -> None:
+def test_a_mission_that_is_split_equals_the_whole(old, new):
     text = (old / MISSION).read_text()
     start, end = text.index('  <robots ID="r2"'), text.index('  <robots ID="r3"')
     robot = text[start:end].strip()
@@ -199,7 +197,7 @@ def test_a_mission_that_is_split_equals_the_whole(old: Path, new: Path) -> None:
     assert lines(old, new) == ["robot r2: speed 4.0 → 6.0"]
 
 
-def test_a_file_is_compared_with_its_like_in_a_folder(old: Path, new: Path, tmp_path: Path) -> None:
+def test_a_file_is_compared_with_its_like_in_a_folder(old, new, tmp_path):
     edit(new / MISSION, 'speed="5.0"', 'speed="6.0"')
     edit(new / FAULTS, 'VAL="2"', 'VAL="3"')
     kept = tmp_path / "kept.xmi"
@@ -209,14 +207,14 @@ def test_a_file_is_compared_with_its_like_in_a_folder(old: Path, new: Path, tmp_
     assert lines(old / MISSION, new / MISSION) == ["robot r1: speed 5.0 → 6.0"]
 
 
-def test_faults_that_came_or_went_are_one_line(old: Path, new: Path) -> None:
+def test_faults_that_came_or_went_are_one_line(old, new):
     (old / FAULTS).unlink()
 
     assert lines(old, new) == ["fault specification fs added (30 elements)"]
     assert lines(new, old) == ["fault specification fs removed (30 elements)"]
 
 
-def test_invalid_models_are_compared_too(old: Path, new: Path) -> None:
+def test_invalid_models_are_compared_too(old, new):
     edit(new / MISSION, 'speed="5.0"', 'speed="fast"')
     edit(new / MISSION, 'sensor="s4"', 'sensor="s99"')
     edit(new / MISSION, 'ID="o2"', 'ID="o1"')
@@ -230,14 +228,14 @@ def test_invalid_models_are_compared_too(old: Path, new: Path) -> None:
     ]
 
 
-def test_long_texts_are_compared_to_their_end(old: Path, new: Path) -> None:
+def test_long_texts_are_compared_to_their_end(old, new):
     for folder, end in ((old, "a"), (new, "b")):
         edit(folder / MISSION, 'name="LEN"', f'name="{"L" * 100}{end}"')
 
     assert lines(old, new) == [f"robot r1: name '{'L' * 100}a' → '{'L' * 100}b'"]
 
 
-def test_a_change_tells_a_script_what_happened(old: Path, new: Path) -> None:
+def test_a_change_tells_a_script_what_happened(old, new):
     edit(new / MISSION, 'name="JEN" speed="4.0"', 'name="JEN" speed="6.0"')
 
     (change,) = difference(old, new)
@@ -260,7 +258,7 @@ def test_a_change_tells_a_script_what_happened(old: Path, new: Path) -> None:
         ('<!DOCTYPE a><a xmlns="urn:x"/>', "document type"),
     ],
 )
-def test_what_is_no_model_is_refused(content: str, reason: str, old: Path, tmp_path: Path) -> None:
+def test_what_is_no_model_is_refused(content, reason, old, tmp_path):
     path = tmp_path / "old.xmi"
     path.write_text(content)
 
@@ -268,19 +266,19 @@ def test_what_is_no_model_is_refused(content: str, reason: str, old: Path, tmp_p
         difference(path, old)
 
 
-def test_models_of_different_kinds_are_refused(old: Path) -> None:
+def test_models_of_different_kinds_are_refused(old):
     with pytest.raises(
         ModelError, match=r"a Mission in .*mission\.xmi and a FaultSpecification in"
     ):
         difference(old / MISSION, old / FAULTS)
 
 
-def test_an_empty_folder_is_refused(old: Path, tmp_path: Path) -> None:
+def test_an_empty_folder_is_refused(old, tmp_path):
     (tmp_path / "empty").mkdir()
 
     with pytest.raises(ModelError, match=r"mission\.xmi"):
         difference(old, tmp_path / "empty")
 
 
-def test_the_committed_models_do_not_differ_from_themselves() -> None:
+def test_the_committed_models_do_not_differ_from_themselves():
     assert lines(MODELS, MODELS) == []

@@ -73,7 +73,7 @@ def folder(tmp_path: Path) -> Path:
     return copy_metamodels(tmp_path).parent
 
 
-def test_committed_metamodels_are_what_the_writer_writes() -> None:
+def test_committed_metamodels_are_what_the_writer_writes():
     both = load_metamodels()
     folder = metamodel_folder()
 
@@ -84,20 +84,20 @@ def test_committed_metamodels_are_what_the_writer_writes() -> None:
     assert faults == (folder / FAULTS_FILE).read_bytes()
 
 
-def test_metamodels_that_pyecore_loaded_by_itself_are_written_alike() -> None:
+def test_metamodels_that_pyecore_loaded_by_itself_are_written_alike():
     path = metamodel_folder() / MISSION_FILE
 
     assert dumps_metamodel(_loaded(path)) == path.read_bytes()
 
 
-def test_everything_that_pyecore_loses_is_written(tmp_path: Path) -> None:
+def test_everything_that_pyecore_loses_is_written(tmp_path):
     path = tmp_path / "rich.ecore"
     path.write_text(BY_ECLIPSE, encoding="utf-8")
 
     assert dumps_metamodel(_loaded(path)).decode("utf-8") == BY_ECLIPSE
 
 
-def test_attributes_of_the_root_wrap_without_its_namespaces(tmp_path: Path) -> None:
+def test_attributes_of_the_root_wrap_without_its_namespaces(tmp_path):
     long = "http://x/rich/very/long/namespace/that/goes/beyond/the/width/of/eighty/columns"
     path = tmp_path / "rich.ecore"
     text = BY_ECLIPSE.replace('nsURI="http://x/rich" nsPrefix', f'nsURI="{long}"\n    nsPrefix')
@@ -106,7 +106,7 @@ def test_attributes_of_the_root_wrap_without_its_namespaces(tmp_path: Path) -> N
     assert dumps_metamodel(_loaded(path)).decode("utf-8") == text
 
 
-def test_package_made_by_script_has_defaults_of_ecore() -> None:
+def test_package_made_by_script_has_defaults_of_ecore():
     robot = EClass("Robot")
     robot.eStructuralFeatures.append(EAttribute("name", EString))
     robot.eStructuralFeatures.append(EReference("next", robot))
@@ -122,12 +122,12 @@ def test_package_made_by_script_has_defaults_of_ecore() -> None:
     ]
 
 
-def test_reference_to_an_unknown_metamodel_is_an_error() -> None:
+def test_reference_to_an_unknown_metamodel_is_an_error():
     with pytest.raises(ModelError, match=r"refers to '//Identified' of another metamodel"):
         dumps_metamodel(load_metamodels().faults)
 
 
-def test_metamodels_with_comments_load(folder: Path) -> None:
+def test_metamodels_with_comments_load(folder):
     edit(folder / MISSION_FILE, "  <eClassifiers", "  <!-- robots --><?p i?>\n  <eClassifiers")
 
     both = read_metamodels(folder)
@@ -160,9 +160,7 @@ xsi:type="ecore:EEnum" | xsi:type="ecore:EDataType" | EDataType" | 'ecore:EDataT
 
 
 @pytest.mark.parametrize(("old", "new", "place", "message"), rows(BROKEN))
-def test_broken_metamodel_is_refused_at_its_line(
-    folder: Path, old: str, new: str, place: str, message: str
-) -> None:
+def test_broken_metamodel_is_refused_at_its_line(folder, old, new, place, message):
     path = folder / MISSION_FILE
     edit(path, old, new)
 
@@ -173,7 +171,7 @@ def test_broken_metamodel_is_refused_at_its_line(
     assert first.startswith(f"{path}:{line_of(path, place)}: ")
 
 
-def test_class_that_inherits_from_itself_is_refused(folder: Path) -> None:
+def test_class_that_inherits_from_itself_is_refused(folder):
     edit(
         folder / MISSION_FILE,
         'name="Stay" eSuperTypes="#//GoalTask"',
@@ -184,6 +182,6 @@ def test_class_that_inherits_from_itself_is_refused(folder: Path) -> None:
         read_metamodels(folder)
 
 
-def test_missing_metamodel_is_refused(tmp_path: Path) -> None:
+def test_missing_metamodel_is_refused(tmp_path):
     with pytest.raises(ModelError, match=r"mission.ecore:1: mission.ecore cannot be read"):
         read_metamodels(tmp_path)

@@ -36,7 +36,7 @@ def error(faults: Path) -> str:
     return str(caught.value)
 
 
-def test_a_type_of_a_known_mode_is_read_from_the_metamodel_alone(faults: Path) -> None:
+def test_a_type_of_a_known_mode_is_read_from_the_metamodel_alone(faults):
     add_fault_type(
         faults,
         "DrawnCount",
@@ -58,7 +58,7 @@ def test_a_type_of_a_known_mode_is_read_from_the_metamodel_alone(faults: Path) -
     )
 
 
-def test_a_subclass_means_what_it_inherits_unless_it_says_otherwise(faults: Path) -> None:
+def test_a_subclass_means_what_it_inherits_unless_it_says_otherwise(faults):
     add_classes(
         faults,
         a_class("Drift", "#//IncrementSpeed", attribute("remark")),
@@ -76,7 +76,7 @@ def test_a_subclass_means_what_it_inherits_unless_it_says_otherwise(faults: Path
     )
 
 
-def test_a_type_may_inherit_its_meaning_from_an_abstract_class(faults: Path) -> None:
+def test_a_type_may_inherit_its_meaning_from_an_abstract_class(faults):
     said = SPEED_OFFSET + parameter("BY", range="SPEED")
     add_classes(
         faults,
@@ -156,10 +156,7 @@ STOPS = meaning(mode="STOP", property="MOTION")
 BY = parameter("BY", range="SPEED")
 WRONG_TEXTS = [
     (STOPS + meaning(), "'Odd' says nothing; expected details with a key and a value; delete it"),
-    (
-        STOPS.replace("property", "mode"),
-        "'Odd' has the key 'mode' again; expected each once",
-    ),
+    (STOPS.replace("property", "mode"), "'Odd' has the key 'mode' again; expected each once"),
     (
         STOPS + '<eAnnotations source="http://mrsfi.org/colour"/>',
         "'Odd' has the source 'http://mrsfi.org/colour'; expected http://mrsfi.org/meaning",
@@ -207,9 +204,7 @@ def _details(words: list[str]) -> dict[str, str]:
     + [("RobotFault", *texts) for texts in WRONG_TEXTS],
     ids=lambda value: value if value.startswith("'") else "",
 )
-def test_what_is_said_wrong_is_named_with_file_line_and_class(
-    faults: Path, parent: str, content: str, expected: str
-) -> None:
+def test_what_is_said_wrong_is_named_with_file_line_and_class(faults, parent, content, expected):
     add_fault_type(faults, "Odd", parent, content)
 
     message = error(faults)
@@ -219,22 +214,20 @@ def test_what_is_said_wrong_is_named_with_file_line_and_class(
     assert found.startswith(f"{faults}:{line}: ")
 
 
-def test_a_type_that_no_fault_can_hold_is_refused(faults: Path) -> None:
+def test_a_type_that_no_fault_can_hold_is_refused(faults):
     add_classes(faults, a_class("Odd", "#//RobotFault", meaning(mode="STOP", property="MOTION")))
 
     assert "'Odd' is contained in no feature of Fault" in error(faults)
 
 
-def test_a_fault_has_no_feature_for_many_fault_types(faults: Path) -> None:
+def test_a_fault_has_no_feature_for_many_fault_types(faults):
     edit(faults, 'name="stopRobot" eType', 'name="stopRobot" upperBound="-1" eType')
 
     assert "'stopRobot' holds many fault types" in error(faults)
 
 
 @pytest.mark.parametrize(("file", "class_name"), [(FAULTS_FILE, "Fault"), (MISSION_FILE, "Robot")])
-def test_a_meaning_of_what_is_no_fault_type_is_refused(
-    faults: Path, file: str, class_name: str
-) -> None:
+def test_a_meaning_of_what_is_no_fault_type_is_refused(faults, file, class_name):
     path = faults.parent / file
     add_feature(path, class_name, attribute("odd", "EDouble", "", meaning(range="SPEED")))
 

@@ -81,7 +81,7 @@ def _mended(folder: Path) -> Mending:
 
 
 @pytest.mark.parametrize("case", MENDED, ids=lambda case: case.constraint)
-def test_a_fix_changes_the_lines_that_are_wrong_and_no_other(folder: Path, case: Mended) -> None:
+def test_a_fix_changes_the_lines_that_are_wrong_and_no_other(folder, case):
     path = folder / case.file
     edit(path, case.old, case.new)
     found = [
@@ -103,12 +103,12 @@ def test_a_fix_changes_the_lines_that_are_wrong_and_no_other(folder: Path, case:
     assert inspect_folder(folder).diagnostics == ()
 
 
-def test_every_fix_is_tried() -> None:
+def test_every_fix_is_tried():
     assert {case.constraint for case in MENDED} == set(FIXES)
 
 
 @pytest.mark.parametrize("name", FIXES)
-def test_a_fix_mends_every_broken_model_of_its_constraint(tmp_path: Path, name: str) -> None:
+def test_a_fix_mends_every_broken_model_of_its_constraint(tmp_path, name):
     for number, broken in enumerate(entry for entry in BROKEN if entry.constraint == name):
         folder = copy_models(tmp_path / str(number))
         edit(folder / broken.file, broken.old, broken.new)
@@ -119,18 +119,18 @@ def test_a_fix_mends_every_broken_model_of_its_constraint(tmp_path: Path, name: 
         assert name not in [found.constraint for found in inspect_folder(folder).diagnostics]
 
 
-def test_flawless_models_have_nothing_to_fix(tmp_path: Path) -> None:
+def test_flawless_models_have_nothing_to_fix(tmp_path):
     assert mend(inspect_folder(copy_models(tmp_path))) is None
 
 
-def test_errors_of_structure_come_first(folder: Path) -> None:
+def test_errors_of_structure_come_first(folder):
     edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
     edit(folder / MISSION, 'speed="5.0"', 'speed="fast"')
 
     assert mend(inspect_folder(folder)) is None
 
 
-def test_all_fixes_of_both_files_are_made_at_once(folder: Path) -> None:
+def test_all_fixes_of_both_files_are_made_at_once(folder):
     edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
     edit(folder / FAULTS, 'ID="f2" name="f2"', 'ID="f2" name="f2" start="5" finish="4"')
     edit(folder / MISSION, 'ID="g2" name', 'ID="g2" dependentGoals="g2" name')
@@ -145,7 +145,7 @@ def test_all_fixes_of_both_files_are_made_at_once(folder: Path) -> None:
     assert list(mending.contents) == [folder / MISSION, folder / FAULTS]
 
 
-def test_two_repeated_fields_in_one_line_leave_the_first(folder: Path) -> None:
+def test_two_repeated_fields_in_one_line_leave_the_first(folder):
     body = '<body name="TEMPERATURE" type="{}"/>'
     edit(
         folder / MISSION,
@@ -160,7 +160,7 @@ def test_two_repeated_fields_in_one_line_leave_the_first(folder: Path) -> None:
     assert body.format("Int").encode() in mending.contents[folder / MISSION]
 
 
-def test_a_fix_keeps_the_encoding_of_the_file(folder: Path) -> None:
+def test_a_fix_keeps_the_encoding_of_the_file(folder):
     path = folder / MISSION
     edit(path, '"ASCII"', '"UTF-8"')
     edit(path, 'name="LEN"', 'name="Löwe"')
@@ -170,9 +170,7 @@ def test_a_fix_keeps_the_encoding_of_the_file(folder: Path) -> None:
     assert _mended(folder).contents[path] == before
 
 
-def test_a_fix_changes_another_part_of_the_mission_than_the_one_that_has_the_defect(
-    folder: Path,
-) -> None:
+def test_a_fix_changes_another_part_of_the_mission_than_the_one_that_has_the_defect(folder):
     edit(folder / MISSION, 'Collision" members="r2 r3 r1"', 'Collision" members="r2 r3"')
     models = load_mission_folder(folder)
     write_split(folder, models, PARTS["goals_and_tasks"](models))
@@ -184,7 +182,7 @@ def test_a_fix_changes_another_part_of_the_mission_than_the_one_that_has_the_def
     assert '+    <members href="mission.xmi#r1"/>' in mending.difference
 
 
-def test_a_specification_is_mended_without_touching_its_mission(folder: Path) -> None:
+def test_a_specification_is_mended_without_touching_its_mission(folder):
     path = folder / FAULTS
     before = path.read_bytes()
     edit(path, 'LOWER_BOUND="11.0" UPPER_BOUND="30.0"', 'LOWER_BOUND="30.0" UPPER_BOUND="11.0"')
@@ -195,12 +193,12 @@ def test_a_specification_is_mended_without_touching_its_mission(folder: Path) ->
     assert mending.contents == {path: before}
 
 
-def test_a_file_without_a_fix_is_left_as_it_is_spelt(folder: Path) -> None:
+def test_a_file_without_a_fix_is_left_as_it_is_spelt(folder):
     edit(folder / MISSION, "<servers ", "<!-- ashore -->\n  <servers ")
     edit(folder / FAULTS, 'LOWER_BOUND="11.0"', 'LOWER_BOUND="31.0"')
 
     assert list(_mended(folder).contents) == [folder / FAULTS]
 
 
-def test_fixes_belong_to_constraints() -> None:
+def test_fixes_belong_to_constraints():
     assert set(FIXES) <= set(CONSTRAINTS)

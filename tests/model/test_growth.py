@@ -44,7 +44,7 @@ def _with_faults(folder: Path, n_faults: int) -> Path:
     return models
 
 
-def test_a_plan_of_generation_grows_as_the_fleet(tmp_path: Path) -> None:
+def test_a_plan_of_generation_grows_as_the_fleet(tmp_path):
     calls = []
     for n_robots in (15, 15, 60):  # the first fills caches
         rng, of = Random(1), shape(n_robots, 3)
@@ -55,7 +55,7 @@ def test_a_plan_of_generation_grows_as_the_fleet(tmp_path: Path) -> None:
     assert calls[2] < 4.5 * calls[1]
 
 
-def test_mending_grows_as_the_defects(tmp_path: Path) -> None:
+def test_mending_grows_as_the_defects(tmp_path):
     calls = []
     for n_faults in (100, 100, 400):
         inspection = inspect_folder(_with_faults(tmp_path / str(len(calls)), n_faults))

@@ -1,7 +1,6 @@
 """Files that attack the reader end in a clear error; hostile but legal texts load."""
 
 import os
-from pathlib import Path
 
 import pytest
 
@@ -43,7 +42,7 @@ def _only(found: tuple[Diagnostic, ...]) -> Diagnostic:
 
 
 @pytest.mark.parametrize("text", [BILLION_LAUGHS, EXTERNAL_ENTITY, EXTERNAL_DTD])
-def test_document_types_are_refused_before_their_content_is_read(tmp_path: Path, text: str) -> None:
+def test_document_types_are_refused_before_their_content_is_read(tmp_path, text):
     (tmp_path / "secret.txt").write_text("swordfish", encoding="utf-8")
     (tmp_path / MISSION).write_text(text, encoding="utf-8")
 
@@ -53,7 +52,7 @@ def test_document_types_are_refused_before_their_content_is_read(tmp_path: Path,
     assert "swordfish" not in str(found)
 
 
-def test_deep_nesting_is_refused(tmp_path: Path) -> None:
+def test_deep_nesting_is_refused(tmp_path):
     (tmp_path / MISSION).write_text("<a>" * 100_000 + "</a>" * 100_000, encoding="utf-8")
 
     found = _only(inspect_folder(tmp_path).diagnostics)
@@ -62,7 +61,7 @@ def test_deep_nesting_is_refused(tmp_path: Path) -> None:
     assert "nests more than 100 elements" in found.message
 
 
-def test_too_many_elements_are_refused(tmp_path: Path) -> None:
+def test_too_many_elements_are_refused(tmp_path):
     (tmp_path / MISSION).write_text(f"<a>{'<b/>' * MAX_ELEMENTS}</a>", encoding="utf-8")
 
     found = _only(inspect_folder(tmp_path).diagnostics)
@@ -71,7 +70,7 @@ def test_too_many_elements_are_refused(tmp_path: Path) -> None:
     assert "has more than 500,000 elements" in found.message
 
 
-def test_file_beyond_the_size_limit_is_refused(tmp_path: Path) -> None:
+def test_file_beyond_the_size_limit_is_refused(tmp_path):
     with (tmp_path / MISSION).open("wb") as stream:
         stream.truncate(MAX_BYTES + 1)
 
@@ -81,7 +80,7 @@ def test_file_beyond_the_size_limit_is_refused(tmp_path: Path) -> None:
     assert "more than 67,108,864 bytes" in found.message
 
 
-def test_name_of_ten_megabytes_is_a_short_error(folder: Path) -> None:
+def test_name_of_ten_megabytes_is_a_short_error(folder):
     edit(folder / MISSION, 'name="LEN"', f'name="{"L" * 10_000_000}"')
 
     found = _only(inspect_folder(folder).diagnostics)
@@ -91,7 +90,7 @@ def test_name_of_ten_megabytes_is_a_short_error(folder: Path) -> None:
     assert len(str(found)) < 500 + len(str(folder))
 
 
-def test_id_and_tag_of_a_megabyte_are_short_errors(folder: Path) -> None:
+def test_id_and_tag_of_a_megabyte_are_short_errors(folder):
     edit(folder / MISSION, 'ID="b1"', f'ID="{"b" * 1_000_000}"')
     edit(folder / MISSION, "<servers ", f"<{'t' * 1_000_000}/><servers ")
 
@@ -118,7 +117,7 @@ def test_id_and_tag_of_a_megabyte_are_short_errors(folder: Path) -> None:
         b"<xmi:XMI xmlns:xmi='http://www.omg.org/XMI'/>",
     ],
 )
-def test_no_bytes_cause_anything_but_a_model_error(tmp_path: Path, content: bytes) -> None:
+def test_no_bytes_cause_anything_but_a_model_error(tmp_path, content):
     (tmp_path / MISSION).write_bytes(content)
     (tmp_path / FAULTS).write_bytes(content)
 
@@ -134,7 +133,7 @@ def test_no_bytes_cause_anything_but_a_model_error(tmp_path: Path, content: byte
     "value",
     ["", " ", "//", "//@robots.", "//@robots.99999999999", "//@x.0", "/1", "#", "##", "s4 "],
 )
-def test_no_reference_causes_anything_but_a_model_error(folder: Path, value: str) -> None:
+def test_no_reference_causes_anything_but_a_model_error(folder, value):
     edit(folder / MISSION, 'sensor="s6"', f'sensor="{value}"')
 
     with pytest.raises(ModelError, match="goals 'g5'"):
@@ -144,7 +143,7 @@ def test_no_reference_causes_anything_but_a_model_error(folder: Path, value: str
 @pytest.mark.parametrize(
     "href", ["", "#", "m4", "http://[", "file:///mission.xmi#m4", "//host/mission.xmi#m4", "%00#m4"]
 )
-def test_no_href_causes_anything_but_a_model_error(folder: Path, href: str) -> None:
+def test_no_href_causes_anything_but_a_model_error(folder, href):
     edit(folder / FAULTS, "mission.xmi#m4", href)
 
     with pytest.raises(ModelError, match="faults 'f2'"):
@@ -153,7 +152,7 @@ def test_no_href_causes_anything_but_a_model_error(folder: Path, href: str) -> N
         load_specification(folder / FAULTS)
 
 
-def test_folder_in_place_of_a_model_is_an_error(tmp_path: Path) -> None:
+def test_folder_in_place_of_a_model_is_an_error(tmp_path):
     (tmp_path / MISSION).mkdir()
 
     found = _only(inspect_folder(tmp_path).diagnostics)
@@ -161,12 +160,12 @@ def test_folder_in_place_of_a_model_is_an_error(tmp_path: Path) -> None:
     assert found.constraint == "ReadableFile"
 
 
-def test_missing_folder_is_an_error(tmp_path: Path) -> None:
+def test_missing_folder_is_an_error(tmp_path):
     with pytest.raises(ModelError, match="No such file or directory"):
         load_mission_folder(tmp_path / "nowhere")
 
 
-def test_hostile_display_names_are_legal_texts(folder: Path) -> None:
+def test_hostile_display_names_are_legal_texts(folder):
     edit(folder / MISSION, 'name="LEN"', f'name="{HOSTILE_XML}"')
     edit(folder / FAULTS, 'name="f1"', f'name="{HOSTILE_XML}"')
 
@@ -177,7 +176,7 @@ def test_hostile_display_names_are_legal_texts(folder: Path) -> None:
     assert models.faults.faults[0].name == HOSTILE_NAME
 
 
-def test_hostile_id_is_an_error_on_one_line(folder: Path) -> None:
+def test_hostile_id_is_an_error_on_one_line(folder):
     edit(folder / MISSION, 'ID="b1"', f'ID="{HOSTILE_XML}"')
 
     found = _only(inspect_folder(folder).diagnostics)
@@ -186,7 +185,7 @@ def test_hostile_id_is_an_error_on_one_line(folder: Path) -> None:
     assert "\n" not in str(found)
 
 
-def test_pipe_in_place_of_a_model_does_not_wait(tmp_path: Path) -> None:
+def test_pipe_in_place_of_a_model_does_not_wait(tmp_path):
     os.mkfifo(tmp_path / MISSION)
 
     found = _only(inspect_folder(tmp_path).diagnostics)

@@ -1,7 +1,5 @@
 """What loading accepts: comments, all kinds of references, other encodings."""
 
-from pathlib import Path
-
 import pytest
 
 from m2t.load import inspect_folder, load_mission_folder, load_specification
@@ -9,7 +7,7 @@ from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
 
 
-def test_comments_and_processing_instructions_are_dropped(folder: Path) -> None:
+def test_comments_and_processing_instructions_are_dropped(folder):
     edit(folder / MISSION, "<servers ", "<!-- one --><?two three?>\n<servers ")
     edit(folder / FAULTS, "<activateSensor>", "<!-- inside --><activateSensor>")
 
@@ -17,7 +15,7 @@ def test_comments_and_processing_instructions_are_dropped(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("target", ["s4", "//@robots.1/@sensors.1", "#s4", "_sensor"])
-def test_references_inside_a_file_are_resolved(folder: Path, target: str) -> None:
+def test_references_inside_a_file_are_resolved(folder, target):
     edit(folder / MISSION, '<sensors ID="s4"', '<sensors xmi:id="_sensor" ID="s4"')
     edit(folder / MISSION, 'sensor="s4"', f'sensor="{target}"')
 
@@ -29,7 +27,7 @@ def test_references_inside_a_file_are_resolved(folder: Path, target: str) -> Non
 @pytest.mark.parametrize(
     "target", ["mission.xmi#m2", "mission.xmi#//@goals.0/@messages.1", "./mission.xmi#_message"]
 )
-def test_references_between_files_are_resolved(folder: Path, target: str) -> None:
+def test_references_between_files_are_resolved(folder, target):
     edit(folder / MISSION, '<messages ID="m2"', '<messages xmi:id="_message" ID="m2"')
     edit(folder / FAULTS, "mission.xmi#m4", target)
 
@@ -39,7 +37,7 @@ def test_references_between_files_are_resolved(folder: Path, target: str) -> Non
     assert models.faults.faults[1].blockMessage.affectedMessage is expected
 
 
-def test_reference_between_files_may_be_an_attribute(folder: Path) -> None:
+def test_reference_between_files_may_be_an_attribute(folder):
     edit(
         folder / FAULTS,
         'DURATION="5.0">\n      <affectedMessage href="mission.xmi#m4"/>\n    </blockMessage>',
@@ -51,20 +49,20 @@ def test_reference_between_files_may_be_an_attribute(folder: Path) -> None:
     assert models.faults.faults[1].blockMessage.affectedMessage.ID == "m2"
 
 
-def test_attribute_may_be_written_as_an_element(folder: Path) -> None:
+def test_attribute_may_be_written_as_an_element(folder):
     edit(folder / MISSION, '<robots ID="r1" name="LEN"', '<robots ID="r1"')
     edit(folder / MISSION, '<position x="250.0" y="-250.0"', "<name>L&amp;N</name>\n<position")
 
     assert load_mission_folder(folder).mission.robots[0].name == "L&N"
 
 
-def test_members_keep_their_order(tmp_path: Path) -> None:
+def test_members_keep_their_order(tmp_path):
     mission = load_mission_folder(copy_models(tmp_path)).mission
 
     assert [robot.ID for robot in mission.goals[0].members] == ["r2", "r3", "r1"]
 
 
-def test_absent_optional_features_are_not_set(tmp_path: Path) -> None:
+def test_absent_optional_features_are_not_set(tmp_path):
     faults = load_mission_folder(copy_models(tmp_path)).faults
     block = faults.faults[1].blockMessage
 
@@ -79,7 +77,7 @@ def test_absent_optional_features_are_not_set(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["UTF-8", "UTF-16", "ISO-8859-1"])
-def test_encodings_are_read(folder: Path, encoding: str) -> None:
+def test_encodings_are_read(folder, encoding):
     path = folder / MISSION
     text = path.read_text(encoding="ascii").replace('"ASCII"', f'"{encoding}"', 1)
     path.write_bytes(text.replace("LEN", "L\xe9n").encode(encoding))
@@ -87,7 +85,7 @@ def test_encodings_are_read(folder: Path, encoding: str) -> None:
     assert load_mission_folder(folder).mission.robots[0].name == "L\xe9n"
 
 
-def test_folder_without_faults_has_none(folder: Path) -> None:
+def test_folder_without_faults_has_none(folder):
     (folder / FAULTS).unlink()
 
     models = load_mission_folder(folder)
@@ -95,7 +93,7 @@ def test_folder_without_faults_has_none(folder: Path) -> None:
     assert (models.faults, models.faults_path) == (None, None)
 
 
-def test_specification_finds_the_mission_that_it_refers_to(tmp_path: Path, folder: Path) -> None:
+def test_specification_finds_the_mission_that_it_refers_to(tmp_path, folder):
     path = tmp_path / "elsewhere" / "mine.xmi"
     path.parent.mkdir()
     text = (folder / FAULTS).read_text(encoding="ascii")
@@ -107,20 +105,20 @@ def test_specification_finds_the_mission_that_it_refers_to(tmp_path: Path, folde
     assert len(models.faults.faults) == 30
 
 
-def test_specification_of_two_missions_is_an_error(folder: Path) -> None:
+def test_specification_of_two_missions_is_an_error(folder):
     edit(folder / FAULTS, "mission.xmi#m4", "other.xmi#m4")
 
     with pytest.raises(ModelError, match=r"faults.xmi:10: .*refers to 'other.xmi#m4'"):
         load_specification(folder / FAULTS)
 
 
-def test_mission_in_place_of_a_specification_is_an_error(folder: Path) -> None:
+def test_mission_in_place_of_a_specification_is_an_error(folder):
 
     with pytest.raises(ModelError, match="expected FaultSpecification"):
         load_specification(folder / MISSION)
 
 
-def test_every_object_knows_its_line(folder: Path) -> None:
+def test_every_object_knows_its_line(folder):
     models = load_mission_folder(folder)
 
     node = models.nodes[models.mission.goals[5]]
@@ -128,7 +126,7 @@ def test_every_object_knows_its_line(folder: Path) -> None:
     assert (node.path, node.line) == (folder / MISSION, line_of(folder / MISSION, 'ID="g6"'))
 
 
-def test_lines_stay_right_in_long_files(folder: Path) -> None:
+def test_lines_stay_right_in_long_files(folder):
     edit(folder / MISSION, "<servers ", "\n" * 70_000 + "<servers ")
     edit(folder / MISSION, 'sensor="s4"', 'sensor="s9"')
 

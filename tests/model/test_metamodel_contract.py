@@ -82,7 +82,7 @@ def is_fault_type(feature: Any) -> bool:
     return "FaultType" in {kind.name for kind in kinds}
 
 
-def test_the_metamodels_have_what_is_read_and_little_else() -> None:
+def test_the_metamodels_have_what_is_read_and_little_else():
     read = {
         (class_name, name)
         for classes in CONTRACT.values()
@@ -103,13 +103,13 @@ def test_the_metamodels_have_what_is_read_and_little_else() -> None:
 
 
 @pytest.mark.parametrize("package", SUPERTYPES)
-def test_supertypes_are_those_of_the_metamodels(package: str) -> None:
+def test_supertypes_are_those_of_the_metamodels(package):
     for name, parent in SUPERTYPES[package].items():
         assert parent in {kind.name for kind in lineage(_class(package, name))[:-1]}
 
 
 @pytest.mark.parametrize(("package", "name"), CLASSES)
-def test_renamed_class_is_named_with_its_file(folder: Path, package: str, name: str) -> None:
+def test_renamed_class_is_named_with_its_file(folder, package, name):
     path = folder / f"{package}.ecore"
     text = path.read_text(encoding="utf-8")
     renamed = text.replace(f'"{name}"', f'"{name}X"').replace(f'//{name}"', f'//{name}X"')
@@ -121,9 +121,7 @@ def test_renamed_class_is_named_with_its_file(folder: Path, package: str, name: 
 
 
 @pytest.mark.parametrize(("package", "class_name", "name"), NEEDED)
-def test_renamed_feature_is_named_with_file_and_class(
-    folder: Path, package: str, class_name: str, name: str
-) -> None:
+def test_renamed_feature_is_named_with_file_and_class(folder, package, class_name, name):
     path = _replaced(folder, package, class_name, name, "{}")
     text = path.read_text(encoding="utf-8")
     found = _block(text, _owner(package, class_name, name), name)
@@ -161,7 +159,7 @@ def _mutated(tag: str, how: str) -> str:
 
 
 @pytest.mark.parametrize("how", RETYPED)
-def test_feature_declared_otherwise_is_named_with_file_and_line(folder: Path, how: str) -> None:
+def test_feature_declared_otherwise_is_named_with_file_and_line(folder, how):
     draw = random.Random(f"contract {how}")
     originals = {path: path.read_bytes() for path in folder.iterdir()}
     n_edited = 0
@@ -188,7 +186,7 @@ def test_feature_declared_otherwise_is_named_with_file_and_line(folder: Path, ho
     assert n_edited
 
 
-def test_fault_type_has_to_say_what_it_strikes_by_its_supertype(folder: Path) -> None:
+def test_fault_type_has_to_say_what_it_strikes_by_its_supertype(folder):
     path = folder / FAULTS_FILE
     text = path.read_text(encoding="utf-8")
     old = 'name="StopRobot" eSuperTypes="#//RobotFault"'
@@ -201,7 +199,7 @@ def test_fault_type_has_to_say_what_it_strikes_by_its_supertype(folder: Path) ->
     assert "'StopRobot' inherits from 0 of MessageFault, RobotFault," in message
 
 
-def test_ladder_of_diamonds_is_read_without_climbing_every_path(folder: Path) -> None:
+def test_ladder_of_diamonds_is_read_without_climbing_every_path(folder):
     rungs = ["", *(f"#//L{number} #//R{number}" for number in range(23))]
     classes = "".join(
         f'<eClassifiers xsi:type="ecore:EClass" name="{side}{number}" eSuperTypes="{parents}"/>\n'
@@ -216,7 +214,7 @@ def test_ladder_of_diamonds_is_read_without_climbing_every_path(folder: Path) ->
 
 
 @pytest.mark.parametrize("parent", ["#//Robot", "#//K999"])
-def test_endless_lineage_is_an_error(folder: Path, parent: str) -> None:
+def test_endless_lineage_is_an_error(folder, parent):
     parents = [parent, *(f"#//K{number}" for number in range(999))]
     classes = "".join(
         f'<eClassifiers xsi:type="ecore:EClass" name="K{number}" eSuperTypes="{kind}"/>\n'

@@ -28,12 +28,7 @@ TASKS = [
     "Stay",
     "FixedDistanceBetweenRobots",
 ]
-AFFECTED = {
-    "message": "Message",
-    "robot": "Robot",
-    "sensor": "Sensor",
-    "obstacle": "Obstacle",
-}
+AFFECTED = {"message": "Message", "robot": "Robot", "sensor": "Sensor", "obstacle": "Obstacle"}
 
 
 def _documentation(element: Any) -> str:
@@ -50,7 +45,7 @@ def _class(name: str) -> Any:
 
 
 @pytest.mark.parametrize("kind", CLASSES, ids=lambda kind: kind.name)
-def test_class_and_features_are_documented_in_sentences(kind: Any) -> None:
+def test_class_and_features_are_documented_in_sentences(kind):
     for element in (kind, *kind.eStructuralFeatures):
         text = _documentation(element)
         assert text[:1].isupper(), element.name
@@ -58,20 +53,20 @@ def test_class_and_features_are_documented_in_sentences(kind: Any) -> None:
         assert len(text.split()) >= 4, element.name
 
 
-def test_names_and_namespaces() -> None:
+def test_names_and_namespaces():
     assert [(package.name, package.nsPrefix, package.nsURI) for package in PACKAGES] == [
         ("mission", "mission", "http://mrsfi.org/mission/1.0"),
         ("faults", "faults", "http://mrsfi.org/faults/1.0"),
     ]
 
 
-def test_there_are_nine_tasks() -> None:
+def test_there_are_nine_tasks():
     tasks = [kind.name for kind in CLASSES if conforms(kind, _class("GoalTask"))]
 
     assert tasks == ["GoalTask", *TASKS]
 
 
-def test_a_fault_contains_each_fault_type_by_its_name() -> None:
+def test_a_fault_contains_each_fault_type_by_its_name():
     contained = {
         reference_type(feature).name: feature.name
         for feature in _class("Fault").eStructuralFeatures
@@ -82,7 +77,7 @@ def test_a_fault_contains_each_fault_type_by_its_name() -> None:
 
 
 @pytest.mark.parametrize("name", FAULT_TYPES)
-def test_fault_type_agrees_with_the_runtime(name: str) -> None:
+def test_fault_type_agrees_with_the_runtime(name):
     kind, fault_type = _class(name), FAULT_TYPES[name]
     references = [feature for feature in features(kind) if hasattr(feature, "containment")]
     own = [feature.name for feature in kind.eStructuralFeatures]
@@ -97,7 +92,7 @@ def test_fault_type_agrees_with_the_runtime(name: str) -> None:
     ]
 
 
-def test_required_numbers_can_be_told_from_absent_ones() -> None:
+def test_required_numbers_can_be_told_from_absent_ones():
     for kind in CLASSES:
         for feature in kind.eStructuralFeatures:
             is_number = feature.eType.name in ("EInt", "EDouble", "SensorType")
@@ -105,12 +100,12 @@ def test_required_numbers_can_be_told_from_absent_ones() -> None:
                 assert feature.unsettable, f"{kind.name}.{feature.name}"
 
 
-def test_no_class_inherits_twice() -> None:
+def test_no_class_inherits_twice():
     for kind in CLASSES:
         assert len(kind.eSuperTypes) <= 1, kind.name
 
 
-def test_inherited_features_come_first() -> None:
+def test_inherited_features_come_first():
     sensor = _class("Sensor")
 
     assert [kind.name for kind in lineage(sensor)] == ["Identified", "Component", "Sensor"]
@@ -123,7 +118,7 @@ def test_inherited_features_come_first() -> None:
     ]
 
 
-def test_ranges_speak_of_features_that_exist() -> None:
+def test_ranges_speak_of_features_that_exist():
     names = {feature.name for kind in CLASSES for feature in kind.eStructuralFeatures}
 
     assert set(RANGES) <= names

@@ -82,8 +82,8 @@ def _mutilate(kind: str, files: Sequence[Path], n_wanted: int, validate: Callabl
 @pytest.mark.parametrize("n_wanted", N_MODELS_EACH)
 @pytest.mark.parametrize("kind", MUTILATIONS)
 def test_mutilated_model_ends_with_exit_code_3_and_its_place(
-    tmp_path: Path, folder: Path, capsys: pytest.CaptureFixture[str], kind: str, n_wanted: int
-) -> None:
+    tmp_path, folder, capsys, kind, n_wanted
+):
 
     files = [folder / MISSION, folder / FAULTS]
     _mutilate(kind, files, n_wanted, lambda: _validate(folder, tmp_path, capsys))
@@ -92,8 +92,8 @@ def test_mutilated_model_ends_with_exit_code_3_and_its_place(
 @pytest.mark.parametrize("n_wanted", N_METAMODELS_EACH)
 @pytest.mark.parametrize("kind", MUTILATIONS)
 def test_mutilated_metamodel_ends_with_exit_code_3_and_its_place(
-    tmp_path: Path, installed: Path, capsys: pytest.CaptureFixture[str], kind: str, n_wanted: int
-) -> None:
+    tmp_path, installed, capsys, kind, n_wanted
+):
     models = copy_models(tmp_path)
 
     files = [installed / MISSION_FILE, installed / FAULTS_FILE]

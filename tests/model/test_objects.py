@@ -70,17 +70,17 @@ def _require_equal(folder: Path) -> None:
             assert list(_described(root)) == list(_described(_of_pyecore(folder / name)))
 
 
-def test_there_are_models() -> None:
+def test_there_are_models():
     assert len(FOLDERS) >= 3
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_models_of_the_repository_are_loaded_as_pyecore_loads_them(folder: Path) -> None:
+def test_models_of_the_repository_are_loaded_as_pyecore_loads_them(folder):
     _require_equal(folder)
 
 
 @pytest.mark.parametrize("seed", seeds(range(N_DRAWN), 10))
-def test_random_models_are_loaded_as_pyecore_loads_them(tmp_path: Path, seed: int) -> None:
+def test_random_models_are_loaded_as_pyecore_loads_them(tmp_path, seed):
     models = draw(seed)
     (tmp_path / MISSION).write_bytes(dumps(models.mission))
     (tmp_path / FAULTS).write_bytes(dumps(models.faults, hrefs={models.mission: MISSION}))
@@ -88,14 +88,14 @@ def test_random_models_are_loaded_as_pyecore_loads_them(tmp_path: Path, seed: in
     _require_equal(tmp_path)
 
 
-def test_attribute_as_an_element_is_loaded_as_pyecore_loads_it(folder: Path) -> None:
+def test_attribute_as_an_element_is_loaded_as_pyecore_loads_it(folder):
     edit(folder / MISSION, '<robots ID="r1" name="LEN"', '<robots ID="r1"')
     edit(folder / MISSION, '<position x="250.0" y="-250.0"', "<name>L&amp;N</name>\n<position")
 
     _require_equal(folder)
 
 
-def test_objects_stand_in_a_resource_that_finds_them_by_id_and_by_path(tmp_path: Path) -> None:
+def test_objects_stand_in_a_resource_that_finds_them_by_id_and_by_path(tmp_path):
     mission = load_mission_folder(copy_models(tmp_path)).mission
 
     resource = mission.eResource

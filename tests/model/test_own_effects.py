@@ -12,12 +12,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.cli import MISSION, ROOT
-from tests.support.own_metamodels import (
-    add_fault_type,
-    copy_metamodels,
-    meaning,
-    metamodels_of,
-)
+from tests.support.own_metamodels import add_fault_type, copy_metamodels, meaning, metamodels_of
 
 
 @pytest.fixture
@@ -28,9 +23,7 @@ def metamodels(tmp_path: Path) -> Path:
     return faults.parent
 
 
-def test_a_mission_whose_pool_has_no_fault_of_the_type_stays_as_it_was(
-    tmp_path: Path, metamodels: Path
-) -> None:
+def test_a_mission_whose_pool_has_no_fault_of_the_type_stays_as_it_was(tmp_path, metamodels):
     with metamodels_of(metamodels):
         generate(ROOT / "models" / MISSION, tmp_path / "generated")
 
@@ -41,7 +34,7 @@ def test_a_mission_whose_pool_has_no_fault_of_the_type_stays_as_it_was(
     assert fresh == committed
 
 
-def test_a_fault_whose_effect_the_mission_has_not_does_not_fly(metamodels: Path) -> None:
+def test_a_fault_whose_effect_the_mission_has_not_does_not_fly(metamodels):
     code = load_code(ROOT / "generated" / MISSION)
     code = replace(code, mission=replace(code.mission, duration=5))
     stuck = Fault("stuck", read_metamodels(metamodels).fault_types["StuckSpeed"], "m8")

@@ -152,16 +152,16 @@ def _fault_row(fault: Any) -> str:
     return " ".join([fault.ID, kind.eClass.name, target, *values])
 
 
-def test_mission_lasts_1000_ticks(models: LoadedModels) -> None:
+def test_mission_lasts_1000_ticks(models):
     assert (models.mission.name, models.mission.duration) == ("1000", 1000)
     assert _ids(models.mission.servers) == "sv1"
 
 
-def test_robots(models: LoadedModels) -> None:
+def test_robots(models):
     assert [_robot_row(robot) for robot in models.mission.robots] == _rows(ROBOTS)
 
 
-def test_areas(models: LoadedModels) -> None:
+def test_areas(models):
     mission = models.mission
     assert _ids(mission.obstacles) == "o1,o2,o3,o4,o5,o6,o7,o8"
     areas = [
@@ -175,7 +175,7 @@ def test_areas(models: LoadedModels) -> None:
     assert rows == _rows(AREAS)
 
 
-def test_goals(models: LoadedModels) -> None:
+def test_goals(models):
     rows = [
         f"{goal.ID} {goal.name} {_ids(goal.members)} {goal.area.ID} {_task_row(goal.task)}"
         for goal in models.mission.goals
@@ -184,7 +184,7 @@ def test_goals(models: LoadedModels) -> None:
     assert rows == _rows(GOALS)
 
 
-def test_messages(models: LoadedModels) -> None:
+def test_messages(models):
     rows = [
         " ".join(
             [message.ID, goal.ID, message.sender.ID, message.receiver.ID]
@@ -198,7 +198,7 @@ def test_messages(models: LoadedModels) -> None:
     assert {message.header for goal in models.mission.goals for message in goal.messages} == {"h"}
 
 
-def test_pool_has_one_fault_of_each_type(models: LoadedModels) -> None:
+def test_pool_has_one_fault_of_each_type(models):
     assert models.faults.ID == "fs"
     assert [_fault_row(fault) for fault in models.faults.faults] == _rows(FAULTS)
 
@@ -207,7 +207,7 @@ def test_pool_has_one_fault_of_each_type(models: LoadedModels) -> None:
     ("case", "fitness"),
     [("a", {"fitness": "weighted"}), ("b", {"fitness": "focused", "goals": ["g1", "g3"]})],
 )
-def test_case_studies_have_the_settings_of_the_paper(case: str, fitness: dict[str, Any]) -> None:
+def test_case_studies_have_the_settings_of_the_paper(case, fitness):
     settings = tomllib.loads((MODELS / f"case_{case}.toml").read_text(encoding="utf-8"))
 
     assert settings == {

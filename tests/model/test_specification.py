@@ -49,7 +49,7 @@ def _target(tmp_path: Path) -> Path:
     return path
 
 
-def test_written_specification_reads_as_expected(tmp_path: Path) -> None:
+def test_written_specification_reads_as_expected(tmp_path):
     path = _target(tmp_path)
 
     write_specification(copy_models(tmp_path), ROWS, path, identifier="critical_1")
@@ -57,7 +57,7 @@ def test_written_specification_reads_as_expected(tmp_path: Path) -> None:
     assert path.read_text(encoding="ascii") == WRITTEN
 
 
-def test_written_specification_loads_and_validates_again(tmp_path: Path) -> None:
+def test_written_specification_loads_and_validates_again(tmp_path):
     path = _target(tmp_path)
     write_specification(copy_models(tmp_path), ROWS, path, identifier="critical_1")
 
@@ -73,7 +73,7 @@ def test_written_specification_loads_and_validates_again(tmp_path: Path) -> None
     ]
 
 
-def test_bounds_of_the_pool_are_copied(tmp_path: Path) -> None:
+def test_bounds_of_the_pool_are_copied(tmp_path):
     folder, path = copy_models(tmp_path), _target(tmp_path)
     edit(folder / FAULTS, 'DELAY="200.0"', 'DELAY="200.0" DELAY_MAX="300.0"')
 
@@ -82,7 +82,7 @@ def test_bounds_of_the_pool_are_copied(tmp_path: Path) -> None:
     assert '<delayMessage DELAY="7.0" DELAY_MAX="300.0">' in path.read_text(encoding="ascii")
 
 
-def test_empty_specification_loads_with_the_mission_beside_it(folder: Path) -> None:
+def test_empty_specification_loads_with_the_mission_beside_it(folder):
 
     write_specification(folder, [], folder / "empty.xmi", identifier="none")
 
@@ -90,7 +90,7 @@ def test_empty_specification_loads_with_the_mission_beside_it(folder: Path) -> N
     assert (models.faults.ID, list(models.faults.faults)) == ("none", [])
 
 
-def test_folder_names_with_spaces_are_referred_to(tmp_path: Path) -> None:
+def test_folder_names_with_spaces_are_referred_to(tmp_path):
     folder = copy_models(tmp_path / "my missions # 1")
     path = _target(tmp_path)
 
@@ -111,9 +111,7 @@ def test_folder_names_with_spaces_are_referred_to(tmp_path: Path) -> None:
         (("f9", -1, 1, {}), "expected 0 <= start <= finish"),
     ],
 )
-def test_impossible_rows_are_errors_and_write_nothing(
-    tmp_path: Path, row: SpecificationRow, message: str
-) -> None:
+def test_impossible_rows_are_errors_and_write_nothing(tmp_path, row, message):
     path = _target(tmp_path)
 
     with pytest.raises(SpecificationError, match=message):

@@ -1,7 +1,6 @@
 """A mission may stand in several files, or in one with its faults; it means the same."""
 
 import dataclasses
-from pathlib import Path
 
 import pytest
 
@@ -17,7 +16,7 @@ from m2t.saving import save, saved
 from m2t.specification import write_specification
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
-from tests.support.models.split import PARTS, Parts, split_folder
+from tests.support.models.split import PARTS, split_folder
 
 
 def whole(models: LoadedModels) -> list[bytes]:
@@ -28,7 +27,7 @@ def whole(models: LoadedModels) -> list[bytes]:
 
 
 @pytest.mark.parametrize("parts", PARTS.values(), ids=PARTS)
-def test_split_mission_is_the_mission_in_one_file(tmp_path: Path, parts: Parts) -> None:
+def test_split_mission_is_the_mission_in_one_file(tmp_path, parts):
     original = load_mission_folder(copy_models(tmp_path / "whole"))
     folder = split_folder(tmp_path / "split", parts)
 
@@ -40,11 +39,11 @@ def test_split_mission_is_the_mission_in_one_file(tmp_path: Path, parts: Parts) 
 
 
 @pytest.mark.parametrize("parts", PARTS.values(), ids=PARTS)
-def test_saving_a_split_mission_changes_nothing(tmp_path: Path, parts: Parts) -> None:
+def test_saving_a_split_mission_changes_nothing(tmp_path, parts):
     assert save(load_mission_folder(split_folder(tmp_path, parts))) == ()
 
 
-def test_part_is_written_as_eclipse_writes_it(tmp_path: Path) -> None:
+def test_part_is_written_as_eclipse_writes_it(tmp_path):
     folder = split_folder(tmp_path, PARTS["goals_and_tasks"])
 
     mission = (folder / MISSION).read_text(encoding="ascii").splitlines()
@@ -65,7 +64,7 @@ def test_part_is_written_as_eclipse_writes_it(tmp_path: Path) -> None:
     ).read_text(encoding="ascii")
 
 
-def test_editing_a_part_changes_one_line_of_one_file(tmp_path: Path) -> None:
+def test_editing_a_part_changes_one_line_of_one_file(tmp_path):
     folder = split_folder(tmp_path, PARTS["robots"])
     before = (folder / "robots.xmi").read_text(encoding="ascii").splitlines()
     models = load_mission_folder(folder)
@@ -80,7 +79,7 @@ def test_editing_a_part_changes_one_line_of_one_file(tmp_path: Path) -> None:
     ]
 
 
-def test_code_generated_from_a_split_mission_is_the_same(tmp_path: Path) -> None:
+def test_code_generated_from_a_split_mission_is_the_same(tmp_path):
     folder = split_folder(tmp_path / "split", PARTS["two_levels"])
 
     generate(copy_models(tmp_path / "whole"), tmp_path / "one")
@@ -94,7 +93,7 @@ def test_code_generated_from_a_split_mission_is_the_same(tmp_path: Path) -> None
     assert '"robots/sensors/sensors.xmi"' in manifest
 
 
-def test_defect_of_a_part_is_reported_at_its_own_file_and_line(tmp_path: Path) -> None:
+def test_defect_of_a_part_is_reported_at_its_own_file_and_line(tmp_path):
     folder = split_folder(tmp_path, PARTS["two_levels"])
     part = folder / "robots" / "sensors" / "sensors.xmi"
     edit(part, 'type="DEPTH"', 'type="DEBTH"')
@@ -113,7 +112,7 @@ def test_defect_of_a_part_is_reported_at_its_own_file_and_line(tmp_path: Path) -
     assert found[1].element == "sensors 's6'"
 
 
-def test_same_id_in_two_parts_is_reported(tmp_path: Path) -> None:
+def test_same_id_in_two_parts_is_reported(tmp_path):
     folder = split_folder(tmp_path, PARTS["one_robot"])
     edit(folder / "parts" / "r2.xmi", 'ID="b3"', 'ID="b1"')
 
@@ -124,7 +123,7 @@ def test_same_id_in_two_parts_is_reported(tmp_path: Path) -> None:
     assert "mission.xmi" in found.message
 
 
-def test_specification_found_by_search_refers_into_the_parts(tmp_path: Path) -> None:
+def test_specification_found_by_search_refers_into_the_parts(tmp_path):
     folder = split_folder(tmp_path, PARTS["goals_and_tasks"])
     path = tmp_path / "found.xmi"
 
@@ -139,7 +138,7 @@ def test_specification_found_by_search_refers_into_the_parts(tmp_path: Path) -> 
     )
 
 
-def test_mission_and_faults_in_one_file(tmp_path: Path) -> None:
+def test_mission_and_faults_in_one_file(tmp_path):
     original = load_mission_folder(copy_models(tmp_path / "two"))
     folder = copy_models(tmp_path / "one")
     models = load_mission_folder(folder)
@@ -158,7 +157,7 @@ def test_mission_and_faults_in_one_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("target", ["/0/@goals.1/@messages.0", "m4", "#/0/@goals.1/@messages.0"])
-def test_references_between_two_roots_of_a_file(folder: Path, target: str) -> None:
+def test_references_between_two_roots_of_a_file(folder, target):
     models = load_mission_folder(folder)
     both = LoadedFile(folder / MISSION, "ASCII", (models.mission, models.faults))
     (content,) = saved(dataclasses.replace(models, files=(both,))).values()
@@ -172,7 +171,7 @@ def test_references_between_two_roots_of_a_file(folder: Path, target: str) -> No
     assert kind.affectedMessage is loaded.mission.goals[1].messages[0]
 
 
-def test_faults_beside_those_in_the_mission_file_are_an_error(folder: Path) -> None:
+def test_faults_beside_those_in_the_mission_file_are_an_error(folder):
     models = load_mission_folder(folder)
     both = LoadedFile(folder / MISSION, "ASCII", (models.mission, models.faults))
     (content,) = saved(dataclasses.replace(models, files=(both,))).values()
@@ -189,7 +188,7 @@ PROJECT = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def test_platform_addresses_lead_into_the_project(tmp_path: Path) -> None:
+def test_platform_addresses_lead_into_the_project(tmp_path):
     folder = split_folder(tmp_path, PARTS["robots"])
     (tmp_path / ".project").write_text(PROJECT, encoding="utf-8")
     (tmp_path / "shared").mkdir()
@@ -229,9 +228,7 @@ def test_platform_addresses_lead_into_the_project(tmp_path: Path) -> None:
         ("", "ContainedElement", "expected the root of another file"),
     ],
 )
-def test_part_that_cannot_be_used_is_an_error(
-    tmp_path: Path, href: str, constraint: str, message: str
-) -> None:
+def test_part_that_cannot_be_used_is_an_error(tmp_path, href, constraint, message):
     folder = split_folder(tmp_path, PARTS["robots"])
     (folder / "area.xmi").write_text(
         '<mission:Area xmlns:mission="http://mrsfi.org/mission/1.0" radius="1"/>', encoding="ascii"
@@ -248,7 +245,7 @@ def test_part_that_cannot_be_used_is_an_error(
     assert message in found[0].message
 
 
-def test_circle_of_files_is_an_error(tmp_path: Path) -> None:
+def test_circle_of_files_is_an_error(tmp_path):
     folder = split_folder(tmp_path, PARTS["two_levels"])
     edit(folder / "robots" / "robots.xmi", "sensors/sensors.xmi#s1", "../mission.xmi#/")
 
@@ -260,12 +257,10 @@ def test_circle_of_files_is_an_error(tmp_path: Path) -> None:
     assert "(mission.xmi > robots.xmi > mission.xmi)" in found[0].message
 
 
-def test_root_that_no_model_contains_is_an_error(tmp_path: Path) -> None:
+def test_root_that_no_model_contains_is_an_error(tmp_path):
     folder = split_folder(tmp_path, PARTS["robots"])
     edit(
-        folder / "robots.xmi",
-        "</xmi:XMI>",
-        '  <mission:Server ID="sv9" name="spare"/>\n</xmi:XMI>',
+        folder / "robots.xmi", "</xmi:XMI>", '  <mission:Server ID="sv9" name="spare"/>\n</xmi:XMI>'
     )
 
     (found,) = inspect_folder(folder).diagnostics

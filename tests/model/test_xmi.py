@@ -1,7 +1,6 @@
 """The writer follows Eclipse's rules, and what it writes is read back unchanged."""
 
 import struct
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -15,14 +14,14 @@ from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, MODELS, edit
 
 
-def test_committed_models_are_what_the_writer_writes() -> None:
+def test_committed_models_are_what_the_writer_writes():
     models = load_mission_folder(MODELS)
 
     assert dumps(models.mission) == (MODELS / MISSION).read_bytes()
     assert dumps(models.faults, hrefs={models.mission: MISSION}) == (MODELS / FAULTS).read_bytes()
 
 
-def test_writing_is_a_fixpoint_for_every_kind_of_task(folder: Path) -> None:
+def test_writing_is_a_fixpoint_for_every_kind_of_task(folder):
     tasks = [
         '<task xsi:type="mission:Patrol" period="7"><area ID="p1" radius="0.001"/></task>',
         '<task xsi:type="mission:Visit" tolerance="1.0" deadline="9"><coordinates x="1"/></task>',
@@ -64,13 +63,13 @@ def test_writing_is_a_fixpoint_for_every_kind_of_task(folder: Path) -> None:
     assert 'name="&#x9;&lt;a> &amp; &quot;b&quot;&#xA;&#x2603;"' in lines[29]
 
 
-def test_set_value_is_written_although_it_equals_the_type_default(folder: Path) -> None:
+def test_set_value_is_written_although_it_equals_the_type_default(folder):
     edit(folder / MISSION, 'speed="5.0"', 'speed="0.0"')
 
     assert b'name="LEN" speed="0.0"' in dumps(load_mission_folder(folder).mission)
 
 
-def test_encoding_keeps_the_characters_that_it_has(folder: Path) -> None:
+def test_encoding_keeps_the_characters_that_it_has(folder):
     edit(folder / MISSION, '"ASCII"', '"UTF-8"')
     edit(folder / MISSION, "LEN", "L\xe9\N{SNOWMAN}")
     mission = load_mission_folder(folder).mission
@@ -80,7 +79,7 @@ def test_encoding_keeps_the_characters_that_it_has(folder: Path) -> None:
     assert '"L\xe9\N{SNOWMAN}"'.encode() in dumps(mission, "UTF-8")
 
 
-def test_id_with_a_space_is_referred_to_by_path(folder: Path) -> None:
+def test_id_with_a_space_is_referred_to_by_path(folder):
     edit(folder / MISSION, 'ID="s4"', 'ID="s 4"')
     edit(folder / MISSION, 'sensor="s4"', 'sensor="//@robots.1/@sensors.1"')
 
@@ -89,14 +88,14 @@ def test_id_with_a_space_is_referred_to_by_path(folder: Path) -> None:
     assert b'sensor="//@robots.1/@sensors.1"' in written
 
 
-def test_reference_to_an_unknown_file_is_an_error() -> None:
+def test_reference_to_an_unknown_file_is_an_error():
     models = load_mission_folder(MODELS)
 
     with pytest.raises(ModelError, match="refers to 's2' of another Mission"):
         dumps(models.faults)
 
 
-def test_character_that_xml_lacks_is_an_error() -> None:
+def test_character_that_xml_lacks_is_an_error():
     specification = load_metamodels().faults.getEClassifier("FaultSpecification")()
     specification.ID = "a\x00b"
 
@@ -120,16 +119,16 @@ def test_character_that_xml_lacks_is_an_error() -> None:
         (1.7976931348623157e308, "1.7976931348623157E308"),
     ],
 )
-def test_doubles_are_spelled_as_in_java(value: float, text: str) -> None:
+def test_doubles_are_spelled_as_in_java(value, text):
     assert java_double(value) == text
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
-def test_spelled_doubles_are_read_back_bit_by_bit(value: float) -> None:
+def test_spelled_doubles_are_read_back_bit_by_bit(value):
     assert struct.pack("<d", float(java_double(value))) == struct.pack("<d", value)
 
 
-def test_atomic_write_replaces_a_file_and_leaves_nothing_else(tmp_path: Path) -> None:
+def test_atomic_write_replaces_a_file_and_leaves_nothing_else(tmp_path):
     path = tmp_path / "a.xmi"
 
     write_atomically(path, b"old")
@@ -139,7 +138,7 @@ def test_atomic_write_replaces_a_file_and_leaves_nothing_else(tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_failed_atomic_write_leaves_the_old_content(tmp_path: Path) -> None:
+def test_failed_atomic_write_leaves_the_old_content(tmp_path):
     path = tmp_path / "folder"
     path.mkdir()
 
@@ -150,7 +149,7 @@ def test_failed_atomic_write_leaves_the_old_content(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["UTF-8", "ISO-8859-1", "UTF-16", "ASCII"])
-def test_saving_keeps_the_encoding_of_each_file(folder: Path, encoding: str) -> None:
+def test_saving_keeps_the_encoding_of_each_file(folder, encoding):
     text = (folder / MISSION).read_text(encoding="ascii").replace('"ASCII"', f'"{encoding}"')
     name = "L&#xe9;N" if encoding == "ASCII" else "L\xe9N"
     content = text.replace("LEN", name, 1).encode(encoding)
@@ -167,7 +166,7 @@ def test_saving_keeps_the_encoding_of_each_file(folder: Path, encoding: str) -> 
     assert (folder / MISSION).read_bytes().decode(encoding) == changed
 
 
-def test_encoding_is_written_in_capitals_as_eclipse_does(folder: Path) -> None:
+def test_encoding_is_written_in_capitals_as_eclipse_does(folder):
     edit(folder / MISSION, '"ASCII"', '"utf-8"')
 
     save(load_mission_folder(folder))
@@ -175,7 +174,7 @@ def test_encoding_is_written_in_capitals_as_eclipse_does(folder: Path) -> None:
     assert (folder / MISSION).read_bytes().startswith(b'<?xml version="1.0" encoding="UTF-8"?>\n')
 
 
-def test_xmi_ids_are_kept_and_named_by_references(folder: Path) -> None:
+def test_xmi_ids_are_kept_and_named_by_references(folder):
     edit(folder / MISSION, 'name="1000"', 'xmi:id="_m" name="1000"')
     edit(folder / MISSION, '<sensors ID="s4"', '<sensors xmi:id="_s4" ID="s4"')
     edit(folder / MISSION, '<messages ID="m4"', '<messages xmi:id="_m4" ID="m4"')
@@ -189,7 +188,7 @@ def test_xmi_ids_are_kept_and_named_by_references(folder: Path) -> None:
     assert (folder / MISSION).read_bytes().count(b'sensor="_s4"') == 2
 
 
-def test_saving_what_did_not_change_touches_no_file(folder: Path) -> None:
+def test_saving_what_did_not_change_touches_no_file(folder):
     before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
 
     assert save(load_mission_folder(folder)) == ()
@@ -197,7 +196,7 @@ def test_saving_what_did_not_change_touches_no_file(folder: Path) -> None:
     assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
 
 
-def test_element_that_an_earlier_one_refers_to_is_written_in_place(folder: Path) -> None:
+def test_element_that_an_earlier_one_refers_to_is_written_in_place(folder):
     edit(
         folder / MISSION,
         'name="AvoidCollision" members="r2 r3 r1"',

@@ -1,6 +1,5 @@
 """Laws of the search operators, over missions of any length and pools of any size."""
 
-from collections.abc import Callable
 from itertools import combinations
 from random import Random
 
@@ -16,7 +15,7 @@ from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.space import Candidate, SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
-from mrsfi_runtime.search.steps import STEPS, Step, crept, dropped, filled, widened
+from mrsfi_runtime.search.steps import STEPS, crept, dropped, filled, widened
 from mrsfi_runtime.search.variation import crossed, mutated
 from tests.support.search import PAPER_FAULTS, paper_mission, paper_space, pool_of, random_pair
 from tests.tiers import law
@@ -67,7 +66,7 @@ def require_within(candidate: Candidate, timed: TimedFault, duration: int) -> No
 
 @LAW
 @given(DRAWN)
-def test_random_specifications_are_legal_and_as_large_as_there_is_room(drawn: Drawn) -> None:
+def test_random_specifications_are_legal_and_as_large_as_there_is_room(drawn):
     specification = drawn.specification()
 
     drawn.require_legal(specification)
@@ -80,7 +79,7 @@ def test_random_specifications_are_legal_and_as_large_as_there_is_room(drawn: Dr
 
 @LAW
 @given(DRAWN)
-def test_generations_of_crossover_and_mutation_stay_legal(drawn: Drawn) -> None:
+def test_generations_of_crossover_and_mutation_stay_legal(drawn):
     space, rng = drawn.space, drawn.rng
     population = [drawn.specification() for _ in range(4)]
     largest = max(map(len, population))
@@ -102,7 +101,7 @@ def test_generations_of_crossover_and_mutation_stay_legal(drawn: Drawn) -> None:
 
 @LAW
 @given(DRAWN)
-def test_crossover_creates_and_loses_no_fault(drawn: Drawn) -> None:
+def test_crossover_creates_and_loses_no_fault(drawn):
     first, second = drawn.specification(), drawn.specification()
 
     one, other = crossed(drawn.space, first, second, drawn.rng)
@@ -117,7 +116,7 @@ def test_crossover_creates_and_loses_no_fault(drawn: Drawn) -> None:
 
 @LAW
 @given(DRAWN)
-def test_mutation_keeps_the_faults_and_the_values_that_do_not_evolve(drawn: Drawn) -> None:
+def test_mutation_keeps_the_faults_and_the_values_that_do_not_evolve(drawn):
     specification = drawn.specification()
 
     mutant = mutated(drawn.space, specification, drawn.rng, share=1.0)
@@ -133,7 +132,7 @@ def test_mutation_keeps_the_faults_and_the_values_that_do_not_evolve(drawn: Draw
 
 @LAW
 @given(DRAWN)
-def test_the_same_seed_repeats_every_operator(drawn: Drawn) -> None:
+def test_the_same_seed_repeats_every_operator(drawn):
     space = drawn.space
 
     def run() -> list[Specification]:
@@ -147,7 +146,7 @@ def test_the_same_seed_repeats_every_operator(drawn: Drawn) -> None:
 @pytest.mark.parametrize("step", [*STEPS, crept])
 @LAW
 @given(DRAWN)
-def test_steps_stay_legal_and_never_grow(step: Step, drawn: Drawn) -> None:
+def test_steps_stay_legal_and_never_grow(step, drawn):
     specification = drawn.specification()
 
     for _ in range(5):
@@ -159,7 +158,7 @@ def test_steps_stay_legal_and_never_grow(step: Step, drawn: Drawn) -> None:
 
 
 @pytest.mark.parametrize("step", STEPS)
-def test_steps_repeat_from_their_seed_and_can_change_something(step: Step) -> None:
+def test_steps_repeat_from_their_seed_and_can_change_something(step):
     space = paper_space()
     specification = random_specification(space, 20, Random(1))
 
@@ -171,7 +170,7 @@ def test_steps_repeat_from_their_seed_and_can_change_something(step: Step) -> No
 
 @LAW
 @given(DRAWN, st.integers(1, 25))
-def test_filling_adds_faults_up_to_the_number_wanted(drawn: Drawn, n_wanted: int) -> None:
+def test_filling_adds_faults_up_to_the_number_wanted(drawn, n_wanted):
     specification = drawn.specification()
 
     more = filled(drawn.space, specification, n_wanted, drawn.rng)
@@ -181,14 +180,14 @@ def test_filling_adds_faults_up_to_the_number_wanted(drawn: Drawn, n_wanted: int
     assert len(more) <= max(n_wanted, len(specification))
 
 
-def test_a_widened_fault_fills_its_free_window() -> None:
+def test_a_widened_fault_fills_its_free_window():
     space = paper_space()
     free = (TimedFault("f26", 5, 9),)
 
     assert widened(space, free, Random(1)) == (TimedFault("f26", 0, 999),)
 
 
-def test_a_dropped_fault_makes_room_for_those_it_excluded() -> None:
+def test_a_dropped_fault_makes_room_for_those_it_excluded():
     space = paper_space()
     specification = (TimedFault("f26", 5, 9), TimedFault("f26", 10, 20))
 
@@ -197,7 +196,7 @@ def test_a_dropped_fault_makes_room_for_those_it_excluded() -> None:
 
 @LAW
 @given(DRAWN)
-def test_what_a_fault_model_generates_is_legal_also_after_learning(drawn: Drawn) -> None:
+def test_what_a_fault_model_generates_is_legal_also_after_learning(drawn):
     model = FaultModel(drawn.space, drawn.n_faults, drawn.rng)
 
     for _ in range(4):
@@ -210,9 +209,7 @@ def test_what_a_fault_model_generates_is_legal_also_after_learning(drawn: Drawn)
 
 
 @pytest.mark.parametrize("fault_id", FAULT_IDS)
-def test_landmarks_lie_within_the_bounds_and_begin_with_the_pools_own_values(
-    fault_id: str,
-) -> None:
+def test_landmarks_lie_within_the_bounds_and_begin_with_the_pools_own_values(fault_id):
     candidate = paper_space(1000, fault_id).candidates[fault_id]
 
     assert candidate.landmarks[0] == candidate.values
@@ -222,7 +219,7 @@ def test_landmarks_lie_within_the_bounds_and_begin_with_the_pools_own_values(
             assert low <= value <= high
 
 
-def test_places_have_the_robots_the_obstacles_and_the_goal_areas_as_landmarks() -> None:
+def test_places_have_the_robots_the_obstacles_and_the_goal_areas_as_landmarks():
     places = {values[:2] for values in paper_space().candidates["f11"].landmarks}
 
     assert {(250.0, -250.0), (0.0, 500.0), (2400.0, 0.0)} <= places
@@ -262,8 +259,8 @@ def legal_exchanges(
     seeds,
 )
 def test_crossover_exchanges_whenever_some_exchange_is_allowed(
-    duration: int, fault_ids: list[str], n_first: int, n_second: int, is_related: bool, seed: int
-) -> None:
+    duration, fault_ids, n_first, n_second, is_related, seed
+):
     mission, pool, rng = paper_mission(duration), pool_of(*fault_ids), Random(seed)
     space = SearchSpace.of(mission, pool)
     first = random_specification(space, n_first, rng)
@@ -278,9 +275,7 @@ def test_crossover_exchanges_whenever_some_exchange_is_allowed(
 
 
 @pytest.mark.parametrize("duration", [10, 100, 1000, 10_000])
-def test_crossover_of_the_papers_individuals_nearly_always_exchanges(
-    duration: int, record_property: Callable[[str, object], None]
-) -> None:
+def test_crossover_of_the_papers_individuals_nearly_always_exchanges(duration, record_property):
     space, rng, n_calls = paper_space(duration), Random(7), 1000
 
     n_exchanging = 0

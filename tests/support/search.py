@@ -31,10 +31,7 @@ def paper_space(duration: int = 1000, *fault_ids: str) -> SearchSpace:
 
 
 def random_pair(space: SearchSpace, n_faults: int, rng: Random) -> tuple[Specification, ...]:
-    return (
-        random_specification(space, n_faults, rng),
-        random_specification(space, n_faults, rng),
-    )
+    return (random_specification(space, n_faults, rng), random_specification(space, n_faults, rng))
 
 
 def outcome_of(*believed: int) -> Outcome:

@@ -11,7 +11,7 @@ from tests.support.search import paper_mission, pool_of
 
 
 @pytest.mark.parametrize("kind", ["believed", "true", "phantom", "masked"])
-def test_a_front_is_over_the_counts_that_the_campaign_chose(kind: str) -> None:
+def test_a_front_is_over_the_counts_that_the_campaign_chose(kind):
     measure = Measure.of(CampaignSettings(violations=kind, goals=GOALS), paper_mission())
     counts = {getattr(each.outcome, kind)[:3:2]: each.index for each in reversed(HIDING)}
 
@@ -23,14 +23,14 @@ def test_a_front_is_over_the_counts_that_the_campaign_chose(kind: str) -> None:
     }
 
 
-def test_a_front_is_over_the_means_of_all_mission_seeds() -> None:
+def test_a_front_is_over_the_means_of_all_mission_seeds():
     front = find_front(Measure.of(MEANS, paper_mission()), FLOWN_TWICE, GOALS)
 
     assert front.counts == "believed violations, mean of 2 mission seeds"
     assert front.points == (FrontPoint(0, (450.0, 451.5)), FrontPoint(1, (500.5, 12.0)))
 
 
-def test_the_printed_table_shows_the_measure_before_belief_and_truth() -> None:
+def test_the_printed_table_shows_the_measure_before_belief_and_truth():
     printed, _ = critical_tables(Measure.of(MEANS, paper_mission()), pool_of(), FLOWN_TWICE[:1])
 
     goals = {str(column.header): list(column.cells) for column in printed.columns}
@@ -50,10 +50,10 @@ def test_the_printed_table_shows_the_measure_before_belief_and_truth() -> None:
         (CampaignSettings(fitness="mine:own", violations="true"), "fitness (mine:own)"),
     ],
 )
-def test_the_axis_of_fitness_says_what_is_counted(settings: CampaignSettings, label: str) -> None:
+def test_the_axis_of_fitness_says_what_is_counted(settings, label):
     assert fitness_label(settings, Measure.of(settings, paper_mission())) == label
 
 
-def test_a_ratio_over_goals_without_recorded_means_is_refused() -> None:
+def test_a_ratio_over_goals_without_recorded_means_is_refused():
     with pytest.raises(UsageError, match=r"found goal 'g2'; .* mission seeds .* only: g1, g3"):
         Measure.of(MEANS, paper_mission()).require(("g1", "g2"))

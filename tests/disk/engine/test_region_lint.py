@@ -41,11 +41,11 @@ def _messages(folder: Path, body: str, helpers: str = "") -> list[str]:
     return [found.message for found in lint_regions(folder)]
 
 
-def test_where_nothing_was_generated_there_is_nothing_to_warn_of(tmp_path: Path) -> None:
+def test_where_nothing_was_generated_there_is_nothing_to_warn_of(tmp_path):
     assert lint_regions(tmp_path) == ()
 
 
-def test_a_warning_names_file_line_region_cause_and_remedy(tmp_path: Path) -> None:
+def test_a_warning_names_file_line_region_cause_and_remedy(tmp_path):
     _write(tmp_path, "return math.hypot(1.0, 2.0) > 2.0", "import math")
 
     (found,) = lint_regions(tmp_path)
@@ -61,7 +61,7 @@ def test_a_warning_names_file_line_region_cause_and_remedy(tmp_path: Path) -> No
     )
 
 
-def test_a_marked_function_of_the_helpers_is_looked_at(tmp_path: Path) -> None:
+def test_a_marked_function_of_the_helpers_is_looked_at(tmp_path):
     _write(tmp_path, imports="import math", helpers=f"@kernel\ndef far():\n{HELPER}")
 
     (found,) = lint_regions(tmp_path)
@@ -70,14 +70,14 @@ def test_a_marked_function_of_the_helpers_is_looked_at(tmp_path: Path) -> None:
     assert found.line == _line(found.path, HELPER)
 
 
-def test_code_that_no_engine_compiles_may_do_what_it_likes(tmp_path: Path) -> None:
+def test_code_that_no_engine_compiles_may_do_what_it_likes(tmp_path):
     helpers = f"FAR = math.hypot(3.0, 4.0) ** 2\n\n\ndef far():\n{HELPER}"
     _write(tmp_path, imports="import math", helpers=helpers)
 
     assert lint_regions(tmp_path) == ()
 
 
-def test_other_names_of_a_module_are_seen_through(tmp_path: Path) -> None:
+def test_other_names_of_a_module_are_seen_through(tmp_path):
     for imports, call in (
         ("import math as m", "m.hypot(1.0, 2.0)"),
         ("from math import hypot", "hypot(1.0, 2.0)"),
@@ -88,11 +88,11 @@ def test_other_names_of_a_module_are_seen_through(tmp_path: Path) -> None:
         assert [found.message[:7] for found in lint_regions(tmp_path)] == ["found `"]
 
 
-def test_a_local_name_is_not_the_builtin(tmp_path: Path) -> None:
+def test_a_local_name_is_not_the_builtin(tmp_path):
     assert _messages(tmp_path, "any = 3\n    return any > 2") == []
 
 
-def test_files_of_the_team_are_looked_at_as_deep_as_they_import(tmp_path: Path) -> None:
+def test_files_of_the_team_are_looked_at_as_deep_as_they_import(tmp_path):
     _write(tmp_path, "return near() > 2.0", "from team.near import near")
     team = tmp_path / "team"
     team.mkdir()
@@ -109,7 +109,7 @@ def test_files_of_the_team_are_looked_at_as_deep_as_they_import(tmp_path: Path) 
     assert found.place == "function 'far'"
 
 
-def test_files_are_found_by_whatever_import_names_them(tmp_path: Path) -> None:
+def test_files_are_found_by_whatever_import_names_them(tmp_path):
     team = tmp_path / "team"
     team.mkdir()
     (team / "__init__.py").write_text("")
@@ -121,7 +121,7 @@ def test_files_are_found_by_whatever_import_names_them(tmp_path: Path) -> None:
         assert [one.path for one in lint_regions(tmp_path, [str(tmp_path)])] == [team / "near.py"]
 
 
-def test_files_that_import_each_other_are_looked_at_once(tmp_path: Path) -> None:
+def test_files_that_import_each_other_are_looked_at_once(tmp_path):
     _write(tmp_path, "return a() > 2.0", "from team_a import a")
     head = "import math\nfrom mrsfi_runtime.api import kernel\n"
     for one, other in ("ab", "ba"):
@@ -134,14 +134,14 @@ def test_files_that_import_each_other_are_looked_at_once(tmp_path: Path) -> None
     assert [one.path.name for one in found] == ["team_a.py", "team_b.py"]
 
 
-def test_imports_are_found_without_running_them(tmp_path: Path) -> None:
+def test_imports_are_found_without_running_them(tmp_path):
     _write(tmp_path, imports="from team import near\nfrom nowhere.at_all import far")
     (tmp_path / "team.py").write_text("raise SystemExit(1)\n")
 
     assert lint_regions(tmp_path, [str(tmp_path)]) == ()
 
 
-def test_a_region_that_is_no_python_is_named(tmp_path: Path) -> None:
+def test_a_region_that_is_no_python_is_named(tmp_path):
     _write(tmp_path, "return (")
 
     (found,) = lint_regions(tmp_path)
@@ -152,19 +152,19 @@ def test_a_region_that_is_no_python_is_named(tmp_path: Path) -> None:
     assert "no Python" in found.message
 
 
-def test_powers_of_whole_numbers_are_fine(tmp_path: Path) -> None:
+def test_powers_of_whole_numbers_are_fine(tmp_path):
     body = "n = ci.mission.tick\n    return n ** 2 + 2 ** 10 + ci.goals[0].count ** 3 > 1"
 
     assert _messages(tmp_path, body) == []
 
 
-def test_a_counter_is_a_whole_number(tmp_path: Path) -> None:
+def test_a_counter_is_a_whole_number(tmp_path):
     body = "n = 0\n    for k in range(3):\n        n += k\n    return n ** 2 > 1"
 
     assert _messages(tmp_path, body) == []
 
 
-def test_a_power_of_what_cannot_be_told_may_differ(tmp_path: Path) -> None:
+def test_a_power_of_what_cannot_be_told_may_differ(tmp_path):
     helpers = "@kernel\ndef squared(x):\n    return x ** 2"
 
     (message,) = _messages(tmp_path, "return squared(3) > 2", helpers)
@@ -174,13 +174,13 @@ def test_a_power_of_what_cannot_be_told_may_differ(tmp_path: Path) -> None:
     )
 
 
-def test_an_annotated_argument_has_its_kind(tmp_path: Path) -> None:
+def test_an_annotated_argument_has_its_kind(tmp_path):
     helpers = "@kernel\ndef squared(n: int) -> int:\n    return n ** 2"
 
     assert _messages(tmp_path, "return squared(3) > 2", helpers) == []
 
 
-def test_a_function_that_calls_itself_is_named(tmp_path: Path) -> None:
+def test_a_function_that_calls_itself_is_named(tmp_path):
     helpers = "@kernel\ndef down(n: int) -> int:\n    return down(n - 1) if n else 0"
 
     (message,) = _messages(tmp_path, "return down(3) > 2", helpers)
@@ -188,7 +188,7 @@ def test_a_function_that_calls_itself_is_named(tmp_path: Path) -> None:
     assert "calls its own function" in message
 
 
-def test_a_default_that_is_a_list_is_named(tmp_path: Path) -> None:
+def test_a_default_that_is_a_list_is_named(tmp_path):
     helpers = "@kernel\ndef seen(n: int, before=[]) -> int:\n    return n"
 
     (message,) = _messages(tmp_path, "return seen(3) > 2", helpers)
@@ -201,9 +201,7 @@ def _errors(folder: Path, body: str, imports: str = "", helpers: str = "") -> li
     return [found.message for found in lint_regions(folder) if found.is_error]
 
 
-def test_a_name_that_is_defined_nowhere_is_an_error_although_no_flight_reaches_it(
-    tmp_path: Path,
-) -> None:
+def test_a_name_that_is_defined_nowhere_is_an_error_although_no_flight_reaches_it(tmp_path):
     _write(tmp_path, "if ci.mission.tick < 0:\n        return nowhere(ci)\n    return True")
 
     (found,) = lint_regions(tmp_path)
@@ -217,7 +215,7 @@ def test_a_name_that_is_defined_nowhere_is_an_error_although_no_flight_reaches_i
     )
 
 
-def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path: Path) -> None:
+def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path):
     _write(tmp_path, "return near()", "from team import near")
     (tmp_path / "team.py").write_text("def near():\n    return far()\n")
 
@@ -227,7 +225,7 @@ def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path: Path) -> None:
     assert found.message == "found `far`, which is not defined; import or define it"
 
 
-def test_names_that_python_or_the_file_define_are_none_of_these_errors(tmp_path: Path) -> None:
+def test_names_that_python_or_the_file_define_are_none_of_these_errors(tmp_path):
     helpers = "LIMIT = 3\n\n\ndef far(n: int = LIMIT) -> int:\n    return [k for k in range(n)][-1]"
 
     assert _errors(tmp_path, "return far() > LIMIT or __name__ == ''", helpers=helpers) == []
@@ -243,9 +241,7 @@ def test_names_that_python_or_the_file_define_are_none_of_these_errors(tmp_path:
         ("return True\nreturn False", "is no Python: 'return' outside function"),
     ],
 )
-def test_other_mistakes_that_python_will_not_forgive_are_errors(
-    tmp_path: Path, body: str, said: str
-) -> None:
+def test_other_mistakes_that_python_will_not_forgive_are_errors(tmp_path, body, said):
     (message,) = _errors(tmp_path, body)
 
     assert said in message
@@ -262,15 +258,13 @@ def test_other_mistakes_that_python_will_not_forgive_are_errors(
         ("return ci.mission.time > 0", "ci.mission.time", "MissionState"),
     ],
 )
-def test_a_field_that_records_do_not_have_is_an_error(
-    tmp_path: Path, body: str, expression: str, record: str
-) -> None:
+def test_a_field_that_records_do_not_have_is_an_error(tmp_path, body, expression, record):
     (message,) = _errors(tmp_path, body)
 
     assert message.startswith(f"found `{expression}`, but a {record} has no ")
 
 
-def test_a_field_is_missed_in_a_helper_that_says_what_it_takes(tmp_path: Path) -> None:
+def test_a_field_is_missed_in_a_helper_that_says_what_it_takes(tmp_path):
     helpers = "def far(state: State) -> bool:\n    return state.robots[0].far > 1.0"
 
     (message,) = _errors(tmp_path, "return far(ci)", helpers=helpers)
@@ -278,7 +272,7 @@ def test_a_field_is_missed_in_a_helper_that_says_what_it_takes(tmp_path: Path) -
     assert message.startswith("found `state.robots[0].far`, ")
 
 
-def test_a_misspelt_function_is_an_error_that_names_what_is_near(tmp_path: Path) -> None:
+def test_a_misspelt_function_is_an_error_that_names_what_is_near(tmp_path):
     (message,) = _errors(
         tmp_path,
         "return goals.visit.violatd(ci, 0)",
@@ -291,7 +285,7 @@ def test_a_misspelt_function_is_an_error_that_names_what_is_near(tmp_path: Path)
     )
 
 
-def test_what_cannot_be_told_is_no_error(tmp_path: Path) -> None:
+def test_what_cannot_be_told_is_no_error(tmp_path):
     bodies = (
         "ci = anything()\n    return ci.whatever",
         "r = ci.robots[0]\n    r = anything()\n    return r.whatever",
@@ -305,7 +299,7 @@ def test_what_cannot_be_told_is_no_error(tmp_path: Path) -> None:
     assert [_errors(tmp_path, body, helpers=helpers) for body in bodies] == [[]] * len(bodies)
 
 
-def test_unsound_regions_are_refused_with_every_error(tmp_path: Path) -> None:
+def test_unsound_regions_are_refused_with_every_error(tmp_path):
     _write(tmp_path, "return nowhere(ci) or never or math.hypot(1.0, 2.0) > 2.0", "import math")
 
     with pytest.raises(EvaluationError) as refused:
@@ -316,5 +310,5 @@ def test_unsound_regions_are_refused_with_every_error(tmp_path: Path) -> None:
     assert names == ["never", "nowhere"]
 
 
-def test_regions_with_warnings_alone_are_sound(tmp_path: Path) -> None:
+def test_regions_with_warnings_alone_are_sound(tmp_path):
     require_sound_regions(_write(tmp_path, "return math.hypot(1.0, 2.0) > 2.0", "import math"))

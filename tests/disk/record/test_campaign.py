@@ -30,7 +30,7 @@ def bits(number: float) -> bytes:
     return struct.pack("<d", number)
 
 
-def test_what_was_appended_is_read_back_after_reopening(tmp_path: Path) -> None:
+def test_what_was_appended_is_read_back_after_reopening(tmp_path):
     folder = tmp_path / "run"
     written = [evaluation(i, (i, 2, 3), generation=i // 2) for i in range(4)]
     generation = Generation(0, STATISTICS, (0, 1, 1), '{"state":[3,[1,2],null]}')
@@ -51,7 +51,7 @@ def test_what_was_appended_is_read_back_after_reopening(tmp_path: Path) -> None:
         assert store.manifest == MANIFEST
 
 
-def test_a_specification_is_stored_as_canonical_json() -> None:
+def test_a_specification_is_stored_as_canonical_json():
     specification = (TimedFault("f9", 100, 900, (200, -450.0)), TimedFault("f1", 0, 1))
 
     assert (
@@ -61,7 +61,7 @@ def test_a_specification_is_stored_as_canonical_json() -> None:
 
 
 @given(st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=4))
-def test_floats_survive_bit_for_bit(values: list[float]) -> None:
+def test_floats_survive_bit_for_bit(values):
     specification = (TimedFault("f9", 1, 2, tuple(values)),)
 
     (rows,) = encoding.lists([encoding.specification_text(specification)])
@@ -70,7 +70,7 @@ def test_floats_survive_bit_for_bit(values: list[float]) -> None:
     assert [bits(value) for value in back] == [bits(value) for value in values]
 
 
-def test_fitness_survives_bit_for_bit(store: CampaignStore) -> None:
+def test_fitness_survives_bit_for_bit(store):
     fitness = (0.1 + 0.2, -0.0, 5e-324, 1.7976931348623157e308)
     store.append([replace(evaluation(0, (1,)), fitness=fitness)])
 
@@ -79,7 +79,7 @@ def test_fitness_survives_bit_for_bit(store: CampaignStore) -> None:
     assert [bits(value) for value in read] == [bits(value) for value in fitness]
 
 
-def test_numpy_numbers_become_plain_ones(store: CampaignStore) -> None:
+def test_numpy_numbers_become_plain_ones(store):
     plain = evaluation(0, (3, 4))
     store.append(
         [
@@ -100,9 +100,7 @@ def test_numpy_numbers_become_plain_ones(store: CampaignStore) -> None:
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_a_number_that_is_not_finite_is_refused_and_nothing_is_stored(
-    store: CampaignStore, value: float
-) -> None:
+def test_a_number_that_is_not_finite_is_refused_and_nothing_is_stored(store, value):
     with pytest.raises(ValueError, match="JSON compliant"):
         store.append([evaluation(0, (1,)), evaluation(1, (1,), fitness=value)])
 
@@ -110,9 +108,7 @@ def test_a_number_that_is_not_finite_is_refused_and_nothing_is_stored(
 
 
 @pytest.mark.parametrize("index", [0, 3])
-def test_an_index_that_does_not_follow_is_refused_and_nothing_is_stored(
-    store: CampaignStore, index: int
-) -> None:
+def test_an_index_that_does_not_follow_is_refused_and_nothing_is_stored(store, index):
     store.append([evaluation(0, (1,))])
 
     with pytest.raises(ValueError, match=f"found evaluation {index}; expected 2 next"):
@@ -121,7 +117,7 @@ def test_an_index_that_does_not_follow_is_refused_and_nothing_is_stored(
     assert store.n_evaluations == 1
 
 
-def test_a_generation_is_closed_once(store: CampaignStore) -> None:
+def test_a_generation_is_closed_once(store):
     generation = Generation(0, STATISTICS, (), "[]")
     store.append(generations=[generation])
 
@@ -129,7 +125,7 @@ def test_a_generation_is_closed_once(store: CampaignStore) -> None:
         store.append(generations=[generation])
 
 
-def test_an_unknown_evaluation_is_named_with_those_there_are(store: CampaignStore) -> None:
+def test_an_unknown_evaluation_is_named_with_those_there_are(store):
     with pytest.raises(RecordError, match=r"found no evaluation 0; expected .* none yet"):
         store.evaluation(0)
 
@@ -146,7 +142,7 @@ def digest_of(folder: Path, *chunks: list) -> str:
         return store.digest()
 
 
-def test_the_digest_does_not_depend_on_chunks(tmp_path: Path) -> None:
+def test_the_digest_does_not_depend_on_chunks(tmp_path):
     found = [evaluation(i, (i, i)) for i in range(3)]
 
     whole = digest_of(tmp_path / "a", found)
@@ -173,7 +169,7 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("name", CHANGES)
-def test_the_digest_changes_with(name: str, tmp_path: Path) -> None:
+def test_the_digest_changes_with(name, tmp_path):
     first = evaluation(0, (1, 2))
 
     before = digest_of(tmp_path / "a", [first, FOUND])
@@ -182,16 +178,14 @@ def test_the_digest_changes_with(name: str, tmp_path: Path) -> None:
     assert before != after
 
 
-def test_the_digest_changes_with_the_order_of_evaluations(tmp_path: Path) -> None:
+def test_the_digest_changes_with_the_order_of_evaluations(tmp_path):
     first, second = evaluation(0, (1, 2)), evaluation(1, (4, 5))
     swapped = [replace(second, index=0), replace(first, index=1)]
 
     assert digest_of(tmp_path / "a", [first, second]) != digest_of(tmp_path / "b", swapped)
 
 
-def test_failures_are_stored_with_the_evaluations_beside_them_or_not_at_all(
-    store: CampaignStore,
-) -> None:
+def test_failures_are_stored_with_the_evaluations_beside_them_or_not_at_all(store):
     failed = FailedEvaluation(1, 0, (TimedFault("f2", 0, 5, (1.5,)),), "Traceback")
     store.append([evaluation(0, (1,))], [failed])
 
@@ -202,7 +196,7 @@ def test_failures_are_stored_with_the_evaluations_beside_them_or_not_at_all(
     assert store.failures() == (failed,)
 
 
-def test_a_part_of_the_evaluations_can_be_read(store: CampaignStore) -> None:
+def test_a_part_of_the_evaluations_can_be_read(store):
     found = tuple(evaluation(i, (i,)) for i in range(5))
     store.append(found)
 
@@ -211,7 +205,7 @@ def test_a_part_of_the_evaluations_can_be_read(store: CampaignStore) -> None:
     assert store.evaluations(5, 1) == ()
 
 
-def test_one_generation_can_be_read(store: CampaignStore) -> None:
+def test_one_generation_can_be_read(store):
     generation = Generation(0, STATISTICS, (0, 1), "[]")
     store.append(generations=[generation])
 
@@ -220,7 +214,7 @@ def test_one_generation_can_be_read(store: CampaignStore) -> None:
     assert store.n_generations == 1
 
 
-def test_a_creation_that_was_killed_is_begun_anew(tmp_path: Path) -> None:
+def test_a_creation_that_was_killed_is_begun_anew(tmp_path):
     for name in ("campaign.sqlite.new", "campaign.sqlite.new-journal"):
         (tmp_path / name).write_bytes(b"half")
 
@@ -229,7 +223,7 @@ def test_a_creation_that_was_killed_is_begun_anew(tmp_path: Path) -> None:
     assert [entry.name for entry in tmp_path.iterdir()] == ["campaign.sqlite"]
 
 
-def test_a_running_campaign_can_be_read(store: CampaignStore, tmp_path: Path) -> None:
+def test_a_running_campaign_can_be_read(store, tmp_path):
     store.append([evaluation(0, (1,))])
 
     with CampaignStore.open(tmp_path / "run") as reader:
@@ -238,7 +232,7 @@ def test_a_running_campaign_can_be_read(store: CampaignStore, tmp_path: Path) ->
         assert reader.n_evaluations == 2
 
 
-def test_an_outcome_keeps_each_count_in_its_place(store: CampaignStore) -> None:
+def test_an_outcome_keeps_each_count_in_its_place(store):
     distinct = replace(
         outcome((1, 2)),
         true=(3, 4),

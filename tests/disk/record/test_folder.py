@@ -18,9 +18,7 @@ def sources(tmp_path: Path) -> tuple[Path, Path]:
     return models, generated
 
 
-def test_models_and_generated_code_are_copied_byte_for_byte_without_caches(
-    sources: tuple[Path, Path], tmp_path: Path
-) -> None:
+def test_models_and_generated_code_are_copied_byte_for_byte_without_caches(sources, tmp_path):
     folder = CampaignFolder.reserve(tmp_path / "runs" / "first")
     folder.fill(*sources)
 
@@ -36,7 +34,7 @@ def test_models_and_generated_code_are_copied_byte_for_byte_without_caches(
     }
 
 
-def test_an_empty_folder_is_used(sources: tuple[Path, Path], tmp_path: Path) -> None:
+def test_an_empty_folder_is_used(sources, tmp_path):
     (tmp_path / "run").mkdir()
 
     folder = CampaignFolder.reserve(tmp_path / "run")
@@ -46,7 +44,7 @@ def test_an_empty_folder_is_used(sources: tuple[Path, Path], tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("name", ["run/note.txt", "run"])
-def test_what_is_there_already_is_refused_and_left_alone(tmp_path: Path, name: str) -> None:
+def test_what_is_there_already_is_refused_and_left_alone(tmp_path, name):
     (tmp_path / name).parent.mkdir(exist_ok=True)
     (tmp_path / name).write_text("mine")
 
@@ -56,7 +54,7 @@ def test_what_is_there_already_is_refused_and_left_alone(tmp_path: Path, name: s
     assert (tmp_path / name).read_text() == "mine"
 
 
-def test_what_a_killed_start_left_is_replaced(sources: tuple[Path, Path], tmp_path: Path) -> None:
+def test_what_a_killed_start_left_is_replaced(sources, tmp_path):
     path = tmp_path / "run"
     (path / "model").mkdir(parents=True)
     for name in ("model/mission.xmi", "campaign.lock", "campaign.sqlite.new"):
@@ -69,9 +67,7 @@ def test_what_a_killed_start_left_is_replaced(sources: tuple[Path, Path], tmp_pa
 
 
 @pytest.mark.parametrize("name", ["campaign.sqlite", "notes.txt"])
-def test_a_folder_that_somebody_filled_since_it_was_reserved_is_left_alone(
-    sources: tuple[Path, Path], tmp_path: Path, name: str
-) -> None:
+def test_a_folder_that_somebody_filled_since_it_was_reserved_is_left_alone(sources, tmp_path, name):
     folder = CampaignFolder.reserve(tmp_path / "run")
     (folder.path / "campaign.lock").touch()
     (folder.path / name).write_text("theirs")
@@ -82,12 +78,12 @@ def test_a_folder_that_somebody_filled_since_it_was_reserved_is_left_alone(
     assert sorted(entry.name for entry in folder.path.iterdir()) == ["campaign.lock", name]
 
 
-def test_missing_models_are_refused_with_the_path(tmp_path: Path) -> None:
+def test_missing_models_are_refused_with_the_path(tmp_path):
     with pytest.raises(RecordError, match=r"cannot make the campaign folder.*nowhere"):
         CampaignFolder.reserve(tmp_path / "run").fill(tmp_path / "nowhere", tmp_path)
 
 
-def test_every_part_has_a_place_of_its_own(tmp_path: Path) -> None:
+def test_every_part_has_a_place_of_its_own(tmp_path):
     folder = CampaignFolder(tmp_path)
 
     places = [

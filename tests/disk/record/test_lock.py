@@ -27,7 +27,7 @@ def readonly() -> Iterator[CampaignFolder]:
         path.chmod(0o755)
 
 
-def test_the_lock_is_free_again_after_the_body_and_its_file_stays(tmp_path: Path) -> None:
+def test_the_lock_is_free_again_after_the_body_and_its_file_stays(tmp_path):
     folder = CampaignFolder(tmp_path)
 
     for _ in range(2):
@@ -37,7 +37,7 @@ def test_the_lock_is_free_again_after_the_body_and_its_file_stays(tmp_path: Path
     assert stat.S_ISREG(folder.lock.stat().st_mode)
 
 
-def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path: Path) -> None:
+def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path):
     folder = CampaignFolder(tmp_path)
     message = rf"{tmp_path.name}: found another process \({os.getpid()}\) running this campaign"
 
@@ -45,7 +45,7 @@ def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path: Path
         pass
 
 
-def test_a_folder_that_cannot_be_written_is_refused(readonly: CampaignFolder) -> None:
+def test_a_folder_that_cannot_be_written_is_refused(readonly):
     with pytest.raises(RecordError, match="cannot be opened or written"), only_writer(readonly):
         pass
 

@@ -36,7 +36,7 @@ def as_guest() -> Iterator[None]:
     os.seteuid(0)
 
 
-def test_a_second_campaign_in_one_folder_is_refused(store: CampaignStore, tmp_path: Path) -> None:
+def test_a_second_campaign_in_one_folder_is_refused(store, tmp_path):
     store.append([evaluation(0, (1,))])
 
     with pytest.raises(RecordError, match=r"run.campaign\.sqlite: found a campaign there already"):
@@ -45,14 +45,14 @@ def test_a_second_campaign_in_one_folder_is_refused(store: CampaignStore, tmp_pa
     assert store.n_evaluations == 1
 
 
-def test_a_folder_without_a_campaign_is_refused_and_left_alone(tmp_path: Path) -> None:
+def test_a_folder_without_a_campaign_is_refused_and_left_alone(tmp_path):
     with pytest.raises(RecordError, match=r"found no campaign\.sqlite; expected the folder"):
         CampaignStore.open(tmp_path)
 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_another_programs_database_is_refused(tmp_path: Path) -> None:
+def test_another_programs_database_is_refused(tmp_path):
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
         other.execute("CREATE TABLE meta (key, value)")
 
@@ -60,7 +60,7 @@ def test_another_programs_database_is_refused(tmp_path: Path) -> None:
         CampaignStore.open(tmp_path)
 
 
-def test_a_newer_version_is_refused_with_both_numbers(tmp_path: Path) -> None:
+def test_a_newer_version_is_refused_with_both_numbers(tmp_path):
     CampaignStore.create(tmp_path, CampaignSettings(), Manifest()).close()
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as newer:
         newer.execute("PRAGMA user_version = 2")
@@ -69,14 +69,14 @@ def test_a_newer_version_is_refused_with_both_numbers(tmp_path: Path) -> None:
         CampaignStore.open(tmp_path)
 
 
-def test_a_file_of_noise_is_refused(tmp_path: Path) -> None:
+def test_a_file_of_noise_is_refused(tmp_path):
     (tmp_path / "campaign.sqlite").write_bytes(b"no database at all, " * 100)
 
     with pytest.raises(RecordError, match=r"campaign\.sqlite: the record is damaged"):
         CampaignStore.open(tmp_path)
 
 
-def test_a_truncated_file_is_refused(tmp_path: Path) -> None:
+def test_a_truncated_file_is_refused(tmp_path):
     with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(i, (i,) * 50) for i in range(200)])
     path = tmp_path / "campaign.sqlite"
@@ -97,7 +97,7 @@ def test_a_truncated_file_is_refused(tmp_path: Path) -> None:
         ("samples", "[1,"),
     ],
 )
-def test_a_damaged_row_is_refused(tmp_path: Path, column: str, text: str) -> None:
+def test_a_damaged_row_is_refused(tmp_path, column, text):
     with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(0, (1,))])
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
@@ -119,9 +119,7 @@ def test_a_damaged_row_is_refused(tmp_path: Path, column: str, text: str) -> Non
         ("[]", r"found \[\]; expected an object"),
     ],
 )
-def test_settings_that_make_no_sense_are_a_damaged_record(
-    tmp_path: Path, text: str, reason: str
-) -> None:
+def test_settings_that_make_no_sense_are_a_damaged_record(tmp_path, text, reason):
     CampaignStore.create(tmp_path, CampaignSettings(), Manifest()).close()
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
         other.execute("UPDATE meta SET value = ? WHERE key = 'settings'", (text,))
@@ -131,7 +129,7 @@ def test_settings_that_make_no_sense_are_a_damaged_record(
         CampaignStore.open(tmp_path)
 
 
-def test_missing_settings_are_refused(tmp_path: Path) -> None:
+def test_missing_settings_are_refused(tmp_path):
     CampaignStore.create(tmp_path, CampaignSettings(), Manifest()).close()
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
         other.execute("DELETE FROM meta WHERE key = 'settings'")
@@ -141,9 +139,7 @@ def test_missing_settings_are_refused(tmp_path: Path) -> None:
         CampaignStore.open(tmp_path)
 
 
-def test_a_folder_that_cannot_be_written_is_refused(
-    guest_folder: Path, request: pytest.FixtureRequest
-) -> None:
+def test_a_folder_that_cannot_be_written_is_refused(guest_folder, request):
     guest_folder.chmod(0o555)
     request.getfixturevalue("as_guest")
 
@@ -152,9 +148,7 @@ def test_a_folder_that_cannot_be_written_is_refused(
             CampaignStore.create(folder, CampaignSettings(), Manifest())
 
 
-def test_a_folder_that_cannot_be_written_can_be_read(
-    guest_folder: Path, request: pytest.FixtureRequest
-) -> None:
+def test_a_folder_that_cannot_be_written_can_be_read(guest_folder, request):
     with CampaignStore.create(guest_folder, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(0, (1,))])
     (guest_folder / "campaign.sqlite").chmod(0o444)

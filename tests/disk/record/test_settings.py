@@ -1,5 +1,4 @@
 import json
-from pathlib import Path
 
 import pytest
 
@@ -22,7 +21,7 @@ mission_seed = 4
 """
 
 
-def test_a_campaign_file_is_read(tmp_path: Path) -> None:
+def test_a_campaign_file_is_read(tmp_path):
     path = tmp_path / "case.toml"
     path.write_text(CASE, encoding="utf-8")
 
@@ -35,20 +34,20 @@ def test_a_campaign_file_is_read(tmp_path: Path) -> None:
     assert settings.source == str(path)
 
 
-def test_what_a_file_leaves_out_has_the_papers_value() -> None:
+def test_what_a_file_leaves_out_has_the_papers_value():
     settings = CampaignSettings.parse("[search]", "case.toml")
 
     assert (settings.population, settings.generations, settings.faults) == (20, 50, 20)
     assert (settings.crossover, settings.mutation, settings.selection) == (0.7, 0.7, "roulette")
 
 
-def test_overrides_replace_the_files_values_unless_none() -> None:
+def test_overrides_replace_the_files_values_unless_none():
     settings = CampaignSettings.parse(CASE, "case.toml", seed=9, evaluations=100, algorithm=None)
 
     assert (settings.seed, settings.evaluations, settings.algorithm) == (9, 100, "paper")
 
 
-def test_settings_survive_json() -> None:
+def test_settings_survive_json():
     settings = CampaignSettings.parse(CASE, "case.toml", evaluations=7)
 
     text = json.dumps(settings.as_json())
@@ -81,7 +80,7 @@ def test_settings_survive_json() -> None:
         ("[engine]", "case.toml: found 'engine'; expected one table, [search]"),
     ],
 )
-def test_wrong_settings_name_file_key_found_and_expected(line: str, message: str) -> None:
+def test_wrong_settings_name_file_key_found_and_expected(line, message):
     with pytest.raises(UsageError) as caught:
         CampaignSettings.parse(f"[search]\n{line}\n", "case.toml")
 
@@ -89,17 +88,17 @@ def test_wrong_settings_name_file_key_found_and_expected(line: str, message: str
 
 
 @pytest.mark.parametrize("text", ["", "search = 3"])
-def test_a_file_without_its_table_is_refused(text: str) -> None:
+def test_a_file_without_its_table_is_refused(text):
     with pytest.raises(UsageError, match=r"has no table \[search\]"):
         CampaignSettings.parse(text, "case.toml")
 
 
-def test_a_wrong_override_is_refused() -> None:
+def test_a_wrong_override_is_refused():
     with pytest.raises(UsageError, match="option seed: found 'x'"):
         CampaignSettings.parse(CASE, "case.toml", seed="x")
 
 
-def test_a_missing_or_unreadable_file_is_refused(tmp_path: Path) -> None:
+def test_a_missing_or_unreadable_file_is_refused(tmp_path):
     (tmp_path / "latin.toml").write_bytes(b"[search]\n# \xe9\n")
 
     for name in ("none.toml", "latin.toml"):
@@ -107,7 +106,7 @@ def test_a_missing_or_unreadable_file_is_refused(tmp_path: Path) -> None:
             CampaignSettings.load(tmp_path / name)
 
 
-def test_replications_fly_on_the_mission_seeds_that_follow() -> None:
+def test_replications_fly_on_the_mission_seeds_that_follow():
     settings = CampaignSettings(mission_seed=2**63 - 2, replications=3)
 
     assert settings.mission_seeds == (2**63 - 2, 2**63 - 1, 0)
@@ -123,6 +122,6 @@ def test_replications_fly_on_the_mission_seeds_that_follow() -> None:
         ("mutation_operator = ''", "mutation_operator: found ''; expected a name"),
     ],
 )
-def test_values_that_make_no_sense_are_refused(line: str, message: str) -> None:
+def test_values_that_make_no_sense_are_refused(line, message):
     with pytest.raises(UsageError, match=message):
         CampaignSettings.parse(f"[search]\n{line}", "case.toml")

@@ -71,7 +71,7 @@ def run(settings: CampaignSettings) -> MemoryRecorder:
 
 
 @pytest.mark.usefixtures("own")
-def test_a_fitness_function_of_the_user_judges() -> None:
+def test_a_fitness_function_of_the_user_judges():
     recorder = run(campaign(fitness="own_functions:first_goal"))
 
     assert recorder.kept
@@ -79,7 +79,7 @@ def test_a_fitness_function_of_the_user_judges() -> None:
 
 
 @pytest.mark.usefixtures("own")
-def test_operators_of_the_user_vary() -> None:
+def test_operators_of_the_user_vary():
     recorder = run(
         campaign(
             mutation_operator="own_functions:kept", crossover_operator="own_functions:unchanged"
@@ -90,7 +90,7 @@ def test_operators_of_the_user_vary() -> None:
 
 
 @pytest.mark.usefixtures("own")
-def test_a_selection_of_the_user_selects() -> None:
+def test_a_selection_of_the_user_selects():
     recorder = run(campaign(selection="own_functions:worst_first", crossover=0.0, mutation=0.0))
 
     assert {g.statistics["max"] for g in recorder.generations[1:]} == {
@@ -99,7 +99,7 @@ def test_a_selection_of_the_user_selects() -> None:
 
 
 @pytest.mark.usefixtures("own")
-def test_the_current_folder_does_not_stay_on_pythons_path() -> None:
+def test_the_current_folder_does_not_stay_on_pythons_path():
     before = list(sys.path)
 
     chosen(campaign(fitness="own_functions:first_goal"), "fitness", {})
@@ -122,9 +122,7 @@ def test_the_current_folder_does_not_stay_on_pythons_path() -> None:
     "key", ["algorithm", "selection", "fitness", "mutation_operator", "crossover_operator"]
 )
 @pytest.mark.usefixtures("own")
-def test_a_name_that_leads_nowhere_is_refused_by_file_and_key(
-    key: str, name: str, message: str
-) -> None:
+def test_a_name_that_leads_nowhere_is_refused_by_file_and_key(key, name, message):
     with pytest.raises(UsageError, match=message) as refused:
         require_settings(campaign(**{key: name}), paper_mission())
 
@@ -139,9 +137,7 @@ def test_a_name_that_leads_nowhere_is_refused_by_file_and_key(
         ("x = 1\nx.y\n", r"its module failed at .*own_functions.py:2: AttributeError"),
     ],
 )
-def test_a_module_that_cannot_be_imported_is_told_by_line(
-    own: Path, text: str, message: str
-) -> None:
+def test_a_module_that_cannot_be_imported_is_told_by_line(own, text, message):
     own.write_text(text, encoding="utf-8")
 
     with pytest.raises(UsageError, match=message):
@@ -152,7 +148,7 @@ def test_a_module_that_cannot_be_imported_is_told_by_line(
     "key", ["algorithm", "selection", "fitness", "mutation_operator", "crossover_operator"]
 )
 @pytest.mark.usefixtures("own")
-def test_a_function_that_fails_is_told_by_line(key: str) -> None:
+def test_a_function_that_fails_is_told_by_line(key):
     with pytest.raises(
         UsageError, match=r"'own_functions:broken' failed at .*:24: ZeroDivisionError"
     ) as failed:
@@ -170,14 +166,14 @@ def test_a_function_that_fails_is_told_by_line(key: str) -> None:
     ],
 )
 @pytest.mark.usefixtures("own")
-def test_what_an_operator_must_not_make_is_refused(operator: str, message: str) -> None:
+def test_what_an_operator_must_not_make_is_refused(operator, message):
     with pytest.raises(SpecificationError, match=message) as refused:
         run(campaign(mutation_operator=f"own_functions:{operator}"))
 
     assert f"case.toml: [search] 'own_functions:{operator}' made" in str(refused.value)
 
 
-def test_a_name_that_no_table_has_is_refused() -> None:
+def test_a_name_that_no_table_has_is_refused():
     settings = CampaignSettings(algorithm="magic", source="case.toml")
 
     with pytest.raises(UsageError, match=r"algorithm: found 'magic'; expected one of 'a', 'b'"):

@@ -16,7 +16,7 @@ def folder(tmp_path: Path) -> ComparisonFolder:
     return new_folder(tmp_path)
 
 
-def test_a_finished_run_is_found_again(folder: ComparisonFolder) -> None:
+def test_a_finished_run_is_found_again(folder):
     run = result("my.own:search", 7)
 
     folder.keep(run, SUBJECT)
@@ -26,9 +26,7 @@ def test_a_finished_run_is_found_again(folder: ComparisonFolder) -> None:
     assert [file.name for file in folder.runs.iterdir()] == ["my.own:search-7.json"]
 
 
-def test_a_run_of_something_else_is_refused_and_says_what_differs(
-    folder: ComparisonFolder,
-) -> None:
+def test_a_run_of_something_else_is_refused_and_says_what_differs(folder):
     folder.keep(result("paper", 1), SUBJECT)
 
     with pytest.raises(
@@ -38,17 +36,16 @@ def test_a_run_of_something_else_is_refused_and_says_what_differs(
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["", "{", "[]", "{}", '{"schema": 1, "subject": {}, "result": {}}', "null"],
+    "text", ["", "{", "[]", "{}", '{"schema": 1, "subject": {}, "result": {}}', "null"]
 )
-def test_a_damaged_run_is_refused_by_name(folder: ComparisonFolder, text: str) -> None:
+def test_a_damaged_run_is_refused_by_name(folder, text):
     folder.run_file("paper", 1).write_text(text)
 
     with pytest.raises(RecordError, match=r"paper-1\.json: is not the result of a run.*remove"):
         folder.kept("paper", 1, SUBJECT)
 
 
-def test_a_run_under_a_wrong_name_is_refused(folder: ComparisonFolder) -> None:
+def test_a_run_under_a_wrong_name_is_refused(folder):
     folder.keep(result("paper", 1), SUBJECT)
     folder.run_file("paper", 1).rename(folder.run_file("paper", 2))
 
@@ -56,9 +53,7 @@ def test_a_run_under_a_wrong_name_is_refused(folder: ComparisonFolder) -> None:
         folder.kept("paper", 2, SUBJECT)
 
 
-def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(
-    folder: ComparisonFolder, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(folder, monkeypatch):
     run = result("paper", 1)
     folder.keep(run, SUBJECT)
 
@@ -73,7 +68,7 @@ def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(
     assert len(list(folder.runs.iterdir())) == 1
 
 
-def test_what_a_kill_left_is_removed(folder: ComparisonFolder) -> None:
+def test_what_a_kill_left_is_removed(folder):
     left = folder.path / "unfinished-x"
     left.mkdir()
     (left / "campaign.sqlite").write_bytes(b"x")
@@ -84,7 +79,7 @@ def test_what_a_kill_left_is_removed(folder: ComparisonFolder) -> None:
     assert [file.name for file in folder.path.iterdir()] == ["runs"]
 
 
-def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_told(tmp_path):
     comparison = compared()
 
     with pytest.raises(RecordError, match="cannot be written"):

@@ -1,12 +1,10 @@
-from pathlib import Path
-
 import pytest
 
 from mrsfi_runtime.analysis.drawing_process import Drawing, DrawingProcess, draw_here
 from tests.support.search import paper_mission
 
 
-def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
+def test_another_process_draws_the_same_bytes(tmp_path):
     drawing = Drawing("mission_map", (paper_mission(),))
     draw_here([(drawing, tmp_path / "here")])()
 
@@ -18,23 +16,21 @@ def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
         assert here.read_bytes() == there.read_bytes()
 
 
-def test_what_saving_met_is_raised_here(tmp_path: Path) -> None:
+def test_what_saving_met_is_raised_here(tmp_path):
     drawings = [(Drawing("mission_map", (paper_mission(),)), tmp_path / "missing" / "map")]
 
     with DrawingProcess() as drawing_process, pytest.raises(FileNotFoundError, match="missing"):
         drawing_process.draw(drawings)()
 
 
-def test_what_cannot_be_drawn_anywhere_is_raised_here(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_what_cannot_be_drawn_anywhere_is_raised_here(tmp_path, capfd):
     with DrawingProcess() as drawing_process, pytest.raises(AttributeError, match="no_such_figure"):
         drawing_process.draw([(Drawing("no_such_figure", ()), tmp_path / "figure")])()
 
     assert "no_such_figure" in capfd.readouterr().err
 
 
-def test_a_studio_that_is_killed_leaves_the_drawing_to_this_process(tmp_path: Path) -> None:
+def test_a_studio_that_is_killed_leaves_the_drawing_to_this_process(tmp_path):
     drawing = Drawing("mission_map", (paper_mission(),))
     draw_here([(drawing, tmp_path / "here")])()
 
@@ -47,7 +43,7 @@ def test_a_studio_that_is_killed_leaves_the_drawing_to_this_process(tmp_path: Pa
 
 
 @pytest.mark.parametrize("error", [None, KeyboardInterrupt])
-def test_a_studio_that_never_draws_ends_with_its_block(error: type[BaseException] | None) -> None:
+def test_a_studio_that_never_draws_ends_with_its_block(error):
     drawing_process = DrawingProcess()
 
     try:
@@ -60,7 +56,7 @@ def test_a_studio_that_never_draws_ends_with_its_block(error: type[BaseException
     assert drawing_process._process.returncode is not None
 
 
-def test_what_was_drawn_ahead_is_the_same(tmp_path: Path) -> None:
+def test_what_was_drawn_ahead_is_the_same(tmp_path):
     drawing = Drawing("mission_map", (paper_mission(),))
     draw_here([(drawing, tmp_path / "here")])()
 

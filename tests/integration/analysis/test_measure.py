@@ -39,9 +39,7 @@ def table(folder: Path, name: str) -> list[list[str]]:
         (MEANS, FLOWN_TWICE, [["0", "450.0", "451.5"], ["1", "500.5", "12.0"]]),
     ],
 )
-def test_a_report_uses_the_measure_and_says_which_it_is(
-    settings: CampaignSettings, found: list[Evaluation], rows: list[list[str]], tmp_path: Path
-) -> None:
+def test_a_report_uses_the_measure_and_says_which_it_is(settings, found, rows, tmp_path):
     measure = Measure.of(settings, paper_mission())
     best = max(found, key=lambda each: each.fitness[0])
 

@@ -114,13 +114,13 @@ def drawn(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 Drawn = tuple[str, Figure, tuple[Path, Path]]
 
 
-def test_a_figure_says_what_it_shows(drawn: Drawn) -> None:
+def test_a_figure_says_what_it_shows(drawn):
     name, _, (_, svg) = drawn
 
     assert FIGURES[name][1] - set(texts(svg)) == set()
 
 
-def test_the_same_input_gives_the_same_bytes_without_dates(drawn: Drawn, tmp_path: Path) -> None:
+def test_the_same_input_gives_the_same_bytes_without_dates(drawn, tmp_path):
     name, _, first = drawn
 
     second = save(FIGURES[name][0](), tmp_path / "second")
@@ -129,7 +129,7 @@ def test_the_same_input_gives_the_same_bytes_without_dates(drawn: Drawn, tmp_pat
     assert not re.search(rb"dc:date|Matplotlib v", first[1].read_bytes())
 
 
-def test_nothing_leaves_the_picture(drawn: Drawn) -> None:
+def test_nothing_leaves_the_picture(drawn):
     _, figure, _ = drawn
 
     extent = figure.get_tightbbox()
@@ -141,7 +141,7 @@ def test_nothing_leaves_the_picture(drawn: Drawn) -> None:
     assert extent.y1 <= height
 
 
-def test_a_png_has_the_size_of_its_figure(tmp_path: Path) -> None:
+def test_a_png_has_the_size_of_its_figure(tmp_path):
     png, _ = save(plots.best_fitness(TREND, "fitness"), tmp_path / "best")
 
     content = png.read_bytes()
@@ -150,7 +150,7 @@ def test_a_png_has_the_size_of_its_figure(tmp_path: Path) -> None:
     assert struct.unpack(">II", content[16:24]) == (1260, 720)
 
 
-def test_a_dollar_in_a_name_is_a_dollar(tmp_path: Path) -> None:
+def test_a_dollar_in_a_name_is_a_dollar(tmp_path):
     waters = paper_mission()
     robot = replace(waters.robots[0], name="a$x^2$<&")
 
@@ -161,7 +161,7 @@ def test_a_dollar_in_a_name_is_a_dollar(tmp_path: Path) -> None:
     assert "a$x^2$<&" in texts(svg)
 
 
-def test_the_map_is_true_to_scale() -> None:
+def test_the_map_is_true_to_scale():
     figure = plots.mission_map(paper_mission())
 
     assert [axes.get_aspect() for axes in figure.axes[:2]] == [1.0, 1.0]
@@ -170,7 +170,7 @@ def test_the_map_is_true_to_scale() -> None:
     assert near.get_xlim()[0] > -700
 
 
-def test_one_generation_and_one_point_can_be_drawn(tmp_path: Path) -> None:
+def test_one_generation_and_one_point_can_be_drawn(tmp_path):
     trend = Trend(TREND.generations[:1], 0.0, 0.0, 0.0, 1.0)
     zero = Front(("g1", "g3"), (FrontPoint(0, (0, 0)),))
 
@@ -186,7 +186,7 @@ def test_one_generation_and_one_point_can_be_drawn(tmp_path: Path) -> None:
         assert texts(svg)
 
 
-def test_a_large_cloud_stays_a_small_file(tmp_path: Path) -> None:
+def test_a_large_cloud_stays_a_small_file(tmp_path):
     cloud = [(i % 101, i // 101) for i in range(9_000)]
 
     _, svg = save(plots.whole_front(FRONT, cloud, None), tmp_path / "front")

@@ -57,9 +57,7 @@ def table(folder: Path, name: str) -> list[list[str]]:
         (CampaignSettings(fitness="focused", goals=("g1",)), FOCUSED + TYPES),
     ],
 )
-def test_a_campaign_gets_the_figures_of_its_case(
-    settings: CampaignSettings, expected: list[str], tmp_path: Path
-) -> None:
+def test_a_campaign_gets_the_figures_of_its_case(settings, expected, tmp_path):
     folder = write_campaign(tmp_path / "run", settings=settings, n_generations=2, n_individuals=3)
 
     with CampaignStore.open(folder) as store:
@@ -69,7 +67,7 @@ def test_a_campaign_gets_the_figures_of_its_case(
     assert [illustration.name for illustration in drawn] == expected
 
 
-def test_each_figure_has_its_files_and_its_link(focused: Path) -> None:
+def test_each_figure_has_its_files_and_its_link(focused):
     expected = FOCUSED + FRONTS + TYPES
 
     assert stems(focused / "figures", ".png") == expected
@@ -90,7 +88,7 @@ def focused(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("n", "expected"), [(0, ()), (1, (0,)), (5, (0, 1, 2, 3, 4)), (51, (0, 12, 25, 37, 50))]
 )
-def test_generations_are_evenly_spaced(n: int, expected: tuple[int, ...]) -> None:
+def test_generations_are_evenly_spaced(n, expected):
     assert evenly_spaced(n, 5) == expected
 
 
@@ -99,7 +97,7 @@ def evaluations_of(folder: Path) -> list:
         return list(store.evaluations())
 
 
-def test_the_ten_most_critical_specifications_are_written(focused: Path) -> None:
+def test_the_ten_most_critical_specifications_are_written(focused):
     ranked = sorted(evaluations_of(focused), key=lambda e: -e.fitness[0])[:10]
 
     files = sorted((focused / "critical").iterdir())
@@ -112,7 +110,7 @@ def test_the_ten_most_critical_specifications_are_written(focused: Path) -> None
         assert [tuple(row[3].values()) for row in rows] == [t.values for t in best.specification]
 
 
-def test_values_are_written_by_the_names_of_their_parameters() -> None:
+def test_values_are_written_by_the_names_of_their_parameters():
     rows = specification_rows(
         pool_of(), (TimedFault("f8", 0, 5, (7.0,)), TimedFault("f9", 1, 2, (1.0, 2.0, 3.0)))
     )
@@ -123,7 +121,7 @@ def test_values_are_written_by_the_names_of_their_parameters() -> None:
     )
 
 
-def test_the_summary_says_what_was_found(focused: Path) -> None:
+def test_the_summary_says_what_was_found(focused):
     evaluations = evaluations_of(focused)
     best = max(evaluations, key=lambda e: e.fitness[0])
 
@@ -165,7 +163,7 @@ def test_the_summary_says_what_was_found(focused: Path) -> None:
     assert len(summary["patterns"]) == 30
 
 
-def test_the_tables_hold_the_numbers_of_the_figures(focused: Path) -> None:
+def test_the_tables_hold_the_numbers_of_the_figures(focused):
     evaluations = evaluations_of(focused)
 
     mean = table(focused, "figure_08_mean_fitness")
@@ -185,7 +183,7 @@ def test_the_tables_hold_the_numbers_of_the_figures(focused: Path) -> None:
     assert ["robot", "r1", "LEN", "250.0", "-250.0", "1.0"] in places
 
 
-def test_the_report_warns_that_popular_is_not_guilty(focused: Path) -> None:
+def test_the_report_warns_that_popular_is_not_guilty(focused):
     report = (focused / "report.md").read_text()
 
     assert "Popular is not guilty" in report
@@ -194,7 +192,7 @@ def test_the_report_warns_that_popular_is_not_guilty(focused: Path) -> None:
     assert "critical/10.xmi" in report
 
 
-def test_a_second_report_writes_the_same_bytes(tmp_path: Path) -> None:
+def test_a_second_report_writes_the_same_bytes(tmp_path):
     folder = tmp_path / "run"
     with CampaignStore.create(folder, CampaignSettings(), Manifest()) as store:
         store.append([evaluation(0, (1, 0, 1, 0, 0, 0))])
@@ -206,7 +204,7 @@ def test_a_second_report_writes_the_same_bytes(tmp_path: Path) -> None:
     assert written() == written()
 
 
-def test_a_ratio_over_goals_that_nobody_chose_has_its_own_front(tmp_path: Path) -> None:
+def test_a_ratio_over_goals_that_nobody_chose_has_its_own_front(tmp_path):
     single = write_campaign(tmp_path / "a", n_generations=3)
     other = write_campaign(tmp_path / "b", settings=FOCUS, n_generations=3)
 
@@ -225,7 +223,7 @@ def test_a_ratio_over_goals_that_nobody_chose_has_its_own_front(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("ratio", ["2:1", "g1:g9=1:1"])
-def test_a_ratio_that_makes_no_sense_leaves_the_folder_alone(ratio: str, tmp_path: Path) -> None:
+def test_a_ratio_that_makes_no_sense_leaves_the_folder_alone(ratio, tmp_path):
     folder = write_campaign(tmp_path / "run", n_generations=1)
 
     with pytest.raises(UsageError):
@@ -234,7 +232,7 @@ def test_a_ratio_that_makes_no_sense_leaves_the_folder_alone(ratio: str, tmp_pat
     assert [path.name for path in folder.iterdir()] == ["campaign.sqlite"]
 
 
-def test_a_campaign_interrupted_in_its_first_generation_has_a_report(tmp_path: Path) -> None:
+def test_a_campaign_interrupted_in_its_first_generation_has_a_report(tmp_path):
     folder = tmp_path / "run"
     ((first, second, third, *_),) = generations_of_evaluations(1, 10)
     with CampaignStore.create(folder, FOCUS, Manifest()) as store:
@@ -248,7 +246,7 @@ def test_a_campaign_interrupted_in_its_first_generation_has_a_report(tmp_path: P
     assert "too few to speak of a trend" in (folder / "report.md").read_text()
 
 
-def test_a_campaign_interrupted_before_its_first_evaluation_has_a_report(tmp_path: Path) -> None:
+def test_a_campaign_interrupted_before_its_first_evaluation_has_a_report(tmp_path):
     folder = tmp_path / "run"
     CampaignStore.create(folder, FOCUS, Manifest()).close()
 
@@ -262,7 +260,7 @@ def test_a_campaign_interrupted_before_its_first_evaluation_has_a_report(tmp_pat
     assert json.loads((folder / "summary.json").read_text())["best"] is None
 
 
-def test_a_generation_without_survivors_is_left_out_of_the_fronts(tmp_path: Path) -> None:
+def test_a_generation_without_survivors_is_left_out_of_the_fronts(tmp_path):
     folder = tmp_path / "run"
     with CampaignStore.create(folder, FOCUS, Manifest()) as store:
         found = evaluation(0, (1, 0, 1, 0, 0, 0))
@@ -278,7 +276,7 @@ def test_a_generation_without_survivors_is_left_out_of_the_fronts(tmp_path: Path
     ]
 
 
-def test_what_an_earlier_longer_report_left_is_removed(tmp_path: Path) -> None:
+def test_what_an_earlier_longer_report_left_is_removed(tmp_path):
     folder = write_campaign(tmp_path / "run", n_generations=1, n_individuals=3)
     for name in ("critical/09.xmi", "figures/figure_10_front.png", "tables/old.csv"):
         (folder / name).parent.mkdir()
@@ -292,12 +290,12 @@ def test_what_an_earlier_longer_report_left_is_removed(tmp_path: Path) -> None:
     assert "old" not in stems(folder / "tables", ".csv")
 
 
-def test_a_folder_without_a_campaign_is_refused(tmp_path: Path) -> None:
+def test_a_folder_without_a_campaign_is_refused(tmp_path):
     with pytest.raises(RecordError, match="expected the folder of a campaign"):
         write_report(tmp_path, CODE, write)
 
 
-def test_a_report_that_cannot_be_written_is_a_record_error(tmp_path: Path) -> None:
+def test_a_report_that_cannot_be_written_is_a_record_error(tmp_path):
     folder = write_campaign(tmp_path / "run", n_generations=1)
     (folder / "figures").write_text("a file where a folder should be")
 

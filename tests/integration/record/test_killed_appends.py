@@ -32,7 +32,7 @@ with database.transaction(store.path, store._connection) as connection:
 """
 
 
-def test_a_kill_in_the_middle_of_an_append_loses_that_append_only(tmp_path: Path) -> None:
+def test_a_kill_in_the_middle_of_an_append_loses_that_append_only(tmp_path):
     folder = tmp_path / "run"
     script = WRITER.format(folder=str(folder), path=sys.path)
 
@@ -46,7 +46,7 @@ def test_a_kill_in_the_middle_of_an_append_loses_that_append_only(tmp_path: Path
         assert store.n_evaluations == 31
 
 
-def test_a_write_beyond_the_room_is_refused_and_what_was_stored_stays(tmp_path: Path) -> None:
+def test_a_write_beyond_the_room_is_refused_and_what_was_stored_stays(tmp_path):
     folder = tmp_path / "run"
     script = FULL.format(folder=str(folder), path=sys.path)
 

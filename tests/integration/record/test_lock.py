@@ -2,12 +2,11 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 
 
-def test_a_child_process_does_not_keep_the_lock(tmp_path: Path) -> None:
+def test_a_child_process_does_not_keep_the_lock(tmp_path):
     folder = CampaignFolder(tmp_path)
     sleeper = [sys.executable, "-c", "import sys; sys.stdin.read()"]
 

@@ -21,7 +21,7 @@ def table(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def test_tables_have_every_run_quartile_and_test(folder: ComparisonFolder) -> None:
+def test_tables_have_every_run_quartile_and_test(folder):
     comparison = compared()
 
     folder.write(comparison, as_json(comparison))
@@ -42,7 +42,7 @@ def test_tables_have_every_run_quartile_and_test(folder: ComparisonFolder) -> No
     assert json.loads(folder.summary.read_text()) == json.loads(json.dumps(as_json(comparison)))
 
 
-def test_figures_are_drawn_and_nothing_else_is_left(folder: ComparisonFolder) -> None:
+def test_figures_are_drawn_and_nothing_else_is_left(folder):
     comparison = compared()
 
     folder.write(comparison, as_json(comparison))

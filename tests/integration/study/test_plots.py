@@ -56,7 +56,7 @@ WORDS = {
 
 
 @pytest.mark.parametrize("name", WORDS)
-def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name: str, tmp_path: Path) -> None:
+def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name, tmp_path):
     figure = dict(study_plots.illustrate(compared()))[name]
 
     _, svg = save(figure, tmp_path / name)
@@ -68,7 +68,7 @@ def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name: str, tmp_path: 
     assert (extent.x1 <= width, extent.y1 <= height) == (True, True)
 
 
-def test_the_same_comparison_gives_the_same_bytes(tmp_path: Path) -> None:
+def test_the_same_comparison_gives_the_same_bytes(tmp_path):
     first, second = (
         [
             path.read_bytes()
@@ -81,13 +81,13 @@ def test_the_same_comparison_gives_the_same_bytes(tmp_path: Path) -> None:
     assert first == second
 
 
-def test_without_a_hypervolume_the_fitness_stands_alone() -> None:
+def test_without_a_hypervolume_the_fitness_stands_alone():
     figure = study_plots.results(compared(volume=None))
 
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["Best fitness"]
 
 
-def test_where_no_run_broke_a_goal_no_goals_are_drawn() -> None:
+def test_where_no_run_broke_a_goal_no_goals_are_drawn():
     calm = run("paper", 1, 0.0)
     nothing = RunResult(**{**calm.as_json(), "at_once": (None,), "together": (None,)})
 
@@ -96,7 +96,7 @@ def test_where_no_run_broke_a_goal_no_goals_are_drawn() -> None:
     assert names == ["results", "course"]
 
 
-def test_the_course_ends_at_the_median_of_the_best() -> None:
+def test_the_course_ends_at_the_median_of_the_best():
     comparison = compared()
 
     (axes,) = study_plots.course(comparison).axes

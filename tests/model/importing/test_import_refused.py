@@ -7,7 +7,7 @@ import pytest
 
 from m2t.difference import difference
 from m2t.importing.importer import import_published
-from m2t.load import LoadedModels, load_mission_folder
+from m2t.load import load_mission_folder
 from mrsfi_runtime.errors import ModelError, UsageError
 from tests.support.models.copies import MODELS, edit, line_of
 from tests.support.models.published import xmi_id
@@ -39,8 +39,8 @@ ERRORS = [
 
 @pytest.mark.parametrize(("old", "new", "constraint"), ERRORS)
 def test_what_cannot_be_a_model_is_refused_and_nothing_written(
-    old: str, new: str, constraint: str, file: Path, folder: Path, paper: LoadedModels
-) -> None:
+    old, new, constraint, file, folder, paper
+):
     elements = [*paper.mission.robots, *(s for r in paper.mission.robots for s in r.sensors)]
     ids = {element.ID: xmi_id(element) for element in elements}
     place = old.format(**ids)
@@ -55,9 +55,7 @@ def test_what_cannot_be_a_model_is_refused_and_nothing_written(
     assert list(file.parent.iterdir()) == [file]
 
 
-def test_an_error_of_the_result_names_the_line_of_the_published_file(
-    file: Path, folder: Path
-) -> None:
+def test_an_error_of_the_result_names_the_line_of_the_published_file(file, folder):
     edit(file, 'ID="o5"', 'ID="o5" colour="grey"')
     edit(file, 'radius="30.0"', 'radius="-30.0"')
 
@@ -68,7 +66,7 @@ def test_an_error_of_the_result_names_the_line_of_the_published_file(
     assert str(caught.value).startswith(f"{file}:{line}: area 'a11' has radius '-30.0'")
 
 
-def test_an_existing_folder_is_refused(file: Path, folder: Path) -> None:
+def test_an_existing_folder_is_refused(file, folder):
     import_published(file, folder)
     edit(folder / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
     before = (folder / "mission.xmi").read_bytes()
@@ -79,7 +77,7 @@ def test_an_existing_folder_is_refused(file: Path, folder: Path) -> None:
     assert (folder / "mission.xmi").read_bytes() == before
 
 
-def test_force_replaces_the_models_and_keeps_all_else(file: Path, folder: Path) -> None:
+def test_force_replaces_the_models_and_keeps_all_else(file, folder):
     import_published(file, folder)
     edit(folder / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
     edit(folder / "case_a.toml", "seed = 1", "seed = 7")
@@ -94,7 +92,7 @@ def test_force_replaces_the_models_and_keeps_all_else(file: Path, folder: Path) 
     assert [path.name for path in folder.parent.iterdir()] == [folder.name]
 
 
-def test_force_with_a_broken_file_leaves_the_folder_as_it_was(file: Path, folder: Path) -> None:
+def test_force_with_a_broken_file_leaves_the_folder_as_it_was(file, folder):
     import_published(file, folder)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     edit(file, 'speed="5.0"', 'speed="-5.0"')
@@ -106,7 +104,7 @@ def test_force_with_a_broken_file_leaves_the_folder_as_it_was(file: Path, folder
     assert [path.name for path in folder.parent.iterdir()] == [folder.name]
 
 
-def test_force_never_touches_a_folder_that_is_no_mission(file: Path, tmp_path: Path) -> None:
+def test_force_never_touches_a_folder_that_is_no_mission(file, tmp_path):
     place = tmp_path / "home"
     place.mkdir()
     (place / "letter.txt").write_text("dear")
@@ -121,9 +119,7 @@ DAMAGES = ("drop_span", "double_line", "drop_line", "exchange_values", "rename_e
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_file_imports_as_a_valid_mission_or_is_refused(
-    damage: str, text: str, file: Path, folder: Path
-) -> None:
+def test_a_damaged_file_imports_as_a_valid_mission_or_is_refused(damage, text, file, folder):
     draw = random.Random(7)
     for number in range(12):
         file.write_bytes(MUTILATIONS[damage](text.encode("ascii"), draw))

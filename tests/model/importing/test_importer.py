@@ -8,7 +8,7 @@ import pytest
 
 from m2t.difference import difference
 from m2t.importing.importer import Imported, import_published
-from m2t.load import LoadedModels, inspect_folder, load_mission_folder, load_specification
+from m2t.load import inspect_folder, load_mission_folder, load_specification
 from m2t.metaclasses import features
 from tests.support.features import is_contained, is_reference
 from tests.support.models.copies import MODELS, edit
@@ -41,9 +41,7 @@ def notes(imported: Imported, kind: str) -> list[tuple[str, str]]:
     return [(note.element, note.feature) for note in imported.notes if note.kind == kind]
 
 
-def test_every_figure_and_reference_of_the_paper_is_kept(
-    paper: LoadedModels, file: Path, folder: Path
-) -> None:
+def test_every_figure_and_reference_of_the_paper_is_kept(paper, file, folder):
     imported = import_published(file, folder)
 
     models = load_mission_folder(folder)
@@ -61,7 +59,7 @@ def test_every_figure_and_reference_of_the_paper_is_kept(
     }
 
 
-def test_the_files_equal_the_committed_ones(file: Path, folder: Path) -> None:
+def test_the_files_equal_the_committed_ones(file, folder):
     import_published(file, folder)
 
     for name in ("mission.xmi", "faults.xmi"):
@@ -70,9 +68,7 @@ def test_the_files_equal_the_committed_ones(file: Path, folder: Path) -> None:
     assert inspect_folder(folder).diagnostics == ()
 
 
-def test_a_consistent_file_has_nothing_inconsistent_and_loses_back_references_only(
-    file: Path, folder: Path
-) -> None:
+def test_a_consistent_file_has_nothing_inconsistent_and_loses_back_references_only(file, folder):
     imported = import_published(file, folder)
 
     assert notes(imported, "inconsistent") == []
@@ -82,8 +78,8 @@ def test_a_consistent_file_has_nothing_inconsistent_and_loses_back_references_on
 
 
 def test_all_tasks_and_properties_import_and_what_the_format_lacks_gets_its_default(
-    tmp_path: Path, folder: Path
-) -> None:
+    tmp_path, folder
+):
     original = write_mission(tmp_path, "all_tasks", ALL_TASKS)
     file = tmp_path / "published.xmi"
     file.write_text(published(load_mission_folder(original)), encoding="ascii")
@@ -126,8 +122,8 @@ def test_all_tasks_and_properties_import_and_what_the_format_lacks_gets_its_defa
     ],
 )
 def test_what_contradicts_the_rest_is_listed_with_its_line(
-    old: str, new: str, element: str, feature: str, file: Path, folder: Path, paper: LoadedModels
-) -> None:
+    old, new, element, feature, file, folder, paper
+):
     ids = {robot.ID: xmi_id(robot) for robot in paper.mission.robots}
     edit(file, old.format(**ids), new.format(**ids))
     lines = lines_of(file, new.format(**ids))
@@ -141,7 +137,7 @@ def test_what_contradicts_the_rest_is_listed_with_its_line(
 
 
 @pytest.mark.parametrize("zero", ["0", "0.0", "-0"])
-def test_a_zero_of_a_zero_type_is_dropped_without_more(zero: str, file: Path, folder: Path) -> None:
+def test_a_zero_of_a_zero_type_is_dropped_without_more(zero, file, folder):
     edit(file, "<zeroSpeed ", f'<zeroSpeed VAL="{zero}" ')
 
     imported = import_published(file, folder)
@@ -171,9 +167,7 @@ def test_a_zero_of_a_zero_type_is_dropped_without_more(zero: str, file: Path, fo
         ('name="f3"', "", "fault_3"),
     ],
 )
-def test_missing_unusable_and_taken_ids_are_replaced(
-    old: str, new: str, place: str, file: Path, folder: Path
-) -> None:
+def test_missing_unusable_and_taken_ids_are_replaced(old, new, place, file, folder):
     edit(file, old, new)
 
     imported = import_published(file, folder)
@@ -189,7 +183,7 @@ def test_missing_unusable_and_taken_ids_are_replaced(
     assert any(place in note.message for note in imported.notes if note.kind == "renamed")
 
 
-def test_a_missing_name_is_the_id(file: Path, folder: Path) -> None:
+def test_a_missing_name_is_the_id(file, folder):
     edit(file, ' name="KAL"', "")
 
     imported = import_published(file, folder)
@@ -209,9 +203,7 @@ def test_a_missing_name_is_the_id(file: Path, folder: Path) -> None:
         ("<mission ", "<author/><mission ", "author of Setup", "author"),
     ],
 )
-def test_what_is_not_known_is_dropped_and_listed(
-    old: str, new: str, element: str, feature: str, file: Path, folder: Path
-) -> None:
+def test_what_is_not_known_is_dropped_and_listed(old, new, element, feature, file, folder):
     edit(file, old, new)
 
     imported = import_published(file, folder)
@@ -225,7 +217,7 @@ def test_what_is_not_known_is_dropped_and_listed(
     ['p:Setup xmlns:p="acs_project_setup"', 'Setup xmlns="acs_project_setup"'],
     ids=["prefix", "no prefix"],
 )
-def test_any_prefix_will_do(root: str, text: str, file: Path, folder: Path) -> None:
+def test_any_prefix_will_do(root, text, file, folder):
     end = root.split(maxsplit=1)[0]
     changed = text.replace('setup:Setup xmi:version="2.0"', f'{root} xmi:version="2.0"')
     file.write_text(changed.replace("</setup:Setup>", f"</{end}>"), encoding="ascii")
@@ -244,9 +236,7 @@ def test_any_prefix_will_do(root: str, text: str, file: Path, folder: Path) -> N
         "<sensor>s4</sensor>",
     ],
 )
-def test_references_may_be_written_in_other_ways(
-    sensor: str, file: Path, folder: Path, paper: LoadedModels
-) -> None:
+def test_references_may_be_written_in_other_ways(sensor, file, folder, paper):
     s4 = xmi_id(paper.mission.robots[1].sensors[1])
     edit(file, f' sensor="{s4}"/>', f">{sensor.format(s4=s4)}</gatherSamples>")
 
@@ -255,9 +245,7 @@ def test_references_may_be_written_in_other_ways(
     assert difference(MODELS, folder) == ()
 
 
-def test_an_area_that_is_referred_to_is_copied(
-    file: Path, folder: Path, paper: LoadedModels
-) -> None:
+def test_an_area_that_is_referred_to_is_copied(file, folder, paper):
     area = paper.mission.goals[3].area
     edit(file, "<stayWithinMissionArea ", f'<stay area="{xmi_id(area)}" ')
     edit(file, "</stayWithinMissionArea>", "</stay>")
@@ -268,7 +256,7 @@ def test_an_area_that_is_referred_to_is_copied(
     assert (copied.ID, copied.radius, copied.center.x) == ("g2_task_area", 150.0, -250.0)
 
 
-def test_every_further_specification_gets_a_file(file: Path, folder: Path) -> None:
+def test_every_further_specification_gets_a_file(file, folder):
     edit(
         file,
         "</setup:Setup>",
@@ -283,9 +271,7 @@ def test_every_further_specification_gets_a_file(file: Path, folder: Path) -> No
     assert more.faults.faults[0].stopRobot.affectedRobot.ID == "r2"
 
 
-def test_a_file_without_specification_gets_an_empty_pool_and_says_so(
-    file: Path, folder: Path
-) -> None:
+def test_a_file_without_specification_gets_an_empty_pool_and_says_so(file, folder):
     text = file.read_text(encoding="ascii")
     begin, end = text.index("<specification"), text.index("</setup:Setup>")
     file.write_text(text[:begin] + text[end:], encoding="ascii")
@@ -300,7 +286,7 @@ def test_a_file_without_specification_gets_an_empty_pool_and_says_so(
     assert (pool.ID, list(pool.faults)) == ("faults", [])
 
 
-def test_without_collision_or_energy_goal_there_is_no_case_b(file: Path, folder: Path) -> None:
+def test_without_collision_or_energy_goal_there_is_no_case_b(file, folder):
     edit(file, "<sufficientEnergy ", "<stayWithinMissionArea ")
     edit(file, "</sufficientEnergy>", "</stayWithinMissionArea>")
 

@@ -30,9 +30,7 @@ def dominates(a: tuple[int, ...], b: tuple[int, ...]) -> bool:
 
 
 @given(VECTORS)
-def test_no_member_is_dominated_and_every_other_vector_is(
-    vectors: list[tuple[int, ...]],
-) -> None:
+def test_no_member_is_dominated_and_every_other_vector_is(vectors):
     members = non_dominated(vectors)
 
     assert len(set(members)) == len(members)
@@ -47,24 +45,24 @@ def front_of(*believed: tuple[int, ...], goals: tuple[str, ...] = ("g1", "g3")) 
     return find_front(MEASURE, found, goals)
 
 
-def test_a_front_reads_the_chosen_goals_of_the_belief_in_the_chosen_order() -> None:
+def test_a_front_reads_the_chosen_goals_of_the_belief_in_the_chosen_order():
     front = front_of((1, 9, 5), (3, 9, 2), (1, 9, 2), goals=("g3", "g1"))
 
     points = (FrontPoint(1, (2, 3)), FrontPoint(0, (5, 1)))
     assert front == Front(("g3", "g1"), points, "believed violations")
 
 
-def test_of_equal_violations_the_earliest_evaluation_stands() -> None:
+def test_of_equal_violations_the_earliest_evaluation_stands():
     found = [evaluation(i, (4, 0, 4, 0, 0, 0)) for i in (7, 3, 5)]
 
     assert find_front(MEASURE, found, ("g1", "g3")).points == (FrontPoint(3, (4, 4)),)
 
 
-def test_no_evaluations_have_an_empty_front() -> None:
+def test_no_evaluations_have_an_empty_front():
     assert front_of().points == ()
 
 
-def test_an_unknown_goal_is_refused_with_those_there_are() -> None:
+def test_an_unknown_goal_is_refused_with_those_there_are():
     with pytest.raises(UsageError, match=r"found goal 'g9'; .* g1, g2, g3, g4, g5, g6"):
         front_of((1,), goals=("g1", "g9"))
 
@@ -77,7 +75,7 @@ def test_an_unknown_goal_is_refused_with_those_there_are() -> None:
         ("a-b:c.d=0:7", Ratio(("a-b", "c.d"), (0.0, 7.0))),
     ],
 )
-def test_a_ratio_is_read(text: str, expected: Ratio) -> None:
+def test_a_ratio_is_read(text, expected):
     assert parse_ratio(text) == expected
     assert parse_ratio(str(expected)) == expected
 
@@ -98,12 +96,12 @@ def test_a_ratio_is_read(text: str, expected: Ratio) -> None:
         "g3=2:1",
     ],
 )
-def test_a_ratio_that_makes_no_sense_is_refused(text: str) -> None:
+def test_a_ratio_that_makes_no_sense_is_refused(text):
     with pytest.raises(UsageError, match="expected two goals and two numbers"):
         parse_ratio(text)
 
 
-def test_the_ratio_picks_by_the_quotient_of_the_named_goals() -> None:
+def test_the_ratio_picks_by_the_quotient_of_the_named_goals():
     front = front_of((10, 0, 1), (5, 0, 11), (7, 0, 8), (1, 0, 12))
 
     assert nearest_ratio(front, "g3:g1=2:1") == FrontPoint(1, (5, 11))
@@ -116,9 +114,7 @@ def test_the_ratio_picks_by_the_quotient_of_the_named_goals() -> None:
     st.integers(0, 9),
     st.integers(1, 9),
 )
-def test_no_other_point_is_nearer_in_angle(
-    vectors: list[tuple[int, int]], first: int, second: int
-) -> None:
+def test_no_other_point_is_nearer_in_angle(vectors, first, second):
     points = tuple(FrontPoint(i, vector) for i, vector in enumerate(vectors))
 
     picked = nearest_ratio(Front(("a", "b"), points), Ratio(("a", "b"), (first, second)))
@@ -133,11 +129,11 @@ def test_no_other_point_is_nearer_in_angle(
         assert angle(picked.violations) == min(map(angle, candidates))
 
 
-def test_a_front_without_violations_has_nothing_near() -> None:
+def test_a_front_without_violations_has_nothing_near():
     assert nearest_ratio(front_of((0, 0, 0)), "g3:g1=2:1") is None
     assert nearest_ratio(front_of(), "g3:g1=2:1") is None
 
 
-def test_a_ratio_over_other_goals_than_the_front_is_refused() -> None:
+def test_a_ratio_over_other_goals_than_the_front_is_refused():
     with pytest.raises(UsageError, match=r"found ratio 'g4:g1=2:1'.*front's goals: g1, g3"):
         nearest_ratio(front_of((1,)), "g4:g1=2:1")

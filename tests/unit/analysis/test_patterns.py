@@ -19,7 +19,7 @@ def timed(*faults: str) -> tuple[TimedFault, ...]:
     return tuple(TimedFault(fault, 10 * i, 10 * i + 5) for i, fault in enumerate(faults))
 
 
-def test_occurrences_stand_beside_what_the_shares_would_give() -> None:
+def test_occurrences_stand_beside_what_the_shares_would_give():
     top = [timed("f1", "f3", "f2"), timed("f1")]
     campaign = [*top, timed("f2", "f2", "f2", "f4")]
 
@@ -32,7 +32,7 @@ def test_occurrences_stand_beside_what_the_shares_would_give() -> None:
     assert (start.type, start.n_occurrences, start.campaign_expected) == ("StartRobot", 0, 0.5)
 
 
-def test_expected_counts_add_up_to_the_occurrences() -> None:
+def test_expected_counts_add_up_to_the_occurrences():
     top = [timed("f1", "f3", "f2", "f2"), timed("f4", "f4", "f4")]
 
     patterns = find_patterns(top, top, POOL)
@@ -42,13 +42,13 @@ def test_expected_counts_add_up_to_the_occurrences() -> None:
     assert sum(pattern.campaign_expected for pattern in patterns) == pytest.approx(7)
 
 
-def test_equal_occurrences_stand_by_name() -> None:
+def test_equal_occurrences_stand_by_name():
     patterns = find_patterns([timed("f4", "f2", "f1")], [], POOL)
 
     assert [pattern.type for pattern in patterns] == ["StartRobot", "StopRobot", "ZeroSpeed"]
 
 
-def test_no_specifications_give_zeros() -> None:
+def test_no_specifications_give_zeros():
     patterns = find_patterns([], [], POOL)
 
     assert {(p.n_occurrences, p.share, p.pool_expected) for p in patterns} == {(0, 0.0, 0.0)}

@@ -13,14 +13,14 @@ def trend_of(*means: float) -> Trend:
     )
 
 
-def test_each_generation_keeps_its_numbers() -> None:
+def test_each_generation_keeps_its_numbers():
     assert trend_of(4.0, 6.0).generations == (
         GenerationFitness(generation=0, mean=4.0, std=1.0, best=6.0, worst=3.0),
         GenerationFitness(generation=1, mean=6.0, std=1.0, best=8.0, worst=5.0),
     )
 
 
-def test_a_line_is_found_again() -> None:
+def test_a_line_is_found_again():
     trend = trend_of(*(3.0 + 0.5 * x for x in range(12)))
 
     assert trend.slope == pytest.approx(0.5)
@@ -29,14 +29,14 @@ def test_a_line_is_found_again() -> None:
     assert trend.p_value < 0.001
 
 
-def test_a_falling_mean_has_a_negative_tau() -> None:
+def test_a_falling_mean_has_a_negative_tau():
     trend = trend_of(*range(10, 0, -1))
 
     assert trend.tau == -1.0
     assert trend.slope == pytest.approx(-1.0)
 
 
-def test_ties_are_corrected_as_in_the_literature() -> None:
+def test_ties_are_corrected_as_in_the_literature():
     # tau-b by scipy.stats.kendalltau. For p: S = 11, two ties of two, variance
     # (6*5*17 - 2*(2*1*9))/18 = 26.333, z = 10/sqrt(26.333) = 1.9487.
     trend = trend_of(1, 2, 2, 3, 5, 3)
@@ -45,12 +45,12 @@ def test_ties_are_corrected_as_in_the_literature() -> None:
     assert trend.p_value == pytest.approx(0.0513301, abs=1e-6)
 
 
-def test_means_that_wander_show_no_trend() -> None:
+def test_means_that_wander_show_no_trend():
     assert trend_of(2, 1, 4, 3, 2.5, 3.5, 1.5).p_value > 0.5
 
 
 @pytest.mark.parametrize("means", [(), (5.0,), (5.0, 5.0, 5.0)])
-def test_without_any_change_there_is_no_trend(means: tuple[float, ...]) -> None:
+def test_without_any_change_there_is_no_trend(means):
     trend = trend_of(*means)
 
     assert (trend.slope, trend.tau, trend.p_value) == (0.0, 0.0, 1.0)

@@ -126,11 +126,7 @@ def test_cbor_has_messages_as_maps_and_lists_of_them():
             {"header": {"seq": 9, "stamp": {}, "frame_id": "f"}, "axes": [0.5], "buttons": [1, 2]},
             struct.pack("<IIII1sIfIii", 9, 0, 0, 1, b"f", 1, 0.5, 2, 1, 2),
         ),
-        (
-            "geometry_msgs/Polygon",
-            {"points": [{"x": 1}]},
-            struct.pack("<Ifff", 1, 1, 0, 0),
-        ),
+        ("geometry_msgs/Polygon", {"points": [{"x": 1}]}, struct.pack("<Ifff", 1, 1, 0, 0)),
         ("std_msgs/UInt8MultiArray", {"data": [1, 2]}, struct.pack("<III2B", 0, 0, 2, 1, 2)),
         (
             "sensor_msgs/JointState",

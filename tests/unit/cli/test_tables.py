@@ -30,7 +30,7 @@ def _in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("COLUMNS", raising=False)
 
 
-def test_six_goals_have_a_column_each_in_a_pipe(capsys: pytest.CaptureFixture[str]) -> None:
+def test_six_goals_have_a_column_each_in_a_pipe(capsys):
     head, _, believed, *_ = _printed(capsys, *_tables(6))
 
     assert head.split()[:5] == ["#", "evaluation", "fitness", "violations", "g1"]
@@ -39,9 +39,7 @@ def test_six_goals_have_a_column_each_in_a_pipe(capsys: pytest.CaptureFixture[st
 
 
 @pytest.mark.parametrize("n_goals", [11, 40])
-def test_what_identifies_a_specification_never_gives_way_to_goals(
-    capsys: pytest.CaptureFixture[str], n_goals: int
-) -> None:
+def test_what_identifies_a_specification_never_gives_way_to_goals(capsys, n_goals):
     lines = _printed(capsys, *_tables(n_goals))
 
     assert lines[0].split() == ["#", "evaluation", "fitness", "violations", "faults"]
@@ -52,9 +50,7 @@ def test_what_identifies_a_specification_never_gives_way_to_goals(
     assert max(map(len, lines)) <= 100
 
 
-def test_columns_says_how_many_there_are(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_columns_says_how_many_there_are(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "160")
 
     head, *_ = _printed(capsys, *_tables(11))
@@ -64,9 +60,7 @@ def test_columns_says_how_many_there_are(
 
 
 @pytest.mark.parametrize("columns", ["1", "30", "60", "80"])
-def test_no_number_or_word_is_cut_however_narrow_it_is(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, columns: str
-) -> None:
+def test_no_number_or_word_is_cut_however_narrow_it_is(capsys, monkeypatch, columns):
     monkeypatch.setenv("COLUMNS", columns)
     table = plain_table(("goal",), ("believed", "true"))
     table.add_row("g1_area_of_the_harbour", "1234567", "7654321")

@@ -73,10 +73,7 @@ def numbers(change):
 def other_command(message):
     """Return what another collective intelligence says on the same topics, in mid-run."""
     run, tick, _ = message[1]["data"]
-    return [
-        (HEADING, {"x": 0.0, "y": -1.0, "z": 0.0}),
-        (GO, {"data": [run + 1_000_000, tick, 1]}),
-    ]
+    return [(HEADING, {"x": 0.0, "y": -1.0, "z": 0.0}), (GO, {"data": [run + 1_000_000, tick, 1]})]
 
 
 def flown(tamper=None, specification=(), code=CODE, patience=PATIENCE):
@@ -119,10 +116,7 @@ def test_missions_of_one_tick_fly():
         (nth(SPEED, 17, lose), r"17: 1\d of \d\d messages .* nothing on .*/r2/speed"),
         (nth(SPEED, 17, double), "17: two messages on /r2/speed"),
         (nth(TICK, 17, lose), "17: the simulation was silent for 0.5 s"),
-        (
-            nth(TICK, 17, double),
-            "18: the simulation announced tick 17; expected tick 18",
-        ),
+        (nth(TICK, 17, double), "18: the simulation announced tick 17; expected tick 18"),
         (nth(GO, 17, lose), "17: the simulation was silent for 0.5 s"),
         (
             nth(TICK, 17, numbers(lambda run, _tick, *counts: [run, 19, *counts])),

@@ -18,7 +18,7 @@ def _first(discs: list[tuple[Point, float]], point: Point) -> int | None:
 
 
 @pytest.mark.parametrize("spread", SPREADS)
-def test_first_disc_is_that_of_asking_all_in_order(spread: float) -> None:
+def test_first_disc_is_that_of_asking_all_in_order(spread):
     draw = random.Random(f"discs {spread}")
     found: Discs[int] = Discs(distance)
     discs: list[tuple[Point, float]] = []
@@ -34,7 +34,7 @@ def test_first_disc_is_that_of_asking_all_in_order(spread: float) -> None:
 
 
 @pytest.mark.parametrize("step", [(2.0, 0.0), (0.0, -2.0), (-1.2, 1.6)])
-def test_point_on_the_edge_lies_outside(step: Point) -> None:
+def test_point_on_the_edge_lies_outside(step):
     found: Discs[str] = Discs(distance)
     found.add("disc", (1.0, 1.0), 2.0)
 
@@ -42,7 +42,7 @@ def test_point_on_the_edge_lies_outside(step: Point) -> None:
     assert found.first_around((1.0 + 0.99 * step[0], 1.0 + 0.99 * step[1])) == "disc"
 
 
-def test_asks_few_discs_of_many_that_lie_apart() -> None:
+def test_asks_few_discs_of_many_that_lie_apart():
     n_asked = 0
 
     def counted(one: Point, other: Point) -> float:

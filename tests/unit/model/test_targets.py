@@ -17,11 +17,7 @@ def test_delay_and_block_touch_every_field_of_their_message():
 
     targets = touched(CODE.mission, Fault("late", FAULT_TYPES["DelayMessage"], "m8", (5.0,)))
 
-    assert targets == (
-        (Field.POSITION, robot),
-        (Field.SPEED, robot),
-        (Field.ENERGY, robot),
-    )
+    assert targets == ((Field.POSITION, robot), (Field.SPEED, robot), (Field.ENERGY, robot))
 
 
 def test_a_sensor_type_in_a_body_means_the_senders_count():

@@ -36,7 +36,7 @@ def run(algorithm: Algorithm) -> tuple[list[list[Specification]], list[Generatio
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
-def test_generation_zero_is_followed_by_as_many_as_set(name: str) -> None:
+def test_generation_zero_is_followed_by_as_many_as_set(name):
     asked, summaries = run(start(CampaignSettings(algorithm=name, generations=5)))
 
     assert [summary.index for summary in summaries] == [0, 1, 2, 3, 4, 5]
@@ -46,7 +46,7 @@ def test_generation_zero_is_followed_by_as_many_as_set(name: str) -> None:
 
 @pytest.mark.parametrize("name", ALGORITHMS)
 @pytest.mark.parametrize("n_evaluations", [1, 20, 137])
-def test_a_number_of_evaluations_is_met_exactly(name: str, n_evaluations: int) -> None:
+def test_a_number_of_evaluations_is_met_exactly(name, n_evaluations):
     settings = CampaignSettings(algorithm=name, generations=3, evaluations=n_evaluations)
 
     asked, summaries = run(start(settings))
@@ -56,7 +56,7 @@ def test_a_number_of_evaluations_is_met_exactly(name: str, n_evaluations: int) -
 
 
 @pytest.mark.parametrize("name", ["paper", "drift"])
-def test_a_run_in_which_nothing_can_change_ends_without_its_evaluations(name: str) -> None:
+def test_a_run_in_which_nothing_can_change_ends_without_its_evaluations(name):
     settings = CampaignSettings(
         algorithm=name, generations=3, crossover=0.0, mutation=0.0, evaluations=500
     )
@@ -68,7 +68,7 @@ def test_a_run_in_which_nothing_can_change_ends_without_its_evaluations(name: st
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
-def test_the_same_seed_repeats_the_run_and_another_does_not(name: str) -> None:
+def test_the_same_seed_repeats_the_run_and_another_does_not(name):
     settings = CampaignSettings(algorithm=name, generations=4, seed=5)
 
     first, again = start(settings), start(settings)
@@ -79,7 +79,7 @@ def test_the_same_seed_repeats_the_run_and_another_does_not(name: str) -> None:
     assert run(other) != run(start(settings))
 
 
-def test_the_random_state_continues_the_run() -> None:
+def test_the_random_state_continues_the_run():
     algorithm = start(CampaignSettings(algorithm="random", generations=1))
     algorithm.tell(scores(len(algorithm.ask())))
     version, words, gauss = json.loads(algorithm.random_state())
@@ -91,7 +91,7 @@ def test_the_random_state_continues_the_run() -> None:
     assert algorithm.ask() == expected
 
 
-def test_statistics_are_those_of_the_population() -> None:
+def test_statistics_are_those_of_the_population():
     asked, summaries = run(start(CampaignSettings(generations=6)))
     specifications = [specification for generation in asked for specification in generation]
 
@@ -106,7 +106,7 @@ def test_statistics_are_those_of_the_population() -> None:
         }
 
 
-def test_selection_raises_fitness_where_drift_does_not() -> None:
+def test_selection_raises_fitness_where_drift_does_not():
     _, paper = run(start(CampaignSettings(mutation_share=0.1)))
     _, drift = run(start(CampaignSettings(algorithm="drift", mutation_share=0.1)))
 
@@ -123,7 +123,7 @@ def test_selection_raises_fitness_where_drift_does_not() -> None:
         CampaignSettings(algorithm="eaMuPlusLambda", selection="best", generations=20),
     ],
 )
-def test_elitists_never_lose_their_best(settings: CampaignSettings) -> None:
+def test_elitists_never_lose_their_best(settings):
     asked, summaries = run(start(settings))
 
     best = [summary.statistics["max"] for summary in summaries]
@@ -132,7 +132,7 @@ def test_elitists_never_lose_their_best(settings: CampaignSettings) -> None:
 
 
 @pytest.mark.parametrize("n_goals", [1, 2, 6])
-def test_nsga2_never_loses_the_most_violations_of_a_goal(n_goals: int) -> None:
+def test_nsga2_never_loses_the_most_violations_of_a_goal(n_goals):
     algorithm = start(CampaignSettings(algorithm="nsga2", generations=20))
     told: list[Score] = []
     most = []
@@ -147,7 +147,7 @@ def test_nsga2_never_loses_the_most_violations_of_a_goal(n_goals: int) -> None:
     assert most[-1] == max(score.goals[0] for score in told)
 
 
-def test_nsga2_does_not_look_at_the_fitness() -> None:
+def test_nsga2_does_not_look_at_the_fitness():
     def asked_with(fitness: float) -> list[list[Specification]]:
         algorithm = start(CampaignSettings(algorithm="nsga2", generations=4))
         asked = []
@@ -160,14 +160,14 @@ def test_nsga2_does_not_look_at_the_fitness() -> None:
     assert asked_with(1.0) == asked_with(-1.0)
 
 
-def test_a_model_of_good_specifications_learns() -> None:
+def test_a_model_of_good_specifications_learns():
     _, summaries = run(start(CampaignSettings(algorithm="eaGenerateUpdate")))
 
     means = [summary.statistics["mean"] for summary in summaries]
     assert statistics.fmean(means[-5:]) > max(means[:5])
 
 
-def test_the_guided_search_begins_with_long_windows_at_landmarks() -> None:
+def test_the_guided_search_begins_with_long_windows_at_landmarks():
     space = paper_space()
 
     first = start(CampaignSettings(algorithm="guided")).ask()
@@ -183,14 +183,14 @@ def test_the_guided_search_begins_with_long_windows_at_landmarks() -> None:
         assert places <= landmarks
 
 
-def test_the_guided_search_asks_for_nothing_twice() -> None:
+def test_the_guided_search_asks_for_nothing_twice():
     asked, _ = run(start(CampaignSettings(algorithm="guided", generations=20)))
     specifications = [specification for generation in asked for specification in generation]
 
     assert len(set(specifications)) == len(specifications)
 
 
-def test_a_comma_strategy_needs_as_many_offspring_as_individuals() -> None:
+def test_a_comma_strategy_needs_as_many_offspring_as_individuals():
     settings = CampaignSettings(algorithm="eaMuCommaLambda", population=20, offspring=19)
 
     with pytest.raises(UsageError, match="offspring: found 19; eaMuCommaLambda needs at least"):
@@ -198,7 +198,7 @@ def test_a_comma_strategy_needs_as_many_offspring_as_individuals() -> None:
 
 
 @pytest.mark.parametrize(("name", "n_offspring"), [("eaMuPlusLambda", 7), ("eaMuCommaLambda", 31)])
-def test_strategies_breed_as_many_as_set(name: str, n_offspring: int) -> None:
+def test_strategies_breed_as_many_as_set(name, n_offspring):
     settings = CampaignSettings(
         algorithm=name, offspring=n_offspring, crossover=0.5, mutation=0.5, generations=3
     )
@@ -210,7 +210,7 @@ def test_strategies_breed_as_many_as_set(name: str, n_offspring: int) -> None:
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
-def test_a_population_of_zero_fitness_evolves_on(name: str) -> None:
+def test_a_population_of_zero_fitness_evolves_on(name):
     algorithm = start(CampaignSettings(algorithm=name, generations=3))
 
     while not algorithm.is_finished:
@@ -221,7 +221,7 @@ def test_a_population_of_zero_fitness_evolves_on(name: str) -> None:
 
 @pytest.mark.parametrize("name", ALGORITHMS)
 @pytest.mark.parametrize("population", [1, 2, 3])
-def test_small_populations_evolve(name: str, population: int) -> None:
+def test_small_populations_evolve(name, population):
     settings = CampaignSettings(algorithm=name, population=population, generations=3)
 
     _, summaries = run(start(settings))
@@ -230,13 +230,13 @@ def test_small_populations_evolve(name: str, population: int) -> None:
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
-def test_a_mission_of_one_tick_and_a_pool_of_one_fault_can_be_searched(name: str) -> None:
+def test_a_mission_of_one_tick_and_a_pool_of_one_fault_can_be_searched(name):
     _, summaries = run(start(CampaignSettings(algorithm=name, generations=3), 1, "f26"))
 
     assert len(summaries) == 4
 
 
-def test_asking_and_telling_out_of_turn_is_refused() -> None:
+def test_asking_and_telling_out_of_turn_is_refused():
     algorithm = start(CampaignSettings(generations=0))
 
     with pytest.raises(ValueError, match="expected 0 after an ask"):

@@ -39,7 +39,7 @@ def fault_of(fault_id: str) -> Fault:
 
 
 @pytest.mark.parametrize("fault", PAPER_FAULTS, ids=lambda fault: fault.type)
-def test_defaults_come_from_the_mission(fault: Fault) -> None:
+def test_defaults_come_from_the_mission(fault):
     assert value_bounds(paper_mission(), fault) == DEFAULTS.get(fault.id, ())
 
 
@@ -55,32 +55,30 @@ def test_defaults_come_from_the_mission(fault: Fault) -> None:
         ((9.0, 2.0), (5.0, 5.0)),
     ],
 )
-def test_bounds_of_the_model_replace_defaults_and_include_the_pools_value(
-    bounds: tuple[float | None, float | None], expected: tuple[float, float]
-) -> None:
+def test_bounds_of_the_model_replace_defaults_and_include_the_pools_value(bounds, expected):
     fault = replace(fault_of("f2"), bounds={"BLOCK_DURATION": bounds})
 
     assert value_bounds(paper_mission(), fault) == (expected,)
 
 
-def test_a_value_with_no_whole_number_in_its_bounds_is_fixed() -> None:
+def test_a_value_with_no_whole_number_in_its_bounds_is_fixed():
     fault = replace(fault_of("f2"), values=(2.5,), bounds={"BLOCK_DURATION": (2.2, 2.8)})
 
     assert value_bounds(paper_mission(), fault) == ((2.5, 2.5),)
 
 
-def test_delay_in_a_mission_of_one_tick_still_includes_the_pools_value() -> None:
+def test_delay_in_a_mission_of_one_tick_still_includes_the_pools_value():
     assert value_bounds(paper_mission(1), fault_of("f8")) == ((1.0, 200.0),)
 
 
-def test_coordinates_are_bounded_around_the_centre_of_the_mission_area() -> None:
+def test_coordinates_are_bounded_around_the_centre_of_the_mission_area():
     mission = replace(paper_mission(), area=Area("a", Coordinates(1000.0, -500.0), 200.0))
     fault = replace(fault_of("f9"), values=(1000.0, -500.0, 1.0))
 
     assert value_bounds(mission, fault) == ((700.0, 1300.0), (-800.0, -200.0), (1.0, 1.0))
 
 
-def test_rates_and_costs_follow_the_largest_of_the_touched_sensors() -> None:
+def test_rates_and_costs_follow_the_largest_of_the_touched_sensors():
     mission = paper_mission()
     robot = mission.robots[1]
     sensors = (robot.sensors[0], replace(robot.sensors[1], samples_per_second=9))
@@ -92,7 +90,7 @@ def test_rates_and_costs_follow_the_largest_of_the_touched_sensors() -> None:
     assert value_bounds(mission, fault) == ((0.0, 90.0),)
 
 
-def test_a_fault_in_a_servers_message_has_nothing_nominal_to_exceed() -> None:
+def test_a_fault_in_a_servers_message_has_nothing_nominal_to_exceed():
     mission = paper_mission()
     message = Message("m99", "sv1", "r1", (MessageData("SPEED", "Int"),))
     goal = replace(mission.goals[0], messages=(message,))
@@ -106,6 +104,6 @@ def test_a_fault_in_a_servers_message_has_nothing_nominal_to_exceed() -> None:
     )
 
 
-def test_an_unknown_message_is_refused() -> None:
+def test_an_unknown_message_is_refused():
     with pytest.raises(SpecificationError, match="refers to 'm77'"):
         value_bounds(paper_mission(), Fault("x", FAULT_TYPES["FixedSpeed"], "m77", (3.0,)))

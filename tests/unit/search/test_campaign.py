@@ -1,5 +1,5 @@
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, repeat
@@ -49,7 +49,7 @@ class Run:
         )
 
 
-def test_a_run_of_the_papers_size_is_recorded_whole() -> None:
+def test_a_run_of_the_papers_size_is_recorded_whole():
     run = Run(CampaignSettings())
 
     run.start()
@@ -71,7 +71,7 @@ def test_a_run_of_the_papers_size_is_recorded_whole() -> None:
 
 
 @pytest.mark.parametrize("goals", [(), ("g1", "g3"), ("g6",)])
-def test_focused_fitness_counts_the_chosen_goals(goals: tuple[str, ...]) -> None:
+def test_focused_fitness_counts_the_chosen_goals(goals):
     run = Run(CampaignSettings(generations=10, fitness="focused", goals=goals))
 
     run.start()
@@ -82,7 +82,7 @@ def test_focused_fitness_counts_the_chosen_goals(goals: tuple[str, ...]) -> None
     assert [e.fitness for e in evaluations] == [(float(sum(vector)),) for vector in vectors]
 
 
-def test_progress_follows_the_record() -> None:
+def test_progress_follows_the_record():
     run = Run(CampaignSettings(generations=5))
 
     run.start()
@@ -105,7 +105,7 @@ def failing_if_odd(specifications: Sequence[Specification]) -> list[Outcome | Fa
     ]
 
 
-def test_a_failed_evaluation_is_recorded_and_the_run_goes_on() -> None:
+def test_a_failed_evaluation_is_recorded_and_the_run_goes_on():
     run = Run(CampaignSettings(generations=3, max_failures=1000), failing_if_odd)
 
     run.start()
@@ -126,7 +126,7 @@ def test_a_failed_evaluation_is_recorded_and_the_run_goes_on() -> None:
         assert all(0 <= index < len(recorder.kept) for index in generation.population)
 
 
-def test_too_many_failures_end_the_run_with_the_last_reason() -> None:
+def test_too_many_failures_end_the_run_with_the_last_reason():
     run = Run(
         CampaignSettings(max_failures=3),
         lambda specifications: (
@@ -143,7 +143,7 @@ def test_too_many_failures_end_the_run_with_the_last_reason() -> None:
     assert run.recorder.generations == []
 
 
-def test_an_interrupt_leaves_what_was_recorded() -> None:
+def test_an_interrupt_leaves_what_was_recorded():
     n_calls = 0
 
     def interrupted(specifications: Sequence[Specification]) -> list[Outcome]:
@@ -164,7 +164,7 @@ def test_an_interrupt_leaves_what_was_recorded() -> None:
     )
 
 
-def test_large_populations_are_recorded_in_chunks() -> None:
+def test_large_populations_are_recorded_in_chunks():
     sizes = []
 
     def counted(specifications: Sequence[Specification]) -> list[Outcome]:
@@ -176,7 +176,7 @@ def test_large_populations_are_recorded_in_chunks() -> None:
     assert sizes == [100, 100, 30]
 
 
-def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too() -> None:
+def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too():
     fitness = chain(map(float, range(15)), repeat(float("nan")))
     recorder = MemoryRecorder()
     with pytest.raises(EvaluationError, match="expected a finite number"):
@@ -191,7 +191,7 @@ def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too() -> None:
     assert [evaluation.fitness[0] for evaluation in recorder.kept] == list(range(15))
 
 
-def test_a_result_too_few_is_noticed() -> None:
+def test_a_result_too_few_is_noticed():
     run = Run(CampaignSettings(), lambda specifications: evaluate_stand_in(specifications[1:]))
 
     with pytest.raises(ValueError, match="zip"):
@@ -212,14 +212,12 @@ def test_a_result_too_few_is_noticed() -> None:
         (CampaignSettings(goals=("g1", "g9")), "goals: found 'g9'; mission 'uuv_sampling' has g1"),
     ],
 )
-def test_settings_that_name_what_does_not_exist_are_refused(
-    settings: CampaignSettings, message: str
-) -> None:
+def test_settings_that_name_what_does_not_exist_are_refused(settings, message):
     with pytest.raises(UsageError, match=message):
         Run(settings).start()
 
 
-def test_a_run_draws_nothing_from_the_global_generator() -> None:
+def test_a_run_draws_nothing_from_the_global_generator():
     before = random.getstate()
 
     Run(CampaignSettings(generations=2)).start()
@@ -254,9 +252,7 @@ def failing_if_rare(specifications: Sequence[Specification]) -> list[Outcome | F
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 @pytest.mark.parametrize("evaluations", [None, 150])
-def test_a_run_cut_anywhere_and_resumed_leaves_the_record_of_a_whole_one(
-    algorithm: str, evaluations: int | None
-) -> None:
+def test_a_run_cut_anywhere_and_resumed_leaves_the_record_of_a_whole_one(algorithm, evaluations):
     settings = CampaignSettings(
         algorithm=algorithm, generations=6, evaluations=evaluations, max_failures=1000
     )
@@ -291,7 +287,7 @@ def on_another_seed(specifications: Sequence[Specification]) -> list[Outcome | F
 
 
 @pytest.mark.parametrize("algorithm", ["paper", "nsga2", "guided"])
-def test_replications_average_over_mission_seeds_and_resume(algorithm: str) -> None:
+def test_replications_average_over_mission_seeds_and_resume(algorithm):
     settings = CampaignSettings(
         algorithm=algorithm, generations=3, replications=3, max_failures=1000
     )
@@ -318,12 +314,12 @@ def test_replications_average_over_mission_seeds_and_resume(algorithm: str) -> N
         assert evaluation.fitness[0] == pytest.approx(fitness)
 
 
-def test_too_few_replicas_are_noticed() -> None:
+def test_too_few_replicas_are_noticed():
     with pytest.raises(ValueError, match="found 0 replicas; expected 1"):
         Run(CampaignSettings(replications=2)).start()
 
 
-def test_a_record_that_another_fitness_function_wrote_is_refused() -> None:
+def test_a_record_that_another_fitness_function_wrote_is_refused():
     run = Run(CampaignSettings(generations=1))
     run.start()
     run.settings = replace(run.settings, violations="masked")
@@ -332,7 +328,7 @@ def test_a_record_that_another_fitness_function_wrote_is_refused() -> None:
         run.start()
 
 
-def test_a_run_that_failures_ended_ends_so_again_without_evaluating() -> None:
+def test_a_run_that_failures_ended_ends_so_again_without_evaluating():
     run = Run(CampaignSettings(max_failures=3), failing_if_odd)
     with pytest.raises(EvaluationError) as first:
         run.start()
@@ -356,9 +352,7 @@ def test_a_run_that_failures_ended_ends_so_again_without_evaluating() -> None:
         ),
     ],
 )
-def test_a_record_that_does_not_follow_from_its_settings_is_refused(
-    change: Callable[[MemoryRecorder], None], message: str
-) -> None:
+def test_a_record_that_does_not_follow_from_its_settings_is_refused(change, message):
     run = Run(CampaignSettings(generations=3))
     run.start()
     change(run.recorder)
@@ -368,9 +362,7 @@ def test_a_record_that_does_not_follow_from_its_settings_is_refused(
 
 
 @pytest.mark.parametrize(("write", "n_appends"), [(0.0, 61), (0.02, 61), (1.0, 4)])
-def test_each_evaluation_is_written_at_once_unless_writing_takes_its_time(
-    write: float, n_appends: int
-) -> None:
+def test_each_evaluation_is_written_at_once_unless_writing_takes_its_time(write, n_appends):
     now = 0.0
 
     class Slow(MemoryRecorder):

@@ -27,32 +27,29 @@ def findings_of(violations: tuple[int, ...], duration: int = 1000) -> Findings:
         ("focused", 15.0),
     ],
 )
-def test_fitness_follows_its_equation(name: str, expected: float) -> None:
+def test_fitness_follows_its_equation(name, expected):
     assert FITNESS_FUNCTIONS[name](findings_of(VIOLATIONS)) == pytest.approx(expected, rel=1e-15)
 
 
 @pytest.mark.parametrize("name", FITNESS_FUNCTIONS)
-def test_a_mission_without_violations_has_fitness_zero(name: str) -> None:
+def test_a_mission_without_violations_has_fitness_zero(name):
     assert FITNESS_FUNCTIONS[name](findings_of((0, 0, 0))) == 0.0
 
 
-def test_normalised_fitness_is_one_when_every_goal_is_always_violated() -> None:
+def test_normalised_fitness_is_one_when_every_goal_is_always_violated():
     fitness = FITNESS_FUNCTIONS["weighted_normalised"](findings_of((50, 50), 50))
 
     assert fitness == pytest.approx(1.0)
 
 
-def test_goal_vector_keeps_the_order_of_the_chosen_goals() -> None:
+def test_goal_vector_keeps_the_order_of_the_chosen_goals():
     assert goal_vector(VIOLATIONS, (5, 0)) == (85, 10)
 
 
 @pytest.mark.parametrize(
-    ("violations", "expected"),
-    [("believed", (10.0, 3)), ("true", (8.0, 4)), ("masked", (3.0, 2))],
+    ("violations", "expected"), [("believed", (10.0, 3)), ("true", (8.0, 4)), ("masked", (3.0, 2))]
 )
-def test_a_campaign_chooses_which_violations_are_judged(
-    violations: str, expected: tuple[float, int]
-) -> None:
+def test_a_campaign_chooses_which_violations_are_judged(violations, expected):
     counts = {"believed": (3, 0, 7), "true": (4, 1, 4), "phantom": (1, 0, 4), "masked": (2, 1, 1)}
     padded = {name: (*count, 0, 0, 0) for name, count in counts.items()}
     outcome = Outcome(**padded, samples=(0,) * 6, applied=(), changed=(), digest="")
@@ -64,7 +61,7 @@ def test_a_campaign_chooses_which_violations_are_judged(
     assert score == Score(fitness, (int(fitness) - first_goal, first_goal))
 
 
-def test_scores_of_several_mission_seeds_are_averaged() -> None:
+def test_scores_of_several_mission_seeds_are_averaged():
     scores = [Score(1.0, (0, 4)), Score(2.0, (3, 4)), Score(6.0, (3, 1))]
 
     assert averaged(scores) == Score(3.0, (2.0, 3.0))

@@ -57,15 +57,15 @@ def late_children_of_a_compromise(goals: tuple[str, ...]) -> int:
     return n_children
 
 
-def test_a_compromise_that_the_sum_forgets_stays_a_parent() -> None:
+def test_a_compromise_that_the_sum_forgets_stays_a_parent():
     assert late_children_of_a_compromise(TWO_GOALS) > 10
 
 
-def test_no_front_is_kept_of_all_goals() -> None:
+def test_no_front_is_kept_of_all_goals():
     assert late_children_of_a_compromise(()) == 0
 
 
-def test_faults_are_taken_over_from_a_compromise_that_is_best_in_no_goal() -> None:
+def test_faults_are_taken_over_from_a_compromise_that_is_best_in_no_goal():
     algorithm = start(TWO_GOALS)
     known = [frozenset(one) for one in algorithm.ask()]
     algorithm.tell(scores_with_a_compromise(len(known)))
@@ -79,12 +79,12 @@ def test_faults_are_taken_over_from_a_compromise_that_is_best_in_no_goal() -> No
     assert n_taken_over > 10
 
 
-def test_it_begins_as_the_paper_does_if_two_goals_are_named() -> None:
+def test_it_begins_as_the_paper_does_if_two_goals_are_named():
     assert start(TWO_GOALS).ask() == start(TWO_GOALS, "paper").ask()
 
 
 @pytest.mark.parametrize("goals", [TWO_GOALS, ALL_GOALS[:3]])
-def test_a_search_that_keeps_a_front_repeats(goals: tuple[str, ...]) -> None:
+def test_a_search_that_keeps_a_front_repeats(goals):
     first, again = start(goals), start(goals)
 
     while not first.is_finished:
@@ -96,7 +96,7 @@ def test_a_search_that_keeps_a_front_repeats(goals: tuple[str, ...]) -> None:
     assert first.random_state() == again.random_state()
 
 
-def test_naming_all_goals_of_a_mission_of_six_changes_nothing() -> None:
+def test_naming_all_goals_of_a_mission_of_six_changes_nothing():
     named, unnamed = start(ALL_GOALS), start(())
 
     while not named.is_finished:

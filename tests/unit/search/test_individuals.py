@@ -17,7 +17,7 @@ def evaluated_pair() -> tuple[Individual, Individual]:
 
 
 @pytest.mark.parametrize("copy", [Individual.clone, deepcopy])
-def test_variation_of_copies_leaves_the_parents_untouched(copy) -> None:
+def test_variation_of_copies_leaves_the_parents_untouched(copy):
     parents = evaluated_pair()
     before = [(parent.specification, parent.fitness.values) for parent in parents]
     first, second = map(copy, parents)
@@ -31,7 +31,7 @@ def test_variation_of_copies_leaves_the_parents_untouched(copy) -> None:
     assert second.specification != parents[1].specification
 
 
-def test_a_changed_individual_loses_its_fitness_and_number() -> None:
+def test_a_changed_individual_loses_its_fitness_and_number():
     first, second = evaluated_pair()
 
     mate(first, second, paper_space(), Random(2))
@@ -41,7 +41,7 @@ def test_a_changed_individual_loses_its_fitness_and_number() -> None:
     assert first.number is None
 
 
-def test_an_individual_that_variation_left_as_it_was_keeps_its_fitness() -> None:
+def test_an_individual_that_variation_left_as_it_was_keeps_its_fitness():
     first, _ = evaluated_pair()
     twin = first.clone()
 

@@ -34,7 +34,7 @@ def shares(selected: list[Individual], population: list[Individual]) -> list[flo
     return [round(counts[id(individual)] / len(selected), 1) for individual in population]
 
 
-def test_roulette_selects_in_proportion_to_fitness() -> None:
+def test_roulette_selects_in_proportion_to_fitness():
     population = population_of(0.0, 1.0, 3.0, 6.0)
 
     selected = roulette(population, 5000, Random(1))
@@ -42,7 +42,7 @@ def test_roulette_selects_in_proportion_to_fitness() -> None:
     assert shares(selected, population) == [0.0, 0.1, 0.3, 0.6]
 
 
-def test_roulette_of_an_all_zero_population_is_uniform() -> None:
+def test_roulette_of_an_all_zero_population_is_uniform():
     population = population_of(0.0, 0.0, 0.0, 0.0, 0.0)
 
     selected = roulette(population, 5000, Random(1))
@@ -51,7 +51,7 @@ def test_roulette_of_an_all_zero_population_is_uniform() -> None:
 
 
 @given(st.lists(st.floats(0.0, 1e6), min_size=1).filter(sum), st.integers(0, 2**32))
-def test_roulette_selects_whom_deap_selects(fitness: list[float], seed: int) -> None:
+def test_roulette_selects_whom_deap_selects(fitness, seed):
     population = population_of(*fitness)
     rng = Random(seed)
 
@@ -66,24 +66,24 @@ def test_roulette_selects_whom_deap_selects(fitness: list[float], seed: int) -> 
 
 
 @pytest.mark.parametrize("scale", [5e-324, 1e-300, 0.1, 1e300])
-def test_roulette_returns_as_many_as_wanted_at_any_scale(scale: float) -> None:
+def test_roulette_returns_as_many_as_wanted_at_any_scale(scale):
     population = population_of(*(scale * place for place in range(1, 8)))
 
     assert len(roulette(population, 500, Random(1))) == 500
 
 
-def test_roulette_refuses_negative_fitness() -> None:
+def test_roulette_refuses_negative_fitness():
     with pytest.raises(EvaluationError, match=r"found fitness -1\.0"):
         roulette(population_of(3.0, -1.0), 2, Random(1))
 
 
-def test_uniform_selection_does_not_look_at_fitness() -> None:
+def test_uniform_selection_does_not_look_at_fitness():
     population = population_of(0.0, 1.0, 1000.0, 0.0, 5.0)
 
     assert shares(uniform(population, 5000, Random(1)), population) == [0.2] * 5
 
 
-def test_tournaments_of_three_prefer_the_better() -> None:
+def test_tournaments_of_three_prefer_the_better():
     population = population_of(0.0, 1.0)
 
     selected = tournament(population, 5000, Random(1))
@@ -91,14 +91,14 @@ def test_tournaments_of_three_prefer_the_better() -> None:
     assert shares(selected, population) == [0.1, 0.9]  # 1/8 and 7/8
 
 
-def test_the_best_are_each_selected_once() -> None:
+def test_the_best_are_each_selected_once():
     population = population_of(3.0, 1.0, 2.0)
 
     assert best(population, 2, Random(1)) == [population[0], population[2]]
 
 
 @pytest.mark.parametrize("select", [roulette, tournament, uniform])
-def test_selection_repeats_from_its_seed_and_leaves_the_global_generator_alone(select) -> None:
+def test_selection_repeats_from_its_seed_and_leaves_the_global_generator_alone(select):
     population = population_of(1.0, 2.0, 3.0)
     before = random.getstate()
     rng = Random(5)

@@ -10,7 +10,7 @@ from mrsfi_runtime.search.specifications import fault_ticks, random_specificatio
 from tests.support.search import paper_mission, paper_space
 
 
-def test_free_windows_lie_between_conflicting_faults_only() -> None:
+def test_free_windows_lie_between_conflicting_faults_only():
     space = paper_space(100)
     others = [
         TimedFault("f27", 50, 99),
@@ -23,7 +23,7 @@ def test_free_windows_lie_between_conflicting_faults_only() -> None:
     assert space.free_windows("f1", others) == [(0, 99)]
 
 
-def test_random_windows_are_those_of_two_ticks_drawn_until_they_are_free() -> None:
+def test_random_windows_are_those_of_two_ticks_drawn_until_they_are_free():
     rng = Random(3)
     n_draws = 20_000
 
@@ -33,7 +33,7 @@ def test_random_windows_are_those_of_two_ticks_drawn_until_they_are_free() -> No
     assert shares == {(0, 0): 0.2, (5, 5): 0.2, (6, 6): 0.2, (5, 6): 0.4}
 
 
-def test_the_same_set_of_timed_faults_has_one_order() -> None:
+def test_the_same_set_of_timed_faults_has_one_order():
     space = paper_space(100)
     faults = [
         TimedFault("f10", 5, 9, (1.0,)),
@@ -46,12 +46,12 @@ def test_the_same_set_of_timed_faults_has_one_order() -> None:
     assert space.ordered(reversed(faults)) == space.ordered(faults)
 
 
-def test_an_empty_pool_is_refused() -> None:
+def test_an_empty_pool_is_refused():
     with pytest.raises(SpecificationError, match="fault pool 'fs' is empty"):
         SearchSpace.of(paper_mission(), FaultPool("fs", ()))
 
 
-def test_individuals_of_the_paper_have_20_faults_with_the_pools_values() -> None:
+def test_individuals_of_the_paper_have_20_faults_with_the_pools_values():
     space, rng = paper_space(), Random(1)
 
     for _ in range(50):
@@ -62,15 +62,13 @@ def test_individuals_of_the_paper_have_20_faults_with_the_pools_values() -> None
 
 
 @pytest.mark.parametrize(("duration", "n_faults"), [(1, 1), (7, 7), (20, 20), (30, 20)])
-def test_a_pool_of_one_fault_fills_the_mission_as_far_as_wanted(
-    duration: int, n_faults: int
-) -> None:
+def test_a_pool_of_one_fault_fills_the_mission_as_far_as_wanted(duration, n_faults):
     specification = random_specification(paper_space(duration, "f9"), 20, Random(1))
 
     assert len(specification) == n_faults
 
 
-def test_every_fault_of_the_pool_is_drawn() -> None:
+def test_every_fault_of_the_pool_is_drawn():
     space, rng = paper_space(), Random(1)
 
     drawn = {t.fault for _ in range(50) for t in random_specification(space, 20, rng)}
@@ -78,7 +76,7 @@ def test_every_fault_of_the_pool_is_drawn() -> None:
     assert drawn == set(space.candidates)
 
 
-def test_fault_ticks_count_what_lies_inside_the_mission() -> None:
+def test_fault_ticks_count_what_lies_inside_the_mission():
     specification = (TimedFault("f1", 0, 9), TimedFault("f3", 95, 120), TimedFault("f9", 200, 300))
 
     assert fault_ticks(specification, 100) == 10 + 5

@@ -30,7 +30,7 @@ def three() -> Comparison:
     return compare(("bad", "good", "fair"), runs)
 
 
-def test_runs_stand_by_algorithm_as_given_and_by_seed() -> None:
+def test_runs_stand_by_algorithm_as_given_and_by_seed():
     found = three()
 
     assert [(one.algorithm, one.seed) for one in found.runs] == [
@@ -40,7 +40,7 @@ def test_runs_stand_by_algorithm_as_given_and_by_seed() -> None:
     assert [one.digest for one in found.of("fair")] == ["fair1", "fair2", "fair3", "fair4"]
 
 
-def test_measures_that_no_run_reached_are_left_out() -> None:
+def test_measures_that_no_run_reached_are_left_out():
     names = [criterion.name for criterion in three().criteria]
 
     assert names == [
@@ -55,7 +55,7 @@ def test_measures_that_no_run_reached_are_left_out() -> None:
     ]
 
 
-def test_hypervolume_is_left_out_where_it_was_not_computed() -> None:
+def test_hypervolume_is_left_out_where_it_was_not_computed():
     runs = [replace(one, hypervolume=None) for one in three().runs]
 
     names = [criterion.name for criterion in compare(("bad", "good", "fair"), runs).criteria]
@@ -63,7 +63,7 @@ def test_hypervolume_is_left_out_where_it_was_not_computed() -> None:
     assert "hypervolume" not in names
 
 
-def test_medians_have_quartiles_and_what_was_never_reached_is_infinite() -> None:
+def test_medians_have_quartiles_and_what_was_never_reached_is_infinite():
     found = three().quartiles
 
     assert found["fitness"]["good"] == Quartiles(21.75, 22.5, 23.25)
@@ -71,7 +71,7 @@ def test_medians_have_quartiles_and_what_was_never_reached_is_infinite() -> None
     assert found["at_once_2"]["fair"] == Quartiles(30.0, 30.0, 30.0)
 
 
-def test_a12_above_a_half_means_that_the_first_does_better_also_where_less_is_better() -> None:
+def test_a12_above_a_half_means_that_the_first_does_better_also_where_less_is_better():
     tests = {(test.measure, test.first, test.second): test for test in three().tests}
 
     assert tests["fitness", "bad", "good"].ranks.a12 == 0.0
@@ -80,7 +80,7 @@ def test_a12_above_a_half_means_that_the_first_does_better_also_where_less_is_be
     assert tests["at_once_2", "bad", "good"].ranks.a12 == 0.5
 
 
-def test_every_pair_is_tested_on_every_measure_but_size_and_time() -> None:
+def test_every_pair_is_tested_on_every_measure_but_size_and_time():
     tests = three().tests
 
     assert [(t.first, t.second) for t in tests if t.measure == "fitness"] == [
@@ -92,7 +92,7 @@ def test_every_pair_is_tested_on_every_measure_but_size_and_time() -> None:
     assert not {"seconds", "front_size"} & {test.measure for test in tests}
 
 
-def test_p_values_are_adjusted_for_the_pairs_of_their_measure() -> None:
+def test_p_values_are_adjusted_for_the_pairs_of_their_measure():
     tests = [test for test in three().tests if test.measure == "fitness"]
 
     assert tests[0].ranks.p_value == pytest.approx(2 / 70)
@@ -101,14 +101,14 @@ def test_p_values_are_adjusted_for_the_pairs_of_their_measure() -> None:
     )
 
 
-def test_one_algorithm_has_quartiles_and_no_tests() -> None:
+def test_one_algorithm_has_quartiles_and_no_tests():
     found = compare(("good",), [run("good", 1, 5.0)])
 
     assert found.quartiles["fitness"]["good"] == Quartiles(5.0, 5.0, 5.0)
     assert found.tests == ()
 
 
-def test_json_has_nothing_that_json_has_not() -> None:
+def test_json_has_nothing_that_json_has_not():
     content = json.loads(json.dumps(as_json(three()), allow_nan=False))
 
     assert content["schema"] == 1

@@ -6,13 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.study.comparison import (
-    Quartiles,
-    RankTest,
-    compare_ranks,
-    holm,
-    quartiles,
-)
+from mrsfi_runtime.study.comparison import Quartiles, RankTest, compare_ranks, holm, quartiles
 
 FEW = st.lists(st.integers(0, 4), min_size=2, max_size=5)
 
@@ -32,9 +26,7 @@ def every_u(pooled: list[float], n_first: int) -> list[float]:
 
 
 @given(FEW, FEW)
-def test_small_samples_have_the_p_value_of_all_divisions_ties_or_not(
-    first: list[int], second: list[int]
-) -> None:
+def test_small_samples_have_the_p_value_of_all_divisions_ties_or_not(first, second):
     u = wins(first, second)
     all_u = every_u([*first, *second], len(first))
     n_least = min(sum(v <= u for v in all_u), sum(v >= u for v in all_u))
@@ -47,9 +39,7 @@ def test_small_samples_have_the_p_value_of_all_divisions_ties_or_not(
 
 
 @given(FEW, FEW)
-def test_the_order_of_samples_turns_the_effect_and_keeps_the_p_value(
-    first: list[int], second: list[int]
-) -> None:
+def test_the_order_of_samples_turns_the_effect_and_keeps_the_p_value(first, second):
     one, other = compare_ranks(first, second), compare_ranks(second, first)
 
     assert one.p_value == pytest.approx(other.p_value)
@@ -57,7 +47,7 @@ def test_the_order_of_samples_turns_the_effect_and_keeps_the_p_value(
     assert one.magnitude == other.magnitude
 
 
-def test_the_textbook_case_without_ties() -> None:
+def test_the_textbook_case_without_ties():
     # Age at diagnosis of five men and four women; U = 17 and p = 0.1111 in the literature.
     men, women = [19, 22, 16, 29, 24], [20, 11, 17, 12]
 
@@ -68,14 +58,14 @@ def test_the_textbook_case_without_ties() -> None:
     assert found.magnitude == "large"
 
 
-def test_a_sample_of_one_value_is_not_told_from_another() -> None:
+def test_a_sample_of_one_value_is_not_told_from_another():
     found = compare_ranks([1.0], [2.0])
 
     assert (found.u, found.a12) == (0.0, 0.0)
     assert found.p_value > 0.9
 
 
-def test_large_samples_have_the_normal_p_value_with_corrections() -> None:
+def test_large_samples_have_the_normal_p_value_with_corrections():
     first = [value % 7 for value in range(30)]
     second = [value % 5 + 1 for value in range(30)]
     _, ties = np.unique([*first, *second], return_counts=True)
@@ -89,7 +79,7 @@ def test_large_samples_have_the_normal_p_value_with_corrections() -> None:
     assert found.p_value == pytest.approx(erfc(z / sqrt(2)))
 
 
-def test_what_was_never_reached_is_ranked_behind_everything() -> None:
+def test_what_was_never_reached_is_ranked_behind_everything():
     few = compare_ranks([1.0, 2.0, inf], [3.0, inf, inf])
     many = compare_ranks([5.0] * 15 + [inf] * 15, [7.0] * 5 + [inf] * 25)
 
@@ -99,7 +89,7 @@ def test_what_was_never_reached_is_ranked_behind_everything() -> None:
 
 
 @pytest.mark.parametrize("n", [1, 3, 40])
-def test_samples_of_one_value_do_not_differ(n: int) -> None:
+def test_samples_of_one_value_do_not_differ(n):
     found = compare_ranks([2.0] * n, [2.0] * n)
 
     assert (found.u, found.p_value, found.a12, found.magnitude) == (
@@ -124,11 +114,11 @@ def test_samples_of_one_value_do_not_differ(n: int) -> None:
         (0.4, "small"),
     ],
 )
-def test_magnitude_has_the_thresholds_of_vargha_and_delaney(a12: float, magnitude: str) -> None:
+def test_magnitude_has_the_thresholds_of_vargha_and_delaney(a12, magnitude):
     assert RankTest(0.0, 1.0, "exact", a12).magnitude == magnitude
 
 
-def test_holm_adjusts_as_in_the_literature() -> None:
+def test_holm_adjusts_as_in_the_literature():
     # R: p.adjust(c(0.01, 0.04, 0.03, 0.005), "holm")
     assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx((0.03, 0.06, 0.06, 0.02))
     assert holm([0.6, 0.5]) == (1.0, 1.0)
@@ -137,7 +127,7 @@ def test_holm_adjusts_as_in_the_literature() -> None:
 
 
 @given(st.lists(st.floats(0, 1), max_size=8))
-def test_holm_keeps_the_order_and_lowers_no_p_value(p_values: list[float]) -> None:
+def test_holm_keeps_the_order_and_lowers_no_p_value(p_values):
     adjusted = holm(p_values)
 
     assert all(p <= a <= 1.0 for p, a in zip(p_values, adjusted, strict=True))
@@ -146,14 +136,14 @@ def test_holm_keeps_the_order_and_lowers_no_p_value(p_values: list[float]) -> No
 
 
 @given(st.lists(st.integers(-50, 50), min_size=1, max_size=12))
-def test_quartiles_are_those_of_numpy(values: list[int]) -> None:
+def test_quartiles_are_those_of_numpy(values):
     found = quartiles([float(value) for value in values])
 
     expected = np.quantile(values, [0.25, 0.5, 0.75])
     assert (found.lower, found.median, found.upper) == pytest.approx(tuple(expected))
 
 
-def test_quartiles_of_what_was_never_reached_are_infinite() -> None:
+def test_quartiles_of_what_was_never_reached_are_infinite():
     assert quartiles([3.0, inf, 1.0, 2.0]) == Quartiles(1.75, 2.5, inf)
     assert quartiles([inf, 1.0]) == Quartiles(inf, inf, inf)
     assert quartiles([inf, inf, 1.0, 1.0, 1.0]) == Quartiles(1.0, 1.0, inf)

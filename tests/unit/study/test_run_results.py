@@ -33,7 +33,7 @@ def measured(
     )
 
 
-def test_each_improvement_of_the_fitness_is_kept_with_its_place() -> None:
+def test_each_improvement_of_the_fitness_is_kept_with_its_place():
     run = measured([(4, 0, 0, 0, 0, 0), (2, 1, 0, 0, 0, 0), (9, 0, 0, 0, 0, 0), (9, *SIX[1:])])
 
     assert run.improvements == ((1, 4.0), (3, 9.0))
@@ -41,27 +41,27 @@ def test_each_improvement_of_the_fitness_is_kept_with_its_place() -> None:
     assert [run.best_after(n) for n in range(5)] == [0.0, 4.0, 4.0, 9.0, 9.0]
 
 
-def test_goals_are_counted_by_one_specification_and_by_all_so_far() -> None:
+def test_goals_are_counted_by_one_specification_and_by_all_so_far():
     run = measured([SIX, (1, 0, 0, 0, 0, 0), (0, 1, 1, 0, 0, 0), (1, 0, 0, 1, 1, 0)])
 
     assert run.at_once == (2, 3, 4, None, None, None)
     assert run.together == (2, 3, 3, 4, 4, None)
 
 
-def test_true_violations_are_looked_at_on_request() -> None:
+def test_true_violations_are_looked_at_on_request():
     run = measured([(1, 3, 0, 0, 0, 0)], counts="true")  # of which halves are true: 0 and 1
 
     assert run.at_once[:2] == (1, None)
 
 
-def test_no_evaluations_have_a_result() -> None:
+def test_no_evaluations_have_a_result():
     run = measured([])
 
     assert (run.best_fitness, run.hypervolume, run.front_size) == (0.0, 0.0, 0)
     assert run.at_once == run.together == (None,) * 6
 
 
-def test_the_front_is_over_the_chosen_goals() -> None:
+def test_the_front_is_over_the_chosen_goals():
     found = [(5, 9, 1, 0, 0, 0), (1, 9, 5, 0, 0, 0), (1, 0, 4, 0, 0, 0)]
 
     assert measured(found, goals=("g1", "g3")).front_size == 2
@@ -69,9 +69,7 @@ def test_the_front_is_over_the_chosen_goals() -> None:
 
 
 @given(st.integers(2, 3), st.data())
-def test_hypervolume_is_the_share_of_vectors_that_the_front_reaches(
-    n_goals: int, data: st.DataObject
-) -> None:
+def test_hypervolume_is_the_share_of_vectors_that_the_front_reaches(n_goals, data):
     duration = 6
     point = st.tuples(*[st.integers(0, duration)] * n_goals)
     front = non_dominated(data.draw(st.lists(point, min_size=1, max_size=8)))
@@ -86,18 +84,18 @@ def test_hypervolume_is_the_share_of_vectors_that_the_front_reaches(
     assert volume == pytest.approx(n_reached / len(grid))
 
 
-def test_hypervolume_needs_two_goals_and_not_too_many() -> None:
+def test_hypervolume_needs_two_goals_and_not_too_many():
     assert front_volume([(4,)], 1, 10) is None
     assert front_volume([(4,) * 8], 8, 10) is None
     assert front_volume([(10,) * 7], 7, 10) == pytest.approx(1.0)
     assert front_volume([], 2, 10) == 0.0
 
 
-def test_a_front_on_an_axis_has_a_volume() -> None:
+def test_a_front_on_an_axis_has_a_volume():
     assert front_volume([(0, 9)], 2, 9) == pytest.approx(0.1)
 
 
-def test_a_result_survives_json() -> None:
+def test_a_result_survives_json():
     run = measured([(1, 0, 2, 0, 0, 0), (3, 0, 2, 0, 0, 0)])
     unvalued = replace(run, hypervolume=None)
 

@@ -6,7 +6,7 @@ from tests.support.cluster import require_dask
 
 
 @pytest.mark.parametrize("text", ["local", "tcp://127.0.0.1:8786", "tls://[::1]:8786"])
-def test_addresses_of_schedulers_are_taken(text: str) -> None:
+def test_addresses_of_schedulers_are_taken(text):
     require_dask()
 
     require_address(text)
@@ -16,7 +16,7 @@ def test_addresses_of_schedulers_are_taken(text: str) -> None:
     "text",
     ["", "remote", "127.0.0.1:8786", "tcp://host", "tcp://:8786", "ws://host:1", "tcp://h:x"],
 )
-def test_what_is_no_address_is_refused_with_what_was_expected(text: str) -> None:
+def test_what_is_no_address_is_refused_with_what_was_expected(text):
     require_dask()
 
     with pytest.raises(UsageError, match=r"expected tcp://HOST:PORT or tls://HOST:PORT"):

@@ -9,7 +9,7 @@ from tests.support.world import ROOT
 GENERATED = ROOT / "generated" / "tight_margins"
 
 
-def test_what_is_unpacked_elsewhere_loads_as_the_same_mission(tmp_path: Path) -> None:
+def test_what_is_unpacked_elsewhere_loads_as_the_same_mission(tmp_path):
     shipment = pickle.loads(pickle.dumps(Shipment.of(GENERATED)))
 
     shipment.unpack(tmp_path / "worker" / "mission")
@@ -18,7 +18,7 @@ def test_what_is_unpacked_elsewhere_loads_as_the_same_mission(tmp_path: Path) ->
     assert (found.mission, found.pool) == (expected.mission, expected.pool)
 
 
-def test_the_name_follows_from_the_content_alone(tmp_path: Path) -> None:
+def test_the_name_follows_from_the_content_alone(tmp_path):
     shipment = Shipment.of(GENERATED)
     shipment.unpack(tmp_path)
     copied = Shipment.of(tmp_path)
@@ -29,7 +29,7 @@ def test_the_name_follows_from_the_content_alone(tmp_path: Path) -> None:
     assert copied.name == shipment.name != changed.name
 
 
-def test_texts_of_a_worker_name_the_places_at_home() -> None:
+def test_texts_of_a_worker_name_the_places_at_home():
     shipment = replace(Shipment.of(GENERATED), given="generated/x", absolute="/home/me/generated/x")
     text = 'File "/far/away/a.py", line 3\nError: /far/away/a.py:3: wrong'
 
@@ -38,11 +38,11 @@ def test_texts_of_a_worker_name_the_places_at_home() -> None:
     assert told == 'File "/home/me/generated/x/a.py", line 3\nError: generated/x/a.py:3: wrong'
 
 
-def test_the_process_that_packed_differs_in_nothing() -> None:
+def test_the_process_that_packed_differs_in_nothing():
     assert Shipment.of(GENERATED).differences() == ""
 
 
-def test_every_difference_is_named_with_what_was_found_and_expected() -> None:
+def test_every_difference_is_named_with_what_was_found_and_expected():
     shipment = Shipment.of(GENERATED)
     packed = replace(
         shipment, environment={**shipment.environment, "Python": "2.7", "numba": "0.1"}

@@ -5,7 +5,7 @@ import pytest
 from mrsfi_runtime.engine.cluster.pace import CHUNK_SECONDS, Pace
 
 
-def test_every_worker_gets_a_chunk_while_there_are_enough_specifications() -> None:
+def test_every_worker_gets_a_chunk_while_there_are_enough_specifications():
     pace = Pace()
     pace.learn(100, 0.001)
 
@@ -17,7 +17,7 @@ def test_every_worker_gets_a_chunk_while_there_are_enough_specifications() -> No
 
 
 @pytest.mark.parametrize("seconds", [0.0003, 0.025, 0.1])
-def test_a_chunk_takes_as_long_as_it_should_once_the_pace_is_known(seconds: float) -> None:
+def test_a_chunk_takes_as_long_as_it_should_once_the_pace_is_known(seconds):
     pace = Pace()
 
     for _ in range(20):
@@ -27,21 +27,21 @@ def test_a_chunk_takes_as_long_as_it_should_once_the_pace_is_known(seconds: floa
     assert 0.7 * CHUNK_SECONDS < pace.chunk_size(10_000, 2) * seconds <= CHUNK_SECONDS
 
 
-def test_an_evaluation_that_takes_longer_than_a_chunk_should_goes_alone() -> None:
+def test_an_evaluation_that_takes_longer_than_a_chunk_should_goes_alone():
     pace = Pace()
     pace.learn(1, 10.0)
 
     assert pace.chunk_size(20, 2) == 1
 
 
-def test_evaluations_too_fast_for_the_clock_are_no_division_by_zero() -> None:
+def test_evaluations_too_fast_for_the_clock_are_no_division_by_zero():
     pace = Pace()
     pace.learn(4, 0.0)
 
     assert pace.chunk_size(100, 2) == 50
 
 
-def test_the_pace_follows_a_mission_that_slows_down() -> None:
+def test_the_pace_follows_a_mission_that_slows_down():
     pace = Pace()
     pace.learn(10, 0.01)
     fast = pace.chunk_size(10_000, 1)
