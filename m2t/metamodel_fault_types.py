@@ -74,12 +74,13 @@ def read_fault_types(package: Any, findings: Findings) -> Mapping[str, FaultType
 
 
 class _Reader:
-    """Reads fault types; remembers which elements may say something."""
+    """Reads fault types; remembers what was said, and what says a word that is unknown."""
 
     def __init__(self, findings: Findings) -> None:
         self._findings = findings
         self._add = findings.add
         self._read: dict[Any, Said] = {}
+        self._unknown: set[Any] = set()
 
     def fault_type(self, kind: Any) -> FaultType | None:
         """Return what a class means, unless something is wrong with it."""
@@ -91,7 +92,8 @@ class _Reader:
             finding = f"inherits from {len(found)} of {listed}; expected one; correct eSuperTypes"
             self._add(kind, "RequiredFeature", finding)
         parameters = self._parameters(kind)
-        if self._findings.report.n_errors > n_errors:
+        inherited = {*lineage(kind), *features(kind)}
+        if self._findings.report.n_errors > n_errors or inherited & self._unknown:
             return None
         (mode,), touched = said["mode"], said.get("property", ())
         declared = FaultType(kind.name, mode, found[0], touched, tuple(parameters))
@@ -151,6 +153,7 @@ class _Reader:
             if word not in known:
                 finding = f"has {key} {shown(word)}; expected one of {', '.join(known)}; correct it"
                 self._add(note, "EnumLiteral", finding)
+                self._unknown.add(note.eContainer())
             yield known.get(word)
 
     def _meaning(self, kind: Any) -> Said:
@@ -239,7 +242,8 @@ class _Reader:
             finding = f"of mode {mode} touches {_names(kind)}; expected {listed}; correct property"
             self._add(node, "EnumLiteral", finding)
             return ()
-        needed, order = known[affected].needed, (*known[affected].needed, *known[affected].optional)
+        order = known[affected]
+        needed = [role for role in order if role is not Role.Z]
         by_role: dict[Role, Parameter] = {}
         for parameter, role in declared.items():
             if role not in order or role in by_role:

@@ -101,7 +101,6 @@ class ClassView(AnnotatedView):
 
     is_abstract: bool
     bases: tuple[str, ...]
-    stub_bases: tuple[str, ...]
     features: tuple[FeatureView, ...]
     parameters: tuple[FeatureView, ...]
 
@@ -139,7 +138,7 @@ def package_view(package: Any) -> PackageView:
     enumerations = tuple(_enumeration(entry) for entry in own if isinstance(entry, EEnum))
     classes = tuple(_class(metaclass) for metaclass in metaclasses)
     others = _other_packages(package, metaclasses)
-    has_roots = any("Element" in entry.stub_bases for entry in classes)
+    has_roots = any(not entry.bases for entry in classes)
     features = [feature for entry in classes for feature in entry.features]
     helpers = _import_of(
         Element=has_roots,
@@ -198,8 +197,7 @@ def _class(metaclass: Any) -> ClassView:
     return ClassView(
         *_annotated(metaclass),
         is_abstract=bool(metaclass.abstract),
-        bases=parents or ("Element", "ecore.EObject", "metaclass=ecore.MetaEClass"),
-        stub_bases=parents or ("Element",),
+        bases=parents,
         features=tuple(map(_feature, _own(metaclass))),
         parameters=parameters,
     )
@@ -221,61 +219,46 @@ def _enumeration(enumeration: Any) -> EnumerationView:
 
 def _feature(slot: Slot) -> FeatureView:
     name, documentation, annotations = _annotated(slot.feature)
-    kind, python_type = _type(slot)
+    is_ours = slot.holds_elements or isinstance(slot.type, EEnum)
+    python_type = global_name(slot.type) if is_ours else _PYTHON_TYPES[slot.type.name]
     return FeatureView(
         python_name(name),
         documentation,
         annotations,
-        kind=kind,
+        kind="EReference" if slot.holds_elements else "EAttribute",
         arguments=tuple(_arguments(slot)),
         type=_value_type(slot, python_type),
         parameter=f"Iterable[{python_type}] = ..." if slot.many else f"{python_type} | None = ...",
     )
 
 
-def _type(slot: Slot) -> tuple[str, str]:
-    """Return the kind of a feature and the Python type of one value."""
-    if slot.holds_elements:
-        return "EReference", global_name(slot.type)
-    if isinstance(slot.type, EEnum):
-        return "EAttribute", global_name(slot.type)
-    return "EAttribute", _PYTHON_TYPES[slot.type.name]
-
-
 def _value_type(slot: Slot, python_type: str) -> str:
     """Return the type of a feature in a valid model: only what is optional may be ``None``."""
     if slot.many:
         return f"EList[{python_type}]"
-    is_number = python_type in {"int", "float", "bool"}
-    is_never_none = (
-        is_number or slot.lower_bound > 0 or slot.feature.defaultValueLiteral is not None
-    )
+    has_value = slot.lower_bound > 0 or slot.feature.defaultValueLiteral is not None
+    is_never_none = has_value or python_type in {"int", "float", "bool"}
     return python_type if is_never_none else f"{python_type} | None"
 
 
 def _arguments(slot: Slot) -> Iterator[str]:
     """Yield what distinguishes a feature from one with all defaults."""
+    feature = slot.feature
     if python_name(slot.name) != slot.name:
         yield f'name="{slot.name}"'
     if not slot.holds_elements:
         known = _PYTHON_TYPES.get(slot.type.name)
         yield f"eType={'ecore.' if known else ''}{slot.type.name}"
-    yield from _bounds(slot)
+    bounds = {"lower": (slot.lower_bound, 0), "upper": (int(feature.upperBound), 1)}
+    yield from (f"{name}={value}" for name, (value, usual) in bounds.items() if value != usual)
+    if slot.many and feature.unique:
+        yield "derived_class=Values"
     for flag, usual in _FLAGS.items():
-        value = bool(getattr(slot.feature, flag, usual))
+        value = bool(getattr(feature, flag, usual))
         if value is not usual:
             yield f"{flag}={value}"
-    if not slot.holds_elements and slot.feature.defaultValueLiteral is not None:
-        yield f"defaultValueLiteral={literal(str(slot.feature.defaultValueLiteral))}"
-
-
-def _bounds(slot: Slot) -> Iterator[str]:
-    if slot.lower_bound != 0:
-        yield f"lower={slot.lower_bound}"
-    if slot.feature.upperBound != 1:
-        yield f"upper={int(slot.feature.upperBound)}"
-    if slot.many and slot.feature.unique:
-        yield "derived_class=Values"
+    if not slot.holds_elements and feature.defaultValueLiteral is not None:
+        yield f"defaultValueLiteral={literal(str(feature.defaultValueLiteral))}"
 
 
 def _links(metaclasses: Iterable[Any]) -> Iterator[str]:

@@ -214,6 +214,24 @@ def test_what_is_said_wrong_is_named_with_file_line_and_class(faults, parent, co
     assert found.startswith(f"{faults}:{line}: ")
 
 
+@pytest.mark.parametrize(
+    ("said", "expected"),
+    [
+        (meaning(mode="JAM", property="SPEED") + BY, "has mode 'JAM'"),
+        (SPEED_OFFSET + parameter("BY", range="LENGTH"), "has range 'LENGTH'"),
+        (SPEED_OFFSET + parameter("BY", range="SPEED", role="MEAN"), "has role 'MEAN'"),
+    ],
+)
+def test_what_two_types_inherit_wrong_is_named_once(faults, said, expected):
+    base = a_class("Offset", "#//RobotFault", said)
+    add_classes(faults, base.replace("name=", 'abstract="true" name=', 1))
+    for name in ("WheelSlip", "Tailwind"):
+        add_fault_type(faults, name, "Offset", "")
+
+    assert expected in error(faults)
+    assert "\n" not in error(faults)
+
+
 def test_a_type_that_no_fault_can_hold_is_refused(faults):
     add_classes(faults, a_class("Odd", "#//RobotFault", meaning(mode="STOP", property="MOTION")))
 

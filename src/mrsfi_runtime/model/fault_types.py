@@ -122,48 +122,36 @@ class FaultType:
         return ranges[:2] == [Range.X, Range.Y] and set(ranges[2:]) <= {Range.Z}
 
 
-@dataclass(frozen=True, slots=True)
-class Roles:
-    """The parameters that a mode takes, in order, the optional ones last."""
-
-    needed: tuple[Role, ...] = ()
-    optional: tuple[Role, ...] = ()
-
-
 REPORTED = (Field.SPEED, Field.ENERGY, Field.COUNT, Field.RATE, Field.COST)
 """Properties that are one number, with the range of the same name."""
 
 PLACES = (Field.POSITION, Field.OBSTACLE)
 """Properties that are a place."""
 
-_TICKS = Roles((Role.TICKS,))
-_VALUE = Roles((Role.VALUE,))
-_PERCENT = Roles((Role.PERCENT,))
 
-
-def _on(properties: tuple[Field, ...], roles: Roles) -> Mapping[Field | None, Roles]:
+def _on(properties: tuple[Field, ...], *roles: Role) -> Mapping[Field | None, tuple[Role, ...]]:
     return dict.fromkeys(properties, roles)
 
 
-ROLES: Mapping[Mode, Mapping[Field | None, Roles]] = MappingProxyType(
+ROLES: Mapping[Mode, Mapping[Field | None, tuple[Role, ...]]] = MappingProxyType(
     {
-        Mode.DELAY: {None: _TICKS},
-        Mode.BLOCK: {None: _TICKS},
-        Mode.RANDOM: {**_on(REPORTED, Roles((Role.LOWEST, Role.HIGHEST))), **_on(PLACES, Roles())},
-        Mode.ZERO: _on(REPORTED, Roles()),
-        Mode.FIXED: {**_on(REPORTED, _VALUE), **_on(PLACES, Roles((Role.X, Role.Y), (Role.Z,)))},
-        Mode.INCREMENT: _on(REPORTED, _VALUE),
-        Mode.DECREMENT: _on(REPORTED, _VALUE),
-        Mode.INCREMENT_PERCENT: _on(REPORTED, _PERCENT),
-        Mode.DECREMENT_PERCENT: _on(REPORTED, _PERCENT),
-        Mode.STOP: {Field.MOTION: Roles()},
-        Mode.START: {Field.MOTION: Roles()},
-        Mode.DEACTIVATE: {Field.ACTIVATION: Roles()},
-        Mode.ACTIVATE: {Field.ACTIVATION: Roles()},
+        Mode.DELAY: {None: (Role.TICKS,)},
+        Mode.BLOCK: {None: (Role.TICKS,)},
+        Mode.RANDOM: {**_on(REPORTED, Role.LOWEST, Role.HIGHEST), **_on(PLACES)},
+        Mode.ZERO: _on(REPORTED),
+        Mode.FIXED: {**_on(REPORTED, Role.VALUE), **_on(PLACES, Role.X, Role.Y, Role.Z)},
+        Mode.INCREMENT: _on(REPORTED, Role.VALUE),
+        Mode.DECREMENT: _on(REPORTED, Role.VALUE),
+        Mode.INCREMENT_PERCENT: _on(REPORTED, Role.PERCENT),
+        Mode.DECREMENT_PERCENT: _on(REPORTED, Role.PERCENT),
+        Mode.STOP: {Field.MOTION: ()},
+        Mode.START: {Field.MOTION: ()},
+        Mode.DEACTIVATE: {Field.ACTIVATION: ()},
+        Mode.ACTIVATE: {Field.ACTIVATION: ()},
     }
 )
-"""The properties that a mode acts on, and the parameters that it takes there; ``None`` stands
-for whatever a message carries."""
+"""The properties that a mode acts on, and the parameters that it takes there in order; ``None``
+stands for whatever a message carries. A height, ``Role.Z``, may be absent."""
 
 OF_ROBOT = (Field.POSITION, Field.SPEED, Field.ENERGY)
 """Properties of a robot that its messages report."""
