@@ -21,6 +21,8 @@ from m2t.read.nodes import Node, read_root
 from m2t.write.xmi import dumps, write_atomically
 from mrsfi_runtime.errors import UsageError
 
+_COUNTED = ("robots", "servers", "obstacles", "goals")
+
 
 @dataclass(frozen=True, slots=True)
 class Imported:
@@ -88,7 +90,7 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         )
         report.add(setup, "RootElement", finding)
         report.require_no_errors()
-    reader = PublishedReader(setup, _duration(setup), report, notes)
+    reader = PublishedReader(setup, report, notes)
     mission, specifications = _roots(setup, reader, report)
     reader.resolve()
     report.require_no_errors()
@@ -121,14 +123,6 @@ def _require_free(folder: Path, *, is_forced: bool) -> None:
     if not (folder / MISSION_XMI).is_file():
         message = f"{folder}: exists and holds no {MISSION_XMI}, so that it is no mission folder; "
         raise UsageError(f"{message}name another with --out")
-
-
-def _duration(setup: Node) -> int:
-    """Return the duration that defaults depend on; a wrong one is reported when it is read."""
-    missions = setup.tagged("mission")
-    text = missions[0].attributes.get("duration", "") if missions else ""
-    whole = text.partition(".")[0]
-    return int(whole) if whole.isdecimal() and whole.isascii() and len(whole) < 10 else 1
 
 
 def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, list[Any]]:
@@ -200,11 +194,7 @@ def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:
 
 
 def _counts(mission: Any, specifications: list[Any]) -> dict[str, int]:
-    return {
-        "robots": len(mission.robots),
-        "servers": len(mission.servers),
-        "obstacles": len(mission.obstacles),
-        "goals": len(mission.goals),
-        "messages": sum(len(goal.messages) for goal in mission.goals),
-        "faults": sum(len(root.faults) for root in specifications),
-    }
+    counts = {kind: len(getattr(mission, kind)) for kind in _COUNTED}
+    counts["messages"] = sum(len(goal.messages) for goal in mission.goals)
+    counts["faults"] = sum(len(root.faults) for root in specifications)
+    return counts

@@ -90,11 +90,10 @@ class PublishedReader:
     What cannot be carried over is reported as it is read, what is missing by ``require_all``.
     """
 
-    def __init__(self, root: Node, duration: int, report: Report, notes: Notes) -> None:
+    def __init__(self, root: Node, report: Report, notes: Notes) -> None:
         self.origins: dict[Any, Node] = {}
         self.own_ids: dict[Any, str] = {}
         self._root = root
-        self._duration = duration
         self._report = report
         self._notes = notes
         self._objects: dict[Node, Any] = {}
@@ -237,7 +236,7 @@ class PublishedReader:
             return None
         special = DEFAULTS.get((instance.eClass.name, slot.name))
         if special is not None:
-            text, meaning = special(self._duration), "; set to {}"
+            text, meaning = special(self._duration()), "; set to {}"
         elif slot.type.name in USUAL and instance.eClass.name != "MessageData":
             text = USUAL[slot.type.name]
             meaning = ", which means {} in Eclipse" if text else ", which means empty"
@@ -245,6 +244,10 @@ class PublishedReader:
             return None
         self._notes.add("default", node, slot.name, f"is absent{meaning.format(text)}")
         return text
+
+    def _duration(self) -> int:
+        """Return what the mission lasts, which is read before all else; 0 if that is wrong."""
+        return int(next(iter(self.origins)).duration)
 
     def _target(self, reference: Reference, text: str) -> Any:
         """Return the object that a reference leads to; ``None`` after a report."""
