@@ -8,7 +8,7 @@ Source paper, section III-B b).
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-from m2t.constraints.findings import number
+from m2t.constraints.mission import number
 from m2t.diagnostics import Findings
 from m2t.elements import values
 from m2t.metaclasses import is_kind, slots

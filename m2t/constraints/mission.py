@@ -13,9 +13,9 @@ from typing import Any
 from pyecore.ecore import EObject
 
 from m2t.constraints.contact import Discs
-from m2t.constraints.findings import identities, number
-from m2t.diagnostics import Findings, shown
+from m2t.diagnostics import Findings, listed, shown
 from m2t.metaclasses import base_class, is_kind
+from m2t.write.xmi import java_double
 from mrsfi_runtime.model.mission import ROBOT_RADIUS
 
 ROBOT_FIELDS = ("POSITION", "SPEED", "ENERGY")
@@ -59,6 +59,11 @@ def strangers(goal: Any) -> list[Any]:
     return [robot for robot in goal.task.robots if robot not in goal.members]
 
 
+def number(value: float) -> str:
+    """Return a number for messages, spelt as in the file."""
+    return str(value) if isinstance(value, int) else java_double(value)
+
+
 def repeated(entries: Iterable[Any]) -> Iterator[Any]:
     """Yield the entries that have the name of one before them."""
     names: set[str] = set()
@@ -78,6 +83,11 @@ def areas(mission: Any) -> Iterator[Any]:
         own = getattr(goal.task, "area", None)
         if isinstance(own, EObject) and is_kind(own.eClass, "Area"):
             yield own
+
+
+def _ids(elements: Any) -> str:
+    """Return the IDs of elements, for messages."""
+    return listed([str(element.ID) for element in elements]) or "none"
 
 
 def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:
@@ -165,7 +175,7 @@ def _check_gather_samples(_: Any, goal: Any, findings: Findings) -> None:
             goal.task,
             "SensorOfMember",
             f"uses sensor '{sensor.ID}' of robot '{sensor.eContainer().ID}'; expected a sensor of "
-            f"a member ({identities(goal.members)}); correct the sensor or the members",
+            f"a member ({_ids(goal.members)}); correct the sensor or the members",
         )
 
 
@@ -175,8 +185,8 @@ def _check_avoid_collision(_: Any, goal: Any, findings: Findings) -> None:
         findings.add(
             goal.task,
             "AvoidCollisionMembers",
-            f"names {identities(found)}; expected members of the goal "
-            f"({identities(goal.members)}); correct the robots or the members",
+            f"names {_ids(found)}; expected members of the goal "
+            f"({_ids(goal.members)}); correct the robots or the members",
         )
 
 
@@ -220,7 +230,7 @@ def _check_message(goal: Any, message: Any, findings: Findings) -> None:
             message,
             "SenderIsMember",
             f"is sent by '{sender.ID}'; expected a member of the goal "
-            f"({identities(goal.members)}); correct the sender or the members",
+            f"({_ids(goal.members)}); correct the sender or the members",
         )
     again = set(repeated(message.body))
     for entry in message.body:

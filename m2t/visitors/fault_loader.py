@@ -4,13 +4,12 @@ from collections.abc import Container, Mapping
 from typing import Any, TypeAlias
 
 from m2t.constraints.faults import fault_types, is_set
-from m2t.elements import values
 from m2t.environment import Call, Expression, Name, Table, literal
 from m2t.load import LoadedModels
 from m2t.metaclasses import Slot, slots
 from m2t.metamodel_contract import BOUNDS, CONTRACT
 from m2t.metamodels import load_metamodels, meaning
-from m2t.visitors.mission_loader import functions, plain
+from m2t.visitors.mission_loader import functions, held
 from mrsfi_runtime.model.fault_types import FaultType, Parameter
 
 Entry: TypeAlias = tuple[str, Expression]
@@ -123,7 +122,7 @@ def _own(fault: Any, fault_type: Any, kind: FaultType, reference: str) -> Table:
 def _features(element: Any, known: Container[str] = ()) -> tuple[Entry, ...]:
     """Return what a model or a default gives an element in features but those known, by name."""
     return tuple(
-        (name, _held(element, slot))
+        (name, held(element, slot, _part))
         for name, slot in slots(element.eClass).items()
         if name not in known and (element.eIsSet(slot.feature) or _has_default(slot))
     )
@@ -133,15 +132,6 @@ def _has_default(slot: Slot) -> bool:
     return getattr(slot.feature, "defaultValueLiteral", None) is not None
 
 
-def _held(element: Any, slot: Slot) -> Expression:
-    held = tuple(_value(value, slot) for value in values(element, slot))
-    return held if slot.many else next(iter(held), None)
-
-
-def _value(value: Any, slot: Slot) -> Expression:
-    """Return a value; of a part its own features with its class as ``eClass``, of a link an ID."""
-    if slot.is_contained:
-        return Table((("eClass", str(value.eClass.name)), *_features(value)))
-    if slot.is_reference:
-        return str(getattr(value, "ID", None) or value.eURIFragment())
-    return plain(value, slot)
+def _part(part: Any) -> Table:
+    """Return a part that a team added as a dictionary, with its class as ``eClass``."""
+    return Table((("eClass", str(part.eClass.name)), *_features(part)))

@@ -1,11 +1,12 @@
 """Visitor of ``mission_loader.py``: the mission as one nested expression."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
 from pyecore.ecore import EEnumLiteral
 
+from m2t.elements import values
 from m2t.environment import Call, Expression, Name
 from m2t.load import LoadedModels
 from m2t.metaclasses import Slot, base_class, is_read, slots
@@ -32,29 +33,31 @@ def _call(element: Any) -> Call:
     if not is_read(metaclass):
         return Call(OWN_TASK, (("class_name", str(metaclass.name)),), is_flat=True)
     known = [slot for slot in slots(metaclass).values() if is_read(metaclass, slot.name)]
-    values = (
+    given = (
         (_NAMES.get(slot.name, snake_case(slot.name)), _value(element, slot)) for slot in known
     )
-    arguments = tuple((name, value) for name, value in values if value not in (None, ()))
+    arguments = tuple((name, value) for name, value in given if value not in (None, ()))
     return Call(metaclass.name, arguments, is_flat=not any(slot.is_id for slot in known))
 
 
 def _value(element: Any, slot: Slot) -> Expression:
     """Return what an element holds in a feature; where it gives no point, it means the origin."""
-    value = getattr(element, slot.name)
-    if slot.many:
-        return tuple(_one(entry, slot) for entry in value)
-    if value is None:
-        return _ORIGIN if slot.type.name == "Coordinates" else None
-    return _one(value, slot)
+    value = held(element, slot, _call)
+    return _ORIGIN if value is None and slot.type.name == "Coordinates" else value
 
 
-def _one(value: Any, slot: Slot) -> Expression:
-    if slot.is_contained:
-        return _call(value)
-    if slot.is_reference:
-        return str(value.ID)
-    return plain(value, slot)
+def held(element: Any, slot: Slot, part: Callable[[Any], Expression]) -> Expression:
+    """Return what an element holds in a feature: parts as ``part`` returns them, links as IDs."""
+
+    def single(value: Any) -> Expression:
+        if slot.is_contained:
+            return part(value)
+        if slot.is_reference:
+            return str(getattr(value, "ID", None) or value.eURIFragment())
+        return plain(value, slot)
+
+    found = tuple(single(value) for value in values(element, slot))
+    return found if slot.many else next(iter(found), None)
 
 
 def plain(value: Any, slot: Slot) -> str | int | float | bool:
