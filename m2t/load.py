@@ -84,18 +84,30 @@ class Inspection:
 
     Attributes
     ----------
-    models
-        The models; ``None`` if an error stands in the way.
     diagnostics
         All defects of all files.
     draft
-        The models although constraints of sense are broken, for whoever mends them; ``None`` if
+        The models although constraints of sense may be broken, for whoever mends them; ``None`` if
         the structure of a file is broken.
     """
 
-    models: LoadedModels | None
     diagnostics: tuple[Diagnostic, ...]
     draft: LoadedModels | None = field(default=None, repr=False)
+
+    @property
+    def models(self) -> LoadedModels | None:
+        """The models; ``None`` if an error stands in the way."""
+        return None if self._errors else self.draft
+
+    def require_models(self) -> LoadedModels:
+        """Return the models; raise a ``ModelError`` with all errors, if there are any."""
+        if self.models is None:
+            raise ModelError("\n".join(map(str, self._errors)))
+        return self.models
+
+    @property
+    def _errors(self) -> list[Diagnostic]:
+        return [found for found in self.diagnostics if found.severity == "error"]
 
 
 def load_mission_folder(folder: Path) -> LoadedModels:
@@ -116,7 +128,7 @@ def load_mission_folder(folder: Path) -> LoadedModels:
     ModelError
         With all errors of both files, one a line.
     """
-    return _models_of(inspect_folder(folder))
+    return inspect_folder(folder).require_models()
 
 
 def load_specification(path: Path) -> LoadedModels:
@@ -137,7 +149,7 @@ def load_specification(path: Path) -> LoadedModels:
     ModelError
         With all errors of both files, one a line.
     """
-    return _models_of(inspect_specification(path))
+    return inspect_specification(path).require_models()
 
 
 def inspect_folder(folder: Path) -> Inspection:
@@ -148,26 +160,21 @@ def inspect_folder(folder: Path) -> Inspection:
     Constraints of sense are checked on a file whose structure is sound: what they would say
     about missing parts helps nobody.
     """
-    loading = _Loading()
-    mission_path, faults_path = folder / MISSION_XMI, folder / FAULTS_XMI
-    mission = loading.read_mission(mission_path)
-    faults = None
-    if _is_there(faults_path):
-        faults = loading.read_faults(faults_path)
-    elif loading.holds(mission_path, load_metamodels().faults_class):
-        faults = loading.read_faults(mission_path)
-    return loading.inspection(mission, faults)
+    faults_path = folder / FAULTS_XMI
+    return _Loading().inspect(folder / MISSION_XMI, faults_path if _is_there(faults_path) else None)
 
 
 def inspect_specification(path: Path) -> Inspection:
     """Load a fault specification and its mission; return everything that was found."""
-    loading = _Loading()
-    faults = loading.read_faults(path)
-    if faults.tree is None:
-        return loading.inspection(None, faults)
-    has_mission = loading.holds(path, load_metamodels().mission_class)
-    mission = loading.read_mission(path if has_mission else _mission_path(path, faults.tree))
-    return loading.inspection(mission, faults)
+    report = Report()
+    files = ModelFiles(report)
+    file = files.read(path)
+    known = load_metamodels()
+    faults = None if file is None else check_structure(file, known.faults_class, files, report)
+    if file is None or faults is None:
+        return Inspection(tuple(report))
+    has_mission = file.roots_of(known.mission_class)
+    return _Loading().inspect(path if has_mission else _mission_path(path, faults), path)
 
 
 def _mission_path(path: Path, faults: ModelTree) -> Path:
@@ -193,13 +200,6 @@ def _whole(path: Path) -> Path:
     return next((place for place in places if place.is_file()), path)
 
 
-def _models_of(inspection: Inspection) -> LoadedModels:
-    if inspection.models is None:
-        errors = [found for found in inspection.diagnostics if found.severity == "error"]
-        raise ModelError("\n".join(str(found) for found in errors))
-    return inspection.models
-
-
 def _is_there(path: Path) -> bool:
     """Return whether a file exists, or at least something there that refuses to say so."""
     try:
@@ -209,73 +209,55 @@ def _is_there(path: Path) -> bool:
 
 
 class _Loading:
-    """Reads a mission and its faults: nodes first, objects once the nodes are sound.
-
-    Constraints of sense are checked on objects, hence only on what is sound.
-    """
+    """Reads a mission and its faults: nodes first, objects once the nodes are sound."""
 
     def __init__(self) -> None:
         self._report = Report()
         self._files = ModelFiles(self._report)
         self._loader = ModelLoader()
-        self._findings = Findings(self._loader.nodes, self._report)
 
-    def holds(self, path: Path, metaclass: Any) -> bool:
-        """Return whether a file that was read has a model of a class beside what else it has."""
-        file = self._files.at(path)
-        return file is not None and bool(file.roots_of(metaclass))
+    def inspect(self, mission_path: Path, faults_path: Path | None) -> Inspection:
+        """Load a mission and its faults, which may stand in the mission's file.
 
-    def read_mission(self, path: Path) -> ReadModel:
-        """Read, check and load the mission."""
-        mission = self._read(path, load_metamodels().mission_class, become_names=True)
-        self._load(mission, None)
+        Constraints of sense are checked on objects, hence only on what is sound.
+        """
+        known = load_metamodels()
+        findings = Findings(self._loader.nodes, self._report)
+        mission = self._load(mission_path, known.mission_class, None)
         if mission.root is not None:
-            check_mission(mission.root, self._findings)
-        return mission
-
-    def read_faults(self, path: Path) -> ReadModel:
-        """Read faults up to their references, which need the mission."""
-        return self._read(path, load_metamodels().faults_class, become_names=False)
-
-    def inspection(self, mission: ReadModel | None, faults: ReadModel | None) -> Inspection:
-        """Load and check faults beside their mission; return all that was found of both."""
-        if faults is not None and mission is not None:
-            self._load(faults, mission)
-            if faults.root is not None:
-                check_faults(faults.root, mission.root.duration, self._findings)
+            check_mission(mission.root, findings)
+        file = self._files.read(mission_path)
+        if faults_path is None and file is not None and file.roots_of(known.faults_class):
+            faults_path = mission_path
+        faults = None
+        if faults_path is not None:
+            faults = self._load(faults_path, known.faults_class, mission)
+        if faults is not None and faults.root is not None:
+            check_faults(faults.root, mission.root.duration, findings)
         if not self._report.n_errors:
             check_claims(self._files, self._report)
-        draft = self._draft(mission, faults)
-        diagnostics = tuple(self._report)
-        return Inspection(None if self._report.n_errors else draft, diagnostics, draft)
+        return Inspection(tuple(self._report), self._draft(mission, faults))
 
-    def _read(self, path: Path, metaclass: Any, *, become_names: bool) -> ReadModel:
+    def _load(self, path: Path, metaclass: Any, mission: ReadModel | None) -> ReadModel:
+        """Check the nodes of a model; make its objects if it is sound, and its mission."""
         n_unsound = self._report.n_unsound
-        file = self._files.read(path)
         model = ReadModel(path)
+        file = self._files.read(path)
         if file is not None:
             model.tree = check_structure(file, metaclass, self._files, self._report)
         if model.tree is not None:
-            check_identities(model.tree, self._report, become_names=become_names)
-        model.is_sound = self._report.n_unsound == n_unsound
+            check_identities(model.tree, self._report, become_names=mission is None)
+            resolve(model.tree, mission, self._report)
+            is_sound = self._report.n_unsound == n_unsound
+            if is_sound and (mission is None or mission.root is not None):
+                model.root = self._loader.load(model.tree)
         return model
 
-    def _load(self, model: ReadModel, mission: ReadModel | None) -> None:
-        """Resolve the references of a model; make its objects if it is sound, and its mission."""
-        if model.tree is None:
-            return
-        n_unsound = self._report.n_unsound
-        resolve(model.tree, mission, self._report)
-        model.is_sound &= self._report.n_unsound == n_unsound
-        if model.is_sound and (mission is None or mission.root is not None):
-            model.root = self._loader.load(model.tree)
-
-    def _draft(self, mission: ReadModel | None, faults: ReadModel | None) -> LoadedModels | None:
+    def _draft(self, mission: ReadModel, faults: ReadModel | None) -> LoadedModels | None:
         """Return the models, flawless or not; ``None`` if objects of a file are missing."""
-        if mission is None or mission.root is None:
+        if mission.root is None or (faults is not None and faults.root is None):
             return None
-        if faults is not None and faults.root is None:
-            return None
+        objects = self._loader.objects
         return LoadedModels(
             mission=mission.root,
             faults=None if faults is None else faults.root,
@@ -283,9 +265,7 @@ class _Loading:
             faults_path=None if faults is None else faults.path,
             nodes=self._loader.nodes,
             files=tuple(
-                LoadedFile(
-                    file.path, file.encoding, tuple(map(self._loader.objects.get, file.roots))
-                )
+                LoadedFile(file.path, file.encoding, tuple(map(objects.get, file.roots)))
                 for file in self._files
             ),
         )

@@ -58,15 +58,12 @@ class ReadModel:
         File that it begins in.
     tree
         Its nodes; ``None`` if they cannot be used.
-    is_sound
-        Whether it keeps all constraints of structure.
     root
         Its root object, once that is made.
     """
 
     path: Path
     tree: ModelTree | None = None
-    is_sound: bool = False
     root: Any = None
 
 
