@@ -139,7 +139,9 @@ class _Reader:
                 for key, text in note.details.items():
                     if key not in keys or key in said:
                         listed = ", ".join(keys)
-                        finding = f"has the key {shown(key)}; expected {listed}, each once; correct"
+                        finding = (
+                            f"has the key {shown(key or '')}; expected {listed}, each once; correct"
+                        )
                         self._add(note, "KnownFeature", f"{finding} it")
                     else:
                         said[key] = tuple(self._meant(note, key, text or ""))
