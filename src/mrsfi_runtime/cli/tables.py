@@ -53,7 +53,7 @@ def goal_table(mission: Mission, outcome: Outcome) -> Table:
 
 def _samples(goal: Goal, n_samples: int) -> str:
     terms = goal.terms
-    return "-" if terms.sensor is None else f"{n_samples} of {terms.target}"
+    return "-" if terms.sensor is None else f"{n_samples} of {terms.target_sample_number}"
 
 
 def fault_table(pool: FaultPool, specification: Specification, outcome: Outcome) -> Table:

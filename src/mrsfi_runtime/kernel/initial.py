@@ -191,11 +191,11 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
             first_hazard=len(state.hazards),
             n_hazards=len(terms.obstacles),
             first_waypoint=len(state.waypoints),
-            n_waypoints=len(terms.waypoints),
+            n_waypoints=len(terms.trajectory),
             sensor=-1 if terms.sensor is None else mission.sensor_index[terms.sensor],
-            target=terms.target,
+            target=terms.target_sample_number,
             tolerance=float(terms.tolerance),
-            distance=float(terms.distance),
+            distance=float(terms.fixed_distance),
             period=terms.period,
             deadline=terms.deadline,
             count=0,
@@ -209,4 +209,4 @@ def _add_goal(state: State, mission: Mission, goal: Goal) -> None:
         for robot in terms.robots
     )
     state.hazards.extend(mission.obstacle_index[obstacle] for obstacle in terms.obstacles)
-    state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.waypoints)
+    state.waypoints.extend(PointState(float(p.x), float(p.y)) for p in terms.trajectory)

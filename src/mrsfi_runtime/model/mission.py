@@ -8,7 +8,7 @@ References
 Source paper, section III-B a).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from mrsfi_runtime.model.fault_types import Field
@@ -162,13 +162,13 @@ class Terms:
         Whom it is about, by ID.
     area
         The disc that it is about; a point has radius 0.
-    waypoints
+    trajectory
         Points of a path.
     sensor
         ID of the sensor whose samples it counts.
-    target
+    target_sample_number
         Number of samples.
-    tolerance, distance
+    tolerance, fixed_distance
         Distances.
     period, deadline
         Ticks.
@@ -177,11 +177,11 @@ class Terms:
     robots: tuple[str, ...]
     obstacles: tuple[str, ...] = ()
     area: Area | None = None
-    waypoints: tuple[Coordinates, ...] = ()
+    trajectory: tuple[Coordinates, ...] = ()
     sensor: str | None = None
-    target: int = 0
+    target_sample_number: int = 0
     tolerance: float = 0.0
-    distance: float = 0.0
+    fixed_distance: float = 0.0
     period: int = 0
     deadline: int = 0
 
@@ -196,8 +196,9 @@ class GoalTask:
         return type(self).__name__
 
     def terms(self, goal: "Goal") -> Terms:
-        """Return what the task is about as that of a goal: by default, the goal's members."""
-        return Terms(goal.members)
+        """Return what the task is about: the goal's members, and what of its own is so named."""
+        own = {term: getattr(self, term) for term in Terms.__slots__ if hasattr(self, term)}
+        return replace(Terms(goal.members), **own)
 
 
 @dataclass(frozen=True, slots=True)

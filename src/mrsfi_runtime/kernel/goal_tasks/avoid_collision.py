@@ -10,7 +10,7 @@ from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.neighbours import FEW, chart, gather
 from mrsfi_runtime.kernel.obstacles import cell_at, is_displaced, is_listed
 from mrsfi_runtime.kernel.state import GoalState, State
-from mrsfi_runtime.model.mission import ROBOT_RADIUS, Goal, GoalTask, Terms
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, GoalTask
 
 LOOK_AHEAD = 10
 """Ticks for which a collision is foreseen."""
@@ -31,11 +31,6 @@ class AvoidCollision(GoalTask):
 
     robots: tuple[str, ...]
     obstacles: tuple[str, ...] = ()
-
-    def terms(self, goal: Goal) -> Terms:
-        """Return the robots that the task names, and its obstacles."""
-        del goal
-        return Terms(self.robots, self.obstacles)
 
 
 @kernel

@@ -7,7 +7,7 @@ from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.mission import Goal, GoalTask, Terms
+from mrsfi_runtime.model.mission import GoalTask
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,10 +16,6 @@ class FixedDistanceBetweenRobots(GoalTask):
 
     fixed_distance: float
     tolerance: float
-
-    def terms(self, goal: Goal) -> Terms:
-        """Return the distance and the tolerance."""
-        return Terms(goal.members, distance=self.fixed_distance, tolerance=self.tolerance)
 
 
 @kernel

@@ -1,6 +1,6 @@
 """GatherSamples: a sensor takes a number of samples inside the goal's area."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mrsfi_runtime.kernel.commands import switch_sensor
 from mrsfi_runtime.kernel.compiling import kernel
@@ -20,8 +20,7 @@ class GatherSamples(GoalTask):
 
     def terms(self, goal: Goal) -> Terms:
         """Return the sensor, how many samples it is to take, and where."""
-        target = self.target_sample_number
-        return Terms(goal.members, area=goal.area, sensor=self.sensor, target=target)
+        return replace(GoalTask.terms(self, goal), area=goal.area)
 
 
 @kernel

@@ -6,7 +6,7 @@ from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
 from mrsfi_runtime.kernel.guidance import roam_together
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.mission import Area, Goal, GoalTask, Terms
+from mrsfi_runtime.model.mission import Area, GoalTask
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,10 +15,6 @@ class Patrol(GoalTask):
 
     area: Area
     period: int
-
-    def terms(self, goal: Goal) -> Terms:
-        """Return the area and the period."""
-        return Terms(goal.members, area=self.area, period=self.period)
 
 
 progress = note_presence

@@ -6,7 +6,7 @@ from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
 from mrsfi_runtime.kernel.guidance import roam_together
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.mission import Area, Goal, GoalTask, Terms
+from mrsfi_runtime.model.mission import Area, GoalTask
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,10 +14,6 @@ class Stay(GoalTask):
     """Keep every member inside the area from its first entry on."""
 
     area: Area
-
-    def terms(self, goal: Goal) -> Terms:
-        """Return the area."""
-        return Terms(goal.members, area=self.area)
 
 
 progress = note_presence

@@ -7,7 +7,7 @@ from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance, off_segment
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.mission import Coordinates, Goal, GoalTask, Terms
+from mrsfi_runtime.model.mission import Coordinates, GoalTask
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,10 +16,6 @@ class Track(GoalTask):
 
     trajectory: tuple[Coordinates, ...]
     tolerance: float
-
-    def terms(self, goal: Goal) -> Terms:
-        """Return the trajectory and the tolerance."""
-        return Terms(goal.members, waypoints=self.trajectory, tolerance=self.tolerance)
 
 
 @kernel

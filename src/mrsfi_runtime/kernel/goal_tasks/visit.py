@@ -1,6 +1,6 @@
 """Visit: every member reaches a point no later than a deadline."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
@@ -20,8 +20,7 @@ class Visit(GoalTask):
 
     def terms(self, goal: Goal) -> Terms:
         """Return the point, the tolerance and the deadline."""
-        point = Area(goal.id, self.coordinates, 0.0)
-        return Terms(goal.members, area=point, tolerance=self.tolerance, deadline=self.deadline)
+        return replace(GoalTask.terms(self, goal), area=Area(goal.id, self.coordinates, 0.0))
 
 
 progress = note_presence
