@@ -25,29 +25,16 @@ class UnfilledRegion:
     ----------
     path, line
         Where the region begins.
-    region
-        Its ID.
-    function
-        The function that it is the body of.
-    purpose
-        What the function is to do, the first line of its docstring.
+    place
+        The region in words.
+    message
+        What was found, and what to write.
     """
 
     path: Path
     line: int
-    region: str
-    function: str
-    purpose: str
-
-    @property
-    def place(self) -> str:
-        """The region in words."""
-        return f"region '{self.region}'"
-
-    @property
-    def message(self) -> str:
-        """What was found, and what to write."""
-        return f"is empty; expected the body of {self.function}, which is to: {self.purpose}"
+    place: str
+    message: str
 
     def __str__(self) -> str:
         return f"{self.path}:{self.line}: {self.place}: {self.message}"
@@ -93,4 +80,5 @@ def _of_file(path: Path) -> Iterator[UnfilledRegion]:
         number, line = next(((n, line) for n, line in rest if line.strip()), (0, ""))
         marker = MARKER.fullmatch(line)
         if purpose and marker and marker["state"] and not marker["id"].endswith(_OPTIONAL):
-            yield UnfilledRegion(path, number, marker["id"], node.name, purpose)
+            message = f"is empty; expected the body of {node.name}, which is to: {purpose}"
+            yield UnfilledRegion(path, number, f"region '{marker['id']}'", message)

@@ -16,9 +16,9 @@ from typing import NamedTuple
 from mrsfi_runtime.kernel.commands import release
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.delivery import deliver
+from mrsfi_runtime.kernel.effects.belief import falsify
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.effects.own import disturb
-from mrsfi_runtime.kernel.effects.reports import falsify
 from mrsfi_runtime.kernel.injections import OwnEffect, Plan
 from mrsfi_runtime.kernel.state import State
 

@@ -6,7 +6,7 @@ Source paper, sections III-B b) and III-G; DESIGN of the fault effects in docs/s
 """
 
 from array import array
-from collections.abc import Callable, Iterator, MutableSequence, Sequence
+from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
 from typing import NamedTuple, TypeAlias
@@ -22,15 +22,17 @@ from mrsfi_runtime.model.targets import Target, touched
 class InjectionState:
     """One property of one target under one fault, active for ``start <= tick <= finish``.
 
-    ``affected`` and ``mode`` are numbers of ``Field`` and ``Mode``; ``a``, ``b``, ``c`` the
-    fault's values. A delay of ``n_held`` ticks keeps what is under way in a ring of ``Plan.held``
-    from ``first_held`` on, three entries a tick; 0 means that nothing arrives in the window.
-    ``kept_…`` is what was believed before this tick's delivery.
+    ``affected`` is a number of ``Field``. ``is_random`` says whether chance decides on the value.
+    ``a``, ``b``, ``c`` are a place; or the bounds between which a random number lies; or, of any
+    other number, what is added, and to what share of the true one. A delay of ``n_held`` ticks
+    keeps what is under way in a ring of ``Plan.held`` from ``first_held`` on, three entries a
+    tick; 0 means that nothing arrives in the window. ``kept_…`` is what was believed before this
+    tick's delivery.
     """
 
     fault: int
     affected: int
-    mode: int
+    is_random: int
     target: int
     start: int
     finish: int
@@ -155,19 +157,39 @@ def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -
         if mode is Mode.OWN:
             own += _own_rows(number, timed, fault.kind, targets)
             continue
-        a, b, c = (*map(float, timed.values), 0.0, 0.0, 0.0)[:3]
+        changes = _CHANGES.get(mode, _as_they_are)(*timed.values)
+        a, b, c = (*map(float, changes), 0.0, 0.0, 0.0)[:3]
+        is_random = int(mode is Mode.RANDOM)
         finish, delay = _held_back(timed, mode)
         for affected, target in targets:
             if mode in _HELD_BACK:
                 rows = messages
             else:
                 rows = commands if affected in _COMMANDED else reports
-            row = (int(affected), int(mode), target, timed.start, finish, a, b, c, n_held, delay)
+            row = (int(affected), is_random, target, timed.start, finish, a, b, c, n_held, delay)
             rows.append((number, *row))
             n_held += 3 * delay
     for listed in (messages, reports, commands, own):
         listed.sort(key=itemgetter(_START))
     return PlanRows((messages, reports, commands), own, n_held, len(specification))
+
+
+def _as_they_are(*values: float) -> tuple[float, ...]:
+    return values
+
+
+_CHANGES: Mapping[Mode, Callable[..., tuple[float, ...]]] = {
+    Mode.INCREMENT: lambda step: (step, 1.0),
+    Mode.DECREMENT: lambda step: (-step, 1.0),
+    Mode.INCREMENT_PERCENT: lambda percent: (0.0, 1.0 + percent / 100.0),
+    Mode.DECREMENT_PERCENT: lambda percent: (0.0, 1.0 - percent / 100.0),
+    Mode.START: lambda: (0.0, 1.0),
+    Mode.ACTIVATE: lambda: (1.0,),
+}
+"""What the values of a fault become: what is added, and to what share of the true number.
+
+Those of the other modes are so already: a fixed value is added to nothing, and zero is nothing.
+"""
 
 
 def _held_back(timed: TimedFault, mode: Mode) -> tuple[int, int]:
@@ -213,12 +235,3 @@ RATE = int(Field.RATE)
 COST = int(Field.COST)
 OBSTACLE = int(Field.OBSTACLE)
 ACTIVATION = int(Field.ACTIVATION)
-
-RANDOM = int(Mode.RANDOM)
-FIXED = int(Mode.FIXED)
-INCREMENT = int(Mode.INCREMENT)
-DECREMENT = int(Mode.DECREMENT)
-INCREMENT_PERCENT = int(Mode.INCREMENT_PERCENT)
-DECREMENT_PERCENT = int(Mode.DECREMENT_PERCENT)
-START = int(Mode.START)
-ACTIVATE = int(Mode.ACTIVATE)

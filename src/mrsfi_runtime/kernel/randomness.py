@@ -17,7 +17,7 @@ UNIT = 2.0**-32
 PURPOSE_HEADING = 1
 PURPOSE_SAMPLES = 2
 PURPOSE_ROAM = 3
-"""Those of random faults stand in ``effects.reports``: 4 to 12."""
+"""Those of random faults stand in ``effects.belief``: 4 to 12."""
 
 
 @kernel

@@ -1,5 +1,14 @@
-"""How effects change the local state, and keep account of it."""
+"""How effects change the local state, and keep account of it.
 
+Effects read the true value of the tick, so nothing accumulates and nothing has to be undone: at
+``finish + 1`` the next delivery restores the property.
+
+References
+----------
+Source paper, sections III-B b) and III-G (``executeFaults``).
+"""
+
+import math
 from typing import TypeAlias
 
 from mrsfi_runtime.kernel.compiling import kernel
@@ -14,10 +23,82 @@ from mrsfi_runtime.kernel.injections import (
     OwnFault,
     Plan,
 )
+from mrsfi_runtime.kernel.randomness import choice, uniform
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.fault_types import Field
 
 Belief: TypeAlias = tuple[float, float, float]
 """What is believed of a property: a place, or one number and zeros."""
+
+_PURPOSES = {
+    Field.POSITION: 8,
+    Field.SPEED: 6,
+    Field.ENERGY: 4,
+    Field.COUNT: 12,
+    Field.RATE: 7,
+    Field.COST: 5,
+    Field.OBSTACLE: 10,
+}
+PURPOSES = tuple(_PURPOSES[affected] for affected in sorted(_PURPOSES))
+"""Purpose under which a random value of each property is drawn, by the number of its ``Field``.
+
+Of a place it is the distance from the middle; its direction is drawn under the purpose after.
+"""
+
+
+@kernel
+def falsify(ci: State, plan: Plan) -> None:
+    """Apply every active fault of a known mode that changes a value of the local state.
+
+    What was just delivered is the true value: conflicting faults are never active at once.
+    """
+    tick = ci.mission.tick
+    for injection in plan.reports:
+        if injection.start > tick:
+            break
+        if tick <= injection.finish:
+            true = believed(ci, injection)
+            if injection.affected in (POSITION, OBSTACLE):
+                value = place(ci, injection, true[2])
+            else:
+                value = max(number(ci, injection, true[0]), 0.0), 0.0, 0.0
+            believe(ci, plan, injection, true, value)
+
+
+@kernel
+def number(ci: State, injection: InjectionState, true: float) -> float:
+    """Return the number that a fault makes of a true one.
+
+    Random ones are uniform between the fault's bounds, and whole, but for energies.
+    """
+    if injection.is_random == 0:
+        return injection.a + injection.b * true
+    mission = ci.mission
+    target = injection.target
+    purpose = PURPOSES[injection.affected]
+    if injection.affected in (ENERGY, COST):
+        share = uniform(mission.seed, mission.tick, target, purpose)
+        return injection.a + (injection.b - injection.a) * share
+    low = math.ceil(injection.a)
+    n = max(math.floor(injection.b) - low + 1, 1)
+    return float(low + choice(n, mission.seed, mission.tick, target, purpose))
+
+
+@kernel
+def place(ci: State, injection: InjectionState, z: float) -> Belief:
+    """Return where a fault puts a robot or an obstacle.
+
+    A random place is uniform in the mission disc, at height ``z``: radius × √u along a direction.
+    """
+    if injection.is_random == 0:
+        return injection.a, injection.b, injection.c
+    mission = ci.mission
+    target = injection.target
+    purpose = PURPOSES[injection.affected]
+    turn = choice(len(ci.directions), mission.seed, mission.tick, target, purpose + 1)
+    direction = ci.directions[turn]
+    reach = mission.radius * math.sqrt(uniform(mission.seed, mission.tick, target, purpose))
+    return mission.x + reach * direction.x, mission.y + reach * direction.y, z
 
 
 @kernel

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.effects.belief import note
-from mrsfi_runtime.kernel.injections import ACTIVATE, ACTIVATION, START, InjectionState, Plan
+from mrsfi_runtime.kernel.injections import ACTIVATION, InjectionState, Plan
 from mrsfi_runtime.kernel.state import CommandState, State, SwitchState
 
 
@@ -61,10 +61,10 @@ def forge(
     """Replace one command by the forged one of an active fault."""
     target = injection.target
     if injection.affected == ACTIVATION:
-        active = 1 if injection.mode == ACTIVATE else 0
+        active = int(injection.a)
         note(plan, injection, tick, ci.switches[target].active != active)
         orders.switches[target].active = active
     else:
-        speed = ci.robots[target].nominal_speed if injection.mode == START else 0.0
+        speed = injection.b * ci.robots[target].nominal_speed
         note(plan, injection, tick, ci.commands[target].speed != speed)
         orders.commands[target].speed = speed
