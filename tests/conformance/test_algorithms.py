@@ -4,10 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.cli.evolve import begun
-from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -16,7 +13,7 @@ from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.campaign import run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.cli import workspace
-from tests.support.interrupted import MISSION, SEARCH, digest, evaluations, killed_after
+from tests.support.interrupted import MISSION, SEARCH, begin, digest, evaluations, killed_after
 
 N_EVALUATIONS = 40
 
@@ -27,14 +24,11 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return workspace(tmp_path_factory.mktemp("place"), MISSION)
 
 
-def begin(place: Path, name: str, algorithm: str) -> Path:
+def begin_search(place: Path, name: str, algorithm: str) -> Path:
     settings = CampaignSettings(
         algorithm=algorithm, population=8, faults=6, evaluations=N_EVALUATIONS, seed=3
     )
-    path = place / f"{name}-{algorithm}"
-    folders = find_mission(str(place / "models" / MISSION))
-    with begun(path, folders, settings, "a", EngineSettings()):
-        return path
+    return begin(place / f"{name}-{algorithm}", place / "models" / MISSION, settings)
 
 
 def search(campaign: Path) -> int:
@@ -57,7 +51,7 @@ def search(campaign: Path) -> int:
 @pytest.fixture(scope="module", params=ALGORITHMS)
 def whole(place: Path, request: pytest.FixtureRequest) -> Path:
     """Folder of a campaign of one algorithm that was never interrupted."""
-    path = begin(place, "whole", request.param)
+    path = begin_search(place, "whole", request.param)
     search(path)
     return path
 
@@ -92,7 +86,7 @@ def test_every_generation_keeps_statistics_of_a_recorded_population(whole):
 
 
 def test_killed_and_resumed_it_ends_as_one_that_never_was(place, whole):
-    path = begin(place, "killed", algorithm_of(whole))
+    path = begin_search(place, "killed", algorithm_of(whole))
 
     is_killed = killed_after(0.0, SEARCH, path, 1, n_evaluated=20)
     n_kept = len(evaluations(path))

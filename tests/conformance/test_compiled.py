@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from itertools import islice
-from random import Random
 
 import pytest
 
@@ -11,29 +10,17 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.models.shapes import small_mission
-from tests.support.trace import TraceDigest
+from tests.support.trace import traced
 from tests.support.tree import ROOT
-from tests.support.world import paper_code
+from tests.support.world import paper_code, specifications
 from tests.tiers import slow
 
 SEED = 3
 N_SPECIFICATIONS = 1000
 COMPILED = EngineSettings("compiled")
-
-
-def specifications(code, n, n_faults=20):
-    space = SearchSpace.of(code.mission, code.pool)
-    return [random_specification(space, n_faults, Random(seed)) for seed in range(n)]
-
-
-def traced(engine, specification):
-    digest = TraceDigest()
-    return engine.evaluate(specification, observer=digest), digest.hexdigest()
 
 
 @pytest.mark.parametrize("n", [150, pytest.param(1000, marks=slow)])
@@ -167,45 +154,30 @@ def test_a_region_that_runs_on_no_engine_is_refused_by_auto_too(tmp_path, body, 
         EngineSettings("auto").tried(code, SEED, print)
 
 
-def test_an_edited_region_and_an_edited_import_compile_anew(tmp_path, monkeypatch):
-    helper = tmp_path / "fleet_helper.py"
+HEAD = "from mrsfi_runtime.api import kernel\n\n\n@kernel\n"
+IMPORTED = {
+    "an edited import": {"team_limits": f"{HEAD}def limit():\n    return {{}}\n"},
+    "what an import imports, known by its constants": {
+        "team_inner": f"import team_numbers\n{HEAD}def inner():\n    return team_numbers.LIMIT\n",
+        "team_limits": f"import team_inner\n{HEAD}def limit():\n    return team_inner.inner()\n",
+        "team_numbers": "LIMIT = {}\n",
+    },
+}
+
+
+@pytest.mark.parametrize("modules", IMPORTED.values(), ids=IMPORTED)
+def test_what_was_edited_compiles_anew(tmp_path, monkeypatch, modules):
     monkeypatch.syspath_prepend(str(tmp_path))
-    text = "from mrsfi_runtime.api import kernel\n\n\n@kernel\ndef limit():\n    return {}\n"
     counts = []
     for value in ("-1.0e9", "1.0e9"):
-        helper.write_text(text.format(value), encoding="utf-8")
-        body = "return ci.robots[0].x > limit()"
-        code = edited(tmp_path / value, body, "from fleet_helper import limit\n")
+        for name, text in modules.items():
+            (tmp_path / f"{name}.py").write_text(text.format(value), encoding="utf-8")
+        body = "return ci.robots[0].x > team_limits.limit()"
+        code = edited(tmp_path / value, body, "import team_limits\n")
         with COMPILED.open(code, SEED) as engine:
             counts.append(engine.evaluate(()).believed[0])
-        monkeypatch.delitem(sys.modules, "fleet_helper")
-
-    assert counts == [40, 0]
-
-
-def test_an_import_may_call_what_it_imports_itself_and_is_known_by_its_constants(
-    tmp_path, monkeypatch
-):
-    monkeypatch.syspath_prepend(str(tmp_path))
-    (tmp_path / "fleet_inner.py").write_text(
-        "import fleet_limits\nfrom mrsfi_runtime.api import kernel\n\n\n"
-        "@kernel\ndef inner():\n    return fleet_limits.LIMIT\n",
-        encoding="utf-8",
-    )
-    (tmp_path / "fleet_outer.py").write_text(
-        "import fleet_inner\nfrom mrsfi_runtime.api import kernel\n\n\n"
-        "@kernel\ndef limit():\n    return fleet_inner.inner()\n",
-        encoding="utf-8",
-    )
-    counts = []
-    for value in ("-1.0e9", "1.0e9"):
-        (tmp_path / "fleet_limits.py").write_text(f"LIMIT = {value}\n", encoding="utf-8")
-        body = "return ci.robots[0].x > fleet_outer.limit()"
-        code = edited(tmp_path / value, body, "import fleet_outer\n")
-        with COMPILED.open(code, SEED) as engine:
-            counts.append(engine.evaluate(()).believed[0])
-        for name in ("fleet_limits", "fleet_inner", "fleet_outer"):
-            monkeypatch.delitem(sys.modules, name)
+        for name in modules:
+            del sys.modules[name]
 
     assert counts == [40, 0]
 

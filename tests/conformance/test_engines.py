@@ -1,7 +1,6 @@
 """What every engine does, however it flies."""
 
 from dataclasses import replace
-from random import Random
 
 import pytest
 
@@ -9,12 +8,9 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
-from tests.support.trace import TraceDigest
-from tests.support.world import ROOT, paper_code
+from tests.support.trace import traced
+from tests.support.world import code_of, paper_code, specifications
 
 SEED = 5
 PATIENCE = Patience(tick=10.0, handshake=20.0)
@@ -31,16 +27,6 @@ def engine(request):
         yield opened
 
 
-def traced(engine, specification):
-    digest = TraceDigest()
-    return engine.evaluate(specification, observer=digest), digest.hexdigest()
-
-
-def specifications(code, n):
-    space = SearchSpace.of(code.mission, code.pool)
-    return [random_specification(space, 20, Random(seed)) for seed in range(n)]
-
-
 def test_every_bit_of_belief_and_truth_is_that_of_the_reference(engine):
     reference = ReferenceEngine(engine.code, SEED)
 
@@ -50,7 +36,7 @@ def test_every_bit_of_belief_and_truth_is_that_of_the_reference(engine):
 
 @pytest.mark.parametrize("name", ["compiled", "rosbridge"])
 def test_a_mission_in_which_every_fault_matters_flies_alike(name):
-    code = load_code(ROOT / "generated" / "tight_margins")
+    code = code_of("tight_margins")
     reference = ReferenceEngine(code, 1)
 
     with ENGINES[name].open(code, 1) as engine:

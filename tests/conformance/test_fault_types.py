@@ -199,30 +199,26 @@ def test_a_block_ends_with_its_window():
     assert outcome.applied == (FINISH - START + 1,)
 
 
-@pytest.mark.parametrize(("name", "forced"), [("StopRobot", 0.0), ("StartRobot", 5.0)])
-def test_a_forged_speed_holds_from_the_motion_of_start_to_that_of_finish(name, forced):
-    robot = CODE.mission.robot_index["r1"]
+@pytest.mark.parametrize(
+    ("name", "forced", "target"),
+    [
+        ("StopRobot", 0.0, "r1"),
+        ("StartRobot", 5.0, "r1"),
+        ("DeactivateSensor", 0, "s4"),
+        ("ActivateSensor", 1, "s4"),
+    ],
+)
+def test_a_forged_command_holds_from_the_motion_of_start_to_that_of_finish(name, forced, target):
+    outcome, flight = fly(Fault("forged", FAULT_TYPES[name], target))
 
-    outcome, flight = fly(Fault("forged", FAULT_TYPES[name], "r1"))
-
+    if target == "r1":
+        index, field, commanded = CODE.mission.robot_index[target], Field.SPEED, flight.commanded
+    else:
+        index, field, commanded = CODE.mission.sensor_index[target], Field.ACTIVATION, flight.forced
     assert outcome.applied == (FINISH - START + 1,)
     for tick in range(1, DURATION):
-        speed = flight.true[tick][Field.SPEED, robot]
-        own = flight.commanded[tick - 1][robot]
-        assert speed == (forced if START <= tick <= FINISH else own), tick
-
-
-@pytest.mark.parametrize(("name", "forced"), [("DeactivateSensor", 0), ("ActivateSensor", 1)])
-def test_a_forged_activation_holds_from_the_motion_of_start_to_that_of_finish(name, forced):
-    sensor = CODE.mission.sensor_index["s4"]
-
-    outcome, flight = fly(Fault("forged", FAULT_TYPES[name], "s4"))
-
-    assert outcome.applied == (FINISH - START + 1,)
-    for tick in range(1, DURATION):
-        active = flight.true[tick][Field.ACTIVATION, sensor]
-        own = flight.forced[tick - 1][sensor]
-        assert active == (forced if START <= tick <= FINISH else own), tick
+        expected = forced if START <= tick <= FINISH else commanded[tick - 1][index]
+        assert flight.true[tick][field, index] == expected, tick
 
 
 def test_a_sensor_forced_off_takes_no_samples_and_costs_nothing():

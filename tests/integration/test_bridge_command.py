@@ -31,11 +31,12 @@ BOTH = pytest.mark.parametrize("command", [TOGETHER, ALONE], ids=["mrsfi", "alon
 
 @contextmanager
 def running(
-    *arguments: str, cwd: Path, command: Sequence[str] = TOGETHER
+    *arguments: str, cwd: Path, command: Sequence[str] = TOGETHER, **environment: str
 ) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(
         [*command, *arguments],
         cwd=cwd,
+        env={**os.environ, **environment},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         encoding="utf-8",
@@ -152,23 +153,14 @@ def test_roslibpy_talks_to_it_where_the_runtime_cannot_be_imported(tmp_path):
 
 def test_a_public_server_takes_its_token_from_the_environment(tmp_path):
     token = "0123456789abcdef"
-    environment = {**os.environ, "MRSFI_BRIDGE_TOKEN": token}
-    with subprocess.Popen(
-        [*TOGETHER, "--host", "0.0.0.0", "--public"],
-        cwd=tmp_path,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        encoding="utf-8",
-    ) as process:
-        try:
-            url = url_of(process)
-            port = url.rpartition(":")[2]
-            with connect(f"ws://127.0.0.1:{port}/?token={token}") as peer:
-                peer.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes"}))
-                assert json.loads(peer.recv(PATIENCE_S))["result"] is True
-        finally:
-            process.kill()
+    options = ("--host", "0.0.0.0", "--public")
+
+    with running(*options, cwd=tmp_path, MRSFI_BRIDGE_TOKEN=token) as process:
+        url = url_of(process)
+        port = url.rpartition(":")[2]
+        with connect(f"ws://127.0.0.1:{port}/?token={token}") as peer:
+            peer.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes"}))
+            assert json.loads(peer.recv(PATIENCE_S))["result"] is True
 
     assert url.startswith("ws://0.0.0.0:")
     assert token not in url

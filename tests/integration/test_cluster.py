@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from random import Random
 from shutil import copytree
 
 import pytest
@@ -14,11 +13,9 @@ from mrsfi_runtime.engine.settings import COMPILED, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError, UsageError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
 from tests.support.cluster import Scheduler, require_dask, scheduler, without_mrsfi
 from tests.support.edited import edited
-from tests.support.world import ROOT
+from tests.support.world import ROOT, specifications
 from tests.tiers import slow
 
 require_dask()
@@ -44,11 +41,9 @@ def two_workers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scheduler]
         yield found
 
 
-@pytest.fixture(scope="module")
-def specifications() -> list[Specification]:
-    code = load_code(GENERATED)
-    space = SearchSpace.of(code.mission, code.pool)
-    return [random_specification(space, 6, Random(seed)) for seed in range(30)]
+@pytest.fixture(scope="module", name="specifications")
+def drawn() -> list[Specification]:
+    return specifications(load_code(GENERATED), 30, 6)
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,8 @@ import pytest
 
 from mrsfi_runtime.analysis.effects import audit
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.mission import load_code
 from tests.support.fault_types import FAULT_TYPES
-from tests.support.world import ROOT, paper_code
+from tests.support.world import code_of, paper_code
 from tests.tiers import seeds
 
 
@@ -17,7 +16,7 @@ def paper():
 
 @pytest.fixture(scope="module")
 def tight():
-    return audit(ReferenceEngine(load_code(ROOT / "generated" / "tight_margins"), 1), 60, 180)
+    return audit(ReferenceEngine(code_of("tight_margins"), 1), 60, 180)
 
 
 def test_every_fault_type_is_applied(paper, tight):
@@ -37,6 +36,6 @@ def test_with_tight_margins_every_type_changes_a_goal(tight):
 @pytest.mark.parametrize("seed", seeds(range(20)))
 @pytest.mark.parametrize("mission", ["tight_margins", "tight_energy"])
 def test_without_faults_a_mission_with_tight_margins_violates_no_goal(mission, seed):
-    outcome = ReferenceEngine(load_code(ROOT / "generated" / mission), seed).evaluate(())
+    outcome = ReferenceEngine(code_of(mission), seed).evaluate(())
 
     assert not any((*outcome.believed, *outcome.true))

@@ -9,13 +9,18 @@ from time import monotonic
 
 import pytest
 
-from mrsfi_runtime.cli.evolve import begun
-from mrsfi_runtime.cli.folders import find_mission
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.integration.network import Witness, bridge, child_of, wait_for_tick
 from tests.support.cli import ROOT, mrsfi
-from tests.support.interrupted import MISSION, SEARCH, are_gone, digest, evaluations, finished
+from tests.support.interrupted import (
+    MISSION,
+    SEARCH,
+    are_gone,
+    begin,
+    digest,
+    evaluations,
+    finished,
+)
 from tests.support.rosbridge import process
 from tests.tiers import slow
 
@@ -94,12 +99,9 @@ def test_a_killed_command_leaves_no_simulation_behind():
 
 def uninterrupted(path: Path) -> None:
     """Search a campaign of four individuals and two generations in process, to its end."""
-    folders = find_mission(str(ROOT / "models" / MISSION))
-    case = folders.models / "case_a.toml"
-    settings = CampaignSettings.load(case, population=4, generations=2, seed=3)
-    with begun(path, folders, settings, "a", EngineSettings()):
-        pass
-    finished(SEARCH, path, 1)
+    models = ROOT / "models" / MISSION
+    settings = CampaignSettings.load(models / "case_a.toml", population=4, generations=2, seed=3)
+    finished(SEARCH, begin(path, models, settings), 1)
 
 
 @slow

@@ -9,9 +9,6 @@ from time import monotonic, sleep
 
 import pytest
 
-from mrsfi_runtime.cli.evolve import begun
-from mrsfi_runtime.cli.folders import find_mission
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
@@ -22,6 +19,7 @@ from tests.support.interrupted import (
     SEARCH,
     WRITE,
     are_gone,
+    begin,
     digest,
     evaluations,
     finished,
@@ -42,17 +40,10 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return workspace(tmp_path_factory.mktemp("place"), MISSION)
 
 
-def begin(place: Path, name: str, settings: CampaignSettings) -> Path:
-    folders = find_mission(str(place / "models" / MISSION))
-    path = place / name
-    with begun(path, folders, settings, "a", EngineSettings()):
-        return path
-
-
 @pytest.fixture(scope="module")
 def whole(place: Path) -> Path:
     """Folder of a campaign that was never interrupted."""
-    path = begin(place, "whole", SETTINGS)
+    path = begin(place / "whole", place / "models" / MISSION, SETTINGS)
     finished(SEARCH, path, 1)
     return path
 
@@ -61,7 +52,7 @@ def whole(place: Path) -> Path:
 def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
     place, whole, n_workers, n_kills
 ):
-    path = begin(place, f"killed-{n_workers}", SETTINGS)
+    path = begin(place / f"killed-{n_workers}", place / "models" / MISSION, SETTINGS)
     random = Random(n_workers)
     most = 2 * len(evaluations(whole)) // n_kills  # per run, so that the last kills come late
     before = evaluations(path)
@@ -85,9 +76,9 @@ def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
 
 @slow
 def test_kills_inside_a_write_leave_nothing_to_repair(place):
-    undisturbed = begin(place, "written", MANY)
+    undisturbed = begin(place / "written", place / "models" / MISSION, MANY)
     n_all = finished(WRITE, undisturbed)
-    path = begin(place, "torn", MANY)
+    path = begin(place / "torn", place / "models" / MISSION, MANY)
     random = Random(5)
     before = evaluations(path)
     n_torn = 0
@@ -107,7 +98,7 @@ def test_kills_inside_a_write_leave_nothing_to_repair(place):
 
 
 def test_workers_end_with_their_killed_campaign(place):
-    path = begin(place, "orphans", SETTINGS)
+    path = begin(place / "orphans", place / "models" / MISSION, SETTINGS)
 
     with running(SEARCH, path, 2) as process:
         workers = started_workers(process)
@@ -125,7 +116,7 @@ def started_workers(process: subprocess.Popen[str]) -> list[int]:
 
 
 def test_a_killed_worker_ends_the_run_and_the_campaign_goes_on(place, whole):
-    path = begin(place, "worker", SETTINGS)
+    path = begin(place / "worker", place / "models" / MISSION, SETTINGS)
 
     with running(SEARCH, path, 2) as process:
         first, _ = started_workers(process)
@@ -141,7 +132,7 @@ def test_a_killed_worker_ends_the_run_and_the_campaign_goes_on(place, whole):
 
 
 def test_a_second_process_is_refused_until_the_first_is_dead(place):
-    path = begin(place, "locked", SETTINGS)
+    path = begin(place / "locked", place / "models" / MISSION, SETTINGS)
 
     with running(SEARCH, path, 1) as process:
         process.send_signal(SIGSTOP)  # it holds its lock while it sleeps
@@ -169,7 +160,7 @@ sys.exit(main(sys.argv[1:]))
 
 
 def test_a_disk_without_room_ends_with_9_and_the_campaign_goes_on(place, whole):
-    path = begin(place, "full", SETTINGS)
+    path = begin(place / "full", place / "models" / MISSION, SETTINGS)
     resume = ("evolve", "--resume", str(path), "--workers", "1")
 
     done = subprocess.run(
@@ -191,12 +182,12 @@ def test_a_disk_without_room_ends_with_9_and_the_campaign_goes_on(place, whole):
 
 
 def test_a_start_that_was_killed_is_begun_anew_in_its_folder(place):
-    path = begin(place, "half", SETTINGS)
+    path = begin(place / "half", place / "models" / MISSION, SETTINGS)
     (path / "campaign.sqlite").rename(path / "campaign.sqlite.new")
     (path / "generated" / "simulation.py").unlink()
 
     error = mrsfi("evolve", "--resume", path, cwd=place, expected=9).stderr
-    begin(place, "half", SETTINGS)
+    begin(place / "half", place / "models" / MISSION, SETTINGS)
 
     assert "ended before it began" in error
     assert evaluations(path) == ()
@@ -210,7 +201,7 @@ def test_a_start_that_was_killed_is_begun_anew_in_its_folder(place):
 
 
 def test_a_campaign_that_was_moved_goes_on(place, whole, tmp_path):
-    path = begin(place, "moved", SETTINGS)
+    path = begin(place / "moved", place / "models" / MISSION, SETTINGS)
     killed_after(0.0, SEARCH, path, 1, n_evaluated=20)
     moved = Path(shutil.copytree(path, tmp_path / "elsewhere"))
 

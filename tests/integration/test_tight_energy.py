@@ -3,12 +3,11 @@
 import pytest
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
-from tests.support.world import ROOT
+from tests.support.world import ROOT, code_of
 
 MODELS = ROOT / "models" / "tight_energy"
-CODE = load_code(ROOT / "generated" / "tight_energy")
+CODE = code_of("tight_energy")
 ENERGY = CODE.mission.goal_ids.index("energy")
 
 

@@ -20,48 +20,8 @@ from tests.support.models.copies import edit, line_of
 from tests.support.own_metamodels import copy_metamodels
 from tests.support.tables import rows
 
-# Written by Eclipse EMF 2.43 for a metamodel that was scrambled by hand.
-BY_ECLIPSE = """<?xml version="1.0" encoding="UTF-8"?>
-<ecore:EPackage xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" \
-xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
-    xmlns:ecore="http://www.eclipse.org/emf/2002/Ecore" name="rich" nsURI="http://x/rich" \
-nsPrefix="">
-  <eAnnotations source="\N{LATIN SMALL LETTER E WITH ACUTE} &lt;> &quot;&#xA;x">
-    <details key="a"/>
-    <details key="b" value=""/>
-  </eAnnotations>
-  <eAnnotations/>
-  <eClassifiers xsi:type="ecore:EDataType" name="D" instanceClassName="java.util.Date"
-      serializable="false"/>
-  <eClassifiers xsi:type="ecore:EEnum" name="E">
-    <eLiterals name="A" literal="A"/>
-    <eLiterals name="B" value="3" literal="bee"/>
-  </eClassifiers>
-  <eClassifiers xsi:type="ecore:EClass" name="A" abstract="true" interface="true"
-      eSuperTypes="#//B #//sub/C http://www.eclipse.org/emf/2002/Ecore#//EObject">
-    <eOperations name="op" lowerBound="1" eType="#//A" eExceptions="#//D">
-      <eParameters name="p" upperBound="-2" eType="#//B"/>
-      <eParameters name="q" ordered="false" unique="false" \
-eType="ecore:EDataType http://www.eclipse.org/emf/2002/Ecore#//EString"/>
-    </eOperations>
-    <eOperations name="vo"/>
-    <eStructuralFeatures xsi:type="ecore:EReference" name="bs" upperBound="-1" eType="#//B"
-        containment="true" eOpposite="#//B/a"/>
-    <eStructuralFeatures xsi:type="ecore:EAttribute" name="k" eType="#//E" changeable="false"
-        volatile="true" transient="true" defaultValueLiteral="bee" derived="true"
-        iD="true"/>
-  </eClassifiers>
-  <eClassifiers xsi:type="ecore:EClass" name="B">
-    <eStructuralFeatures xsi:type="ecore:EReference" name="a" eType="#//A" eOpposite="#//A/bs"/>
-    <eStructuralFeatures xsi:type="ecore:EReference" name="o" ordered="false" \
-eType="ecore:EClass http://www.eclipse.org/emf/2002/Ecore#//EObject"
-        resolveProxies="false"/>
-  </eClassifiers>
-  <eSubpackages name="sub" nsURI="http://x/rich/sub" nsPrefix="rich.sub">
-    <eClassifiers xsi:type="ecore:EClass" name="C"/>
-  </eSubpackages>
-</ecore:EPackage>
-"""
+BY_ECLIPSE = Path(__file__).with_name("by_eclipse.ecore").read_text(encoding="utf-8")
+"""Written by Eclipse EMF 2.43 for a metamodel that was scrambled by hand."""
 
 
 def _loaded(path: Path) -> Any:

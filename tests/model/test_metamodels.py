@@ -9,6 +9,7 @@ from m2t.metaclasses import conforms, features, lineage
 from m2t.metamodels import load_metamodels
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.features import reference_type
+from tests.support.models.shapes import TASKS
 
 PACKAGES = load_metamodels().packages
 CLASSES = [
@@ -16,17 +17,6 @@ CLASSES = [
     for package in PACKAGES
     for kind in package.eClassifiers
     if hasattr(kind, "eStructuralFeatures")
-]
-TASKS = [
-    "AvoidCollision",
-    "StayWithinMissionArea",
-    "SufficientEnergy",
-    "GatherSamples",
-    "Patrol",
-    "Visit",
-    "Track",
-    "Stay",
-    "FixedDistanceBetweenRobots",
 ]
 AFFECTED = {"message": "Message", "robot": "Robot", "sensor": "Sensor", "obstacle": "Obstacle"}
 

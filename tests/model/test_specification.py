@@ -16,31 +16,7 @@ ROWS: list[SpecificationRow] = [
     ("f25", 3, 4, {}),
 ]
 
-WRITTEN = """<?xml version="1.0" encoding="ASCII"?>
-<faults:FaultSpecification xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" \
-xmlns:faults="http://mrsfi.org/faults/1.0" ID="critical_1">
-  <faults ID="f9.1" name="f9" start="0" finish="10">
-    <fixedObstacleCoordinates NEW_X="1.5" NEW_Y="-3.0" NEW_Z="1.0">
-      <affectedObstacle href="../models/uuv/mission.xmi#o5"/>
-    </fixedObstacleCoordinates>
-  </faults>
-  <faults ID="f14.1" name="f14" start="5" finish="999">
-    <fixedSpeed FIXED_VAL="12">
-      <affectedMessage href="../models/uuv/mission.xmi#m7"/>
-    </fixedSpeed>
-  </faults>
-  <faults ID="f9.2" name="f9" start="20" finish="20">
-    <fixedObstacleCoordinates NEW_X="200.0" NEW_Y="-450.0" NEW_Z="1.0">
-      <affectedObstacle href="../models/uuv/mission.xmi#o5"/>
-    </fixedObstacleCoordinates>
-  </faults>
-  <faults ID="f25.1" name="f25" start="3" finish="4">
-    <startRobot>
-      <affectedRobot href="../models/uuv/mission.xmi#r3"/>
-    </startRobot>
-  </faults>
-</faults:FaultSpecification>
-"""
+WRITTEN = Path(__file__).with_name("written.xmi")
 
 
 def _target(tmp_path: Path) -> Path:
@@ -54,7 +30,7 @@ def test_written_specification_reads_as_expected(tmp_path):
 
     write_specification(copy_models(tmp_path), ROWS, path, identifier="critical_1")
 
-    assert path.read_text(encoding="ascii") == WRITTEN
+    assert path.read_bytes() == WRITTEN.read_bytes()
 
 
 def test_written_specification_loads_and_validates_again(tmp_path):

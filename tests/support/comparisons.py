@@ -1,6 +1,7 @@
 """Results of runs, a comparison of them, and a folder for both."""
 
 from pathlib import Path
+from typing import Any
 
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.comparison import Comparison, compare
@@ -20,6 +21,20 @@ def result(algorithm: str, seed: int) -> RunResult:
         seconds=0.5,
         digest=f"{seed:064x}",
     )
+
+
+def run_result(algorithm: str, seed: int, **found: Any) -> RunResult:
+    """Return the result of a run, with some of what it found."""
+    values = {
+        "n_evaluations": 50,
+        "n_failures": 0,
+        "at_once": (1, None, None),
+        "together": (1, 2, None),
+        "front_size": 4,
+        "seconds": 2.0 * seed,
+        "digest": f"{algorithm}{seed}",
+    }
+    return RunResult(algorithm=algorithm, seed=seed, **(values | found))
 
 
 def new_folder(place: Path) -> ComparisonFolder:

@@ -8,20 +8,26 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
 
+from mrsfi_runtime.cli.evolve import begun
+from mrsfi_runtime.cli.folders import find_mission
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
+from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.rosbridge import is_running
 
 MISSION = "tight_margins"
 """The mission of 200 ticks: an evaluation takes some ten milliseconds."""
 
-SEARCH = """
+_SCRIPT = """
 import sys
+from contextlib import nullcontext
+from hashlib import sha256
 from pathlib import Path
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.folder import only_writer
+from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.search.campaign import run_campaign
 
 evaluated = 0
@@ -30,53 +36,45 @@ def counted(specifications):
     global evaluated
     for result in evaluate_many(specifications):
         evaluated += 1
-        print(evaluated, flush=True)
+        {report}
         yield result
 
-folder = CampaignFolder(Path(sys.argv[1]))
-with only_writer(folder), CampaignStore.open(folder.path) as store:
-    code = load_code(folder.generated)
-    settings = store.settings
-    with WorkerPool(code, settings.mission_seed, int(sys.argv[2])) as pool:
-        evaluate_many = pool.evaluate_many
-        print("ready", flush=True)
-        run_campaign(settings, code.mission, code.pool, counted, store)
-print(evaluated)
-"""
-"""Searches a campaign folder to its end, without a report, and prints how many it evaluated."""
-
-WRITE = """
-import sys
-from hashlib import sha256
-from pathlib import Path
-from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.folder import only_writer
-from mrsfi_runtime.search.campaign import run_campaign
-
-evaluated = 0
-
-def outcomes(specifications):
-    global evaluated
+def hashed(specifications):
     for specification in specifications:
-        evaluated += 1
         digest = sha256(repr(specification).encode()).digest()
-        counts = tuple(digest[:n_goals])
+        counts = tuple(digest[:len(code.mission.goals)])
         none = (0,) * len(specification)
         yield Outcome(counts, counts, counts, counts, counts, none, none, digest.hex())
 
 folder = CampaignFolder(Path(sys.argv[1]))
 with only_writer(folder), CampaignStore.open(folder.path) as store:
     code = load_code(folder.generated)
-    n_goals = len(code.mission.goals)
     settings = store.settings
-    print("ready", flush=True)
-    run_campaign(settings, code.mission, code.pool, outcomes, store, clock=lambda: 0.0)
+    with {pool} as pool:
+        evaluate_many = {evaluate_many}
+        print("ready", flush=True)
+        run_campaign(settings, code.mission, code.pool, counted, store{more})
 print(evaluated)
 """
+
+SEARCH = _SCRIPT.format(
+    report="print(evaluated, flush=True)",
+    pool="WorkerPool(code, settings.mission_seed, int(sys.argv[2]))",
+    evaluate_many="pool.evaluate_many",
+    more="",
+)
+"""Searches a campaign folder to its end, without a report, and prints how many it evaluated."""
+
+WRITE = _SCRIPT.format(
+    report="", pool="nullcontext()", evaluate_many="hashed", more=", clock=lambda: 0.0"
+)
 """The same with evaluations that take no time and are written one by one: nearly all is writing."""
+
+
+def begin(path: Path, models: Path, settings: CampaignSettings) -> Path:
+    """Make the folder of a campaign on a mission that is to be searched."""
+    with begun(path, find_mission(str(models)), settings, "a", EngineSettings()):
+        return path
 
 
 def evaluations(campaign: Path) -> tuple[Evaluation, ...]:

@@ -12,7 +12,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Self
@@ -24,13 +23,11 @@ from websockets.exceptions import ConnectionClosed
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.mission import MissionCode, load_code
-from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.mission import MissionCode
 from tests.support.cli import command_line
 from tests.support.trace import TraceDigest
 from tests.support.tree import ROOT
+from tests.support.world import code_of, specification
 
 FLIGHT_SEED = 11
 
@@ -40,19 +37,6 @@ _OPTIONS = {"compression": None, "max_size": None, "ping_interval": None, "logge
 
 Tamper = Callable[[str], list[str]]
 """What becomes of a frame: nothing, itself, itself twice, others."""
-
-
-def code_of(mission: str, duration: int | None = None) -> MissionCode:
-    """Return the committed code of a mission, shortened if a duration is given."""
-    code = load_code(ROOT / "generated" / mission)
-    if duration is None:
-        return code
-    return replace(code, mission=replace(code.mission, duration=duration))
-
-
-def specification(code: MissionCode, seed: int) -> Specification:
-    """Return a random specification, the same for the same seed."""
-    return random_specification(SearchSpace.of(code.mission, code.pool), 20, Random(seed))
 
 
 def digests(engine: Engine, seeds: Sequence[int]) -> list[list[str]]:

@@ -3,8 +3,11 @@
 import hashlib
 from collections.abc import Sequence
 
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
 
 
 class TraceDigest:
@@ -24,3 +27,9 @@ class TraceDigest:
     def hexdigest(self) -> str:
         """Return the SHA-256 of all ticks so far."""
         return self._sha.hexdigest()
+
+
+def traced(engine: Engine, specification: Specification) -> tuple[Outcome, str]:
+    """Return the outcome of a flight, and the digest of all its ticks."""
+    digest = TraceDigest()
+    return engine.evaluate(specification, observer=digest), digest.hexdigest()

@@ -1,10 +1,12 @@
 """Missions for tests of the kernel, written in the runtime's own vocabulary."""
 
 from dataclasses import replace
+from random import Random
 
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import (
     Area,
     Battery,
@@ -17,17 +19,34 @@ from mrsfi_runtime.model.mission import (
     Robot,
     Sensor,
 )
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
 from tests.support.tree import ROOT
 
 MEMBERS = ("a", "b")
 
 
-def paper_code(duration: int | None = None) -> MissionCode:
-    """Return the committed code of the paper's mission, shortened if a duration is given."""
-    code = load_code(ROOT / "generated" / "uuv_sampling")
+def code_of(mission: str, duration: int | None = None) -> MissionCode:
+    """Return the committed code of a mission, shortened if a duration is given."""
+    code = load_code(ROOT / "generated" / mission)
     if duration is None:
         return code
     return replace(code, mission=replace(code.mission, duration=duration))
+
+
+def paper_code(duration: int | None = None) -> MissionCode:
+    """Return the committed code of the paper's mission, shortened if a duration is given."""
+    return code_of("uuv_sampling", duration)
+
+
+def specification(code: MissionCode, seed: int, n_faults: int = 20) -> Specification:
+    """Return a random specification, the same for the same seed."""
+    return random_specification(SearchSpace.of(code.mission, code.pool), n_faults, Random(seed))
+
+
+def specifications(code: MissionCode, n: int, n_faults: int = 20) -> list[Specification]:
+    """Return random specifications, the same again and again."""
+    return [specification(code, seed, n_faults) for seed in range(n)]
 
 
 def robot(name: str, x: float, y: float, *, speed: float = 4.0, energy: float = 10_000.0) -> Robot:

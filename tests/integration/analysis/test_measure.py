@@ -1,6 +1,5 @@
 """A report that says which counts a campaign used."""
 
-import csv
 import json
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import statistics
+from tests.support.drawing import table
 from tests.support.measures import FLOWN_TWICE, HIDING, MASKED, MEANS
 from tests.support.search import paper_mission
 from tests.support.world import paper_code
@@ -25,11 +25,6 @@ def report_of(folder: Path, settings: CampaignSettings, found: list[Evaluation])
         store.append(found, (), [Generation(0, statistics(found), population, "[]")])
     write_report(folder, CODE, lambda *_: None, ratio="g1:g3=1:1")
     return (folder / "report.md").read_text()
-
-
-def table(folder: Path, name: str) -> list[list[str]]:
-    with (folder / "tables" / f"{name}.csv").open(newline="") as file:
-        return list(csv.reader(file))
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@ import struct
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
 import pytest
 from matplotlib.figure import Figure
@@ -13,7 +12,7 @@ from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
 from mrsfi_runtime.analysis.patterns import find_patterns
 from mrsfi_runtime.analysis.trend import GenerationFitness, Trend
 from tests.support.campaigns import random_specification
-from tests.support.drawing import save
+from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission, pool_of
 
 TREND = Trend(
@@ -97,13 +96,6 @@ FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
 }
 
 
-def texts(svg: Path) -> list[str]:
-    root = ET.fromstring(svg.read_bytes())
-    return [
-        "".join(node.itertext()).strip() for node in root.iter("{http://www.w3.org/2000/svg}text")
-    ]
-
-
 @pytest.fixture(scope="module", params=FIGURES)
 def drawn(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> "Drawn":
     """Name, figure and files of each kind of figure."""
@@ -132,13 +124,7 @@ def test_the_same_input_gives_the_same_bytes_without_dates(drawn, tmp_path):
 def test_nothing_leaves_the_picture(drawn):
     _, figure, _ = drawn
 
-    extent = figure.get_tightbbox()
-
-    width, height = figure.get_size_inches()
-    assert extent.x0 >= 0
-    assert extent.y0 >= 0
-    assert extent.x1 <= width
-    assert extent.y1 <= height
+    require_inside(figure)
 
 
 def test_a_png_has_the_size_of_its_figure(tmp_path):

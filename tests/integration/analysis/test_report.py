@@ -1,4 +1,3 @@
-import csv
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -23,6 +22,7 @@ from tests.support.campaigns import (
     statistics,
     write_campaign,
 )
+from tests.support.drawing import table
 from tests.support.search import pool_of
 from tests.support.world import paper_code
 
@@ -41,11 +41,6 @@ def write(rows: Sequence[tuple[str, int, int, Mapping[str, float]]], path: Path,
 
 def stems(folder: Path, suffix: str) -> list[str]:
     return sorted(path.stem for path in folder.glob(f"*{suffix}"))
-
-
-def table(folder: Path, name: str) -> list[list[str]]:
-    with (folder / "tables" / f"{name}.csv").open(newline="") as file:
-        return list(csv.reader(file))
 
 
 @pytest.mark.parametrize(

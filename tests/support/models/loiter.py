@@ -36,44 +36,8 @@ LOITER = (
     ),
 )
 
-MISSION = """<?xml version="1.0" encoding="ASCII"?>
-<mission:Mission xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" \
-xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" \
-xmlns:mission="http://mrsfi.org/mission/1.0" name="own task" duration="120">
-  <missionArea ID="whole" radius="400.0"/>
-  <robots ID="a" name="a" speed="3.0">
-    <sensors ID="a_gps" name="" type="GPS_POSITION" energyPerSample="1.0" samplesPerSecond="4"/>
-    <sensors ID="a_depth" name="" type="DEPTH" energyPerSample="1.0" samplesPerSecond="4"/>
-    <batteries ID="a_battery" name="" totalEnergy="20000.0"/>
-    <motionSources ID="a_drive" name="" energyPerDistanceUnit="2.0"/>
-  </robots>
-  <servers ID="base" name="base"/>
-  <goals ID="inside" name="inside" members="a">
-    <task xsi:type="mission:StayWithinMissionArea"/>
-  </goals>
-  <goals ID="near" name="near" members="a">
-    <task xsi:type="mission:Loiter" radius="20.0" awayTicks="4" isStrict="true" word="so" \
-mood="BOLD" leader="a" probes="a_gps a_depth">
-      <legs>1.5</legs>
-      <legs>2.5</legs>
-      <home x="30.0"/>
-      <stops x="1.0"/>
-      <stops y="2.0" z="3.0"/>
-      <zone ID="near_zone" radius="5.0">
-        <center x="7.0"/>
-      </zone>
-      <marks depth="1.0" word="one"/>
-      <marks depth="2.0"/>
-      <mark depth="3.0"/>
-    </task>
-    <messages ID="from_a" sender="a" receiver="base">
-      <body name="POSITION" type="Coordinates"/>
-      <body name="ENERGY" type="Double"/>
-      <body name="SPEED" type="Int"/>
-    </messages>
-  </goals>
-</mission:Mission>
-"""
+MISSION = Path(__file__).with_name("loiter.xmi").read_text(encoding="ascii")
+"""A mission with a goal of the task."""
 
 CONSTANTS = {
     "NEAR_RADIUS": 20.0,

@@ -14,17 +14,14 @@ _HEAD = (
     'xmlns:setup="acs_project_setup" xmi:id="_setup">\n'
 )
 _PROPERTIES = ("intProperties", "stringProperties", "doubleProperties")
+_COMPONENTS = {
+    "sensors": ("energyPerSample", "samplesPerSecond", "type"),
+    "batteries": ("totalEnergy",),
+    "motionSources": ("energyPerDistanceUnit",),
+}
 _PARAMETERS = (
-    "DELAY",
-    "BLOCK_DURATION",
-    "LOWER_BOUND",
-    "UPPER_BOUND",
-    "FIXED_VAL",
-    "PERCENTAGE",
-    "VAL",
-    "NEW_X",
-    "NEW_Y",
-    "NEW_Z",
+    *("DELAY", "BLOCK_DURATION", "LOWER_BOUND", "UPPER_BOUND", "FIXED_VAL", "PERCENTAGE", "VAL"),
+    *("NEW_X", "NEW_Y", "NEW_Z"),
 )
 _AFFECTED = ("affectedMessage", "affectedRobot", "affectedSensor", "affectedObstacle")
 
@@ -79,36 +76,13 @@ class _Published:
         self._open("robots", robot, name=robot.name, ID=robot.ID, speed=robot.speed)
         self._point("position", robot.position)
         self._properties(robot)
-        for sensor in robot.sensors:
-            kind = sensor.type.name
-            self._leaf(
-                "sensors",
-                sensor,
-                name=sensor.name,
-                ID=sensor.ID,
-                parentID=robot.ID,
-                energyPerSample=sensor.energyPerSample,
-                samplesPerSecond=sensor.samplesPerSecond,
-                type=None if kind == "GPS_POSITION" else kind,
-            )
-        for battery in robot.batteries:
-            self._leaf(
-                "batteries",
-                battery,
-                name=battery.name,
-                ID=battery.ID,
-                parentID=robot.ID,
-                totalEnergy=battery.totalEnergy,
-            )
-        for source in robot.motionSources:
-            self._leaf(
-                "motionSources",
-                source,
-                name=source.name,
-                ID=source.ID,
-                parentID=robot.ID,
-                energyPerDistanceUnit=source.energyPerDistanceUnit,
-            )
+        for tag, names in _COMPONENTS.items():
+            for part in robot.eGet(tag):
+                given = {name: part.eGet(name) for name in names}
+                if "type" in given:
+                    kind = given["type"].name
+                    given["type"] = None if kind == "GPS_POSITION" else kind
+                self._leaf(tag, part, name=part.name, ID=part.ID, parentID=robot.ID, **given)
         self._close("robots")
 
     def _goal(self, goal: Any) -> None:

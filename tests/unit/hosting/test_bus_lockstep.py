@@ -2,7 +2,6 @@
 
 from contextlib import suppress
 from dataclasses import replace
-from random import Random
 from threading import Thread
 
 import pytest
@@ -17,10 +16,8 @@ from mrsfi_runtime.errors import (
     TransportTimeout,
 )
 from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
-from tests.support.trace import TraceDigest
-from tests.support.world import paper_code
+from tests.support.trace import traced
+from tests.support.world import paper_code, specification
 from tests.unit.hosting.bus import PATIENCE, sides
 
 CODE = paper_code(60)
@@ -41,15 +38,6 @@ class BusEngine(PlainEngine):
 
     def _fly(self, flight, seed):
         self.lockstep.fly(flight, seed)
-
-
-def specification(code, seed):
-    return random_specification(SearchSpace.of(code.mission, code.pool), 20, Random(seed))
-
-
-def traced(engine, faults):
-    digest = TraceDigest()
-    return engine.evaluate(faults, observer=digest), digest.hexdigest()
 
 
 def nth(topic, n, change):

@@ -1,26 +1,18 @@
 import json
 from dataclasses import replace
 from math import inf
+from typing import Any
 
 import pytest
 
 from mrsfi_runtime.study.comparison import Comparison, Quartiles, as_json, compare, holm
 from mrsfi_runtime.study.run_results import RunResult
+from tests.support.comparisons import run_result
 
 
-def run(algorithm: str, seed: int, best: float, **others: object) -> RunResult:
-    values = {
-        "n_evaluations": 50,
-        "n_failures": 0,
-        "improvements": ((1, best / 2), (9, best)),
-        "at_once": (1, None, None),
-        "together": (1, 2, None),
-        "hypervolume": best / 100,
-        "front_size": 4,
-        "seconds": 2.0 * seed,
-        "digest": f"{algorithm}{seed}",
-    }
-    return RunResult(algorithm=algorithm, seed=seed, **(values | others))  # type: ignore[arg-type]
+def run(algorithm: str, seed: int, best: float, **others: Any) -> RunResult:
+    values = {"improvements": ((1, best / 2), (9, best)), "hypervolume": best / 100}
+    return run_result(algorithm, seed, **(values | others))
 
 
 def three() -> Comparison:
