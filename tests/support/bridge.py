@@ -67,11 +67,13 @@ def new_hub(limits: Limits | None = None, types: TypeTable = TYPES) -> tuple[Hub
 
 
 class Peer:
-    """A client of a hub, without a socket."""
+    """A client of a hub, without a socket, that is told of what is as bad as a level."""
 
-    def __init__(self, hub: Hub, name: str = "peer") -> None:
+    def __init__(self, hub: Hub, level: str = "") -> None:
         self.frames: list[Frame] = []
-        self.session = Session(hub, name, self._take)
+        self.session = Session(hub, "peer", self._take)
+        if level:
+            self.tell(op="set_level", level=level)
 
     def _take(self, frames: bytes) -> None:
         self.frames += parse_frames(frames)

@@ -13,13 +13,14 @@ from tests.support.bridge import FLOAT, TEXT, Peer, new_hub
 
 
 @pytest.fixture
-def peer():
-    return Peer(new_hub()[0])
+def peer(hub):
+    return Peer(hub)
 
 
-def told(peer):
-    peer.tell(op="set_level", level="error")
-    return peer
+@pytest.fixture
+def told(hub):
+    """A client that is told of errors."""
+    return Peer(hub, "error")
 
 
 def test_several_objects_may_share_a_frame(peer):
@@ -34,13 +35,13 @@ def test_several_objects_may_share_a_frame(peer):
     assert peer.messages() == [{"data": 1.0}]
 
 
-def test_what_precedes_bad_json_is_carried_out(peer):
-    told(peer).session.receive('{"op":"advertise","topic":"/t","type":"std_msgs/Bool"}{"op":')
+def test_what_precedes_bad_json_is_carried_out(told):
+    told.session.receive('{"op":"advertise","topic":"/t","type":"std_msgs/Bool"}{"op":')
 
-    (status,) = peer.take()
+    (status,) = told.take()
     assert "bad JSON at letter 55 of 60: Expecting value" in status["msg"]
-    peer.tell(op="unadvertise", topic="/t")
-    assert peer.take() == []
+    told.tell(op="unadvertise", topic="/t")
+    assert told.take() == []
 
 
 @pytest.mark.parametrize(
@@ -61,10 +62,10 @@ def test_what_precedes_bad_json_is_carried_out(peer):
         ('{"op": "set_level", "level": "loud"}', "level 'loud', expected one of info"),
     ],
 )
-def test_what_is_no_operation_is_told_to_those_who_ask(peer, text, reason):
-    told(peer).session.receive(text)
+def test_what_is_no_operation_is_told_to_those_who_ask(told, text, reason):
+    told.session.receive(text)
 
-    statuses = [operation["msg"] for operation in peer.take()]
+    statuses = [operation["msg"] for operation in told.take()]
     assert len(statuses) == (reason is not None)
     assert all(reason in status and len(status) <= 500 for status in statuses)
 
@@ -229,7 +230,7 @@ def test_a_fragment_within_fragments_does_not_recurse_without_end(peer):
 
 def test_limits_of_a_client_bound_its_fragments():
     hub, _ = new_hub(Limits(frame_bytes=1000))
-    peer = told(Peer(hub))
+    peer = Peer(hub, "error")
 
     peer.tell(op="fragment", id="f", data="x" * 3000, num=0, total=2)
 

@@ -9,11 +9,6 @@ from tests.support.bridge import FLOAT, POINT, Peer, new_hub
 
 
 @pytest.fixture
-def hub():
-    return new_hub()[0]
-
-
-@pytest.fixture
 def peer(hub):
     busy = Peer(hub)
     busy.tell(op="advertise", topic="/a", type=FLOAT)

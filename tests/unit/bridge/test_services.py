@@ -8,19 +8,8 @@ from tests.support.bridge import Peer, new_hub
 ADD = "rospy_tutorials/AddTwoInts"
 
 
-@pytest.fixture
-def hub_and_clock():
-    return new_hub()
-
-
-@pytest.fixture
-def hub(hub_and_clock):
-    return hub_and_clock[0]
-
-
 def provider_of(hub, name="/add", type_name=ADD):
-    peer = Peer(hub)
-    peer.tell(op="set_level", level="warning")
+    peer = Peer(hub, "warning")
     peer.tell(op="advertise_service", service=name, type=type_name)
     return peer
 
@@ -136,8 +125,7 @@ def test_a_call_that_makes_no_sense_is_answered_at_once(hub, name, args, reason)
     assert provider.take() == []
 
 
-def test_a_provider_that_does_not_answer_is_not_waited_for(hub_and_clock):
-    hub, clock = hub_and_clock
+def test_a_provider_that_does_not_answer_is_not_waited_for(hub, clock):
     provider = provider_of(hub)
     caller = called(hub)
 
@@ -152,8 +140,7 @@ def test_a_provider_that_does_not_answer_is_not_waited_for(hub_and_clock):
     assert "waits for your answer" in provider.take()[0]["msg"]
 
 
-def test_a_caller_may_choose_the_time_it_waits(hub_and_clock):
-    hub, clock = hub_and_clock
+def test_a_caller_may_choose_the_time_it_waits(hub, clock):
     provider_of(hub)
     patient, hasty = called(hub, timeout=100), called(hub, timeout=0.5)
 
@@ -234,8 +221,7 @@ def test_the_answer_to_a_client_that_left_is_dropped(hub):
     ],
 )
 def test_what_is_wrong_is_told_to_those_who_ask(hub, operation, reason):
-    peer = Peer(hub)
-    peer.tell(op="set_level", level="error")
+    peer = Peer(hub, "error")
 
     peer.tell(**operation)
 

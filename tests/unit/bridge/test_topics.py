@@ -6,26 +6,14 @@ from mrsfi_bridge.settings import Limits
 from tests.support.bridge import FLOAT, POINT, TEXT, Peer, new_hub
 
 
-@pytest.fixture
-def hub_and_clock():
-    return new_hub()
-
-
-@pytest.fixture
-def hub(hub_and_clock):
-    return hub_and_clock[0]
-
-
 def advertised(hub, topic="/t", type_name=FLOAT, **more):
-    peer = Peer(hub)
-    peer.tell(op="set_level", level="warning")
+    peer = Peer(hub, "warning")
     peer.tell(op="advertise", topic=topic, type=type_name, **more)
     return peer
 
 
 def subscribed(hub, topic="/t", type_name=FLOAT, **more):
-    peer = Peer(hub)
-    peer.tell(op="set_level", level="warning")
+    peer = Peer(hub, "warning")
     peer.tell(op="subscribe", topic=topic, type=type_name, **more)
     return peer
 
@@ -224,8 +212,7 @@ def test_topics_are_limited():
 @pytest.mark.parametrize("op", ["advertise", "subscribe"])
 def test_uses_of_topics_are_limited(op):
     hub, _ = new_hub(Limits(uses=3))
-    peer = Peer(hub)
-    peer.tell(op="set_level", level="error")
+    peer = Peer(hub, "error")
     for number in range(4):
         peer.tell(op=op, topic="/t", type=FLOAT, id=number)
 
@@ -235,8 +222,7 @@ def test_uses_of_topics_are_limited(op):
     assert peer.take() == []
 
 
-def test_messages_that_come_too_early_are_lost_without_a_queue(hub_and_clock):
-    hub, clock = hub_and_clock
+def test_messages_that_come_too_early_are_lost_without_a_queue(hub, clock):
     peer, publisher = subscribed(hub, throttle_rate=100), advertised(hub)
 
     for number in range(10):
@@ -246,8 +232,7 @@ def test_messages_that_come_too_early_are_lost_without_a_queue(hub_and_clock):
     assert values(peer) == [0.0, 4.0, 8.0]
 
 
-def test_a_queue_keeps_the_newest_and_sends_them_in_time(hub_and_clock):
-    hub, clock = hub_and_clock
+def test_a_queue_keeps_the_newest_and_sends_them_in_time(hub, clock):
     peer, publisher = subscribed(hub, throttle_rate=100, queue_length=2), advertised(hub)
 
     publish(publisher, 0, 1, 2, 3)
@@ -268,8 +253,7 @@ def test_a_queue_without_throttling_loses_nothing(hub):
     assert values(peer) == [1.0, 2.0, 3.0]
 
 
-def test_the_most_frequent_of_two_wishes_holds(hub_and_clock):
-    hub, clock = hub_and_clock
+def test_the_most_frequent_of_two_wishes_holds(hub, clock):
     peer, publisher = subscribed(hub, throttle_rate=100, queue_length=9, id="a"), advertised(hub)
     publish(publisher, 0, 1, 2)
 
@@ -294,8 +278,7 @@ def test_messages_that_wait_are_bounded_and_the_oldest_lost():
     assert hub.waiting.used == 0
 
 
-def test_what_waits_is_given_back_when_its_client_leaves(hub_and_clock):
-    hub, clock = hub_and_clock
+def test_what_waits_is_given_back_when_its_client_leaves(hub, clock):
     peer, publisher = subscribed(hub, throttle_rate=1000, queue_length=100), advertised(hub)
     publish(publisher, 1, 2, 3)
 
