@@ -14,7 +14,7 @@ from lxml import etree
 from pyecore.resources import URI, ResourceSet
 
 from m2t.diagnostics import Report, shown
-from m2t.metamodel_contract import Needs, needs
+from m2t.metamodel_contract import MEANING, Needs, needs
 from m2t.namespaces import ECORE, XMI, XSI
 from m2t.read.nodes import Node
 from mrsfi_runtime.errors import ModelError
@@ -182,7 +182,7 @@ class MetamodelReader:
             self._report.add(child, "ConcreteType", finding)
 
     def _check_references(self, node: Node) -> None:
-        """Check what a node refers to; of an annotation, that it says everything once."""
+        """Check what a node refers to; of an annotation of ours, that it says all once."""
         kind, target = self._kinds.get(node), node.attributes.get("eType", "")
         if kind == "EClass":
             for parent in node.attributes.get("eSuperTypes", "").split():
@@ -195,7 +195,7 @@ class MetamodelReader:
             expected = f"{', '.join(VALUE_TYPES)} or an enumeration"
             finding = f"has type {shown(target.removeprefix(_ECORE_TYPE))}; expected {expected}"
             self._report.add(node, "ReferenceType", f"{finding}; choose one")
-        elif kind == "EAnnotation":
+        elif kind == "EAnnotation" and node.attributes.get("source") == MEANING:
             keys = [entry.attributes.get("key", "") for entry in node.tagged("details")]
             for key in {key for key in keys if keys.count(key) > 1}:
                 finding = f"has the key {shown(key)} again; expected each once; delete one"

@@ -131,12 +131,15 @@ def test_broken_metamodel_is_refused_at_its_line(folder, old, new, place, messag
     assert first.startswith(f"{path}:{line_of(path, place)}: ")
 
 
-def test_class_that_inherits_from_itself_is_refused(folder):
-    edit(
-        folder / MISSION_FILE,
-        'name="Stay" eSuperTypes="#//GoalTask"',
-        'name="Stay" eSuperTypes="#//Stay"',
-    )
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('name="Stay" eSuperTypes="#//GoalTask"', 'name="Stay" eSuperTypes="#//Stay"'),
+        ('name="GoalTask"', 'name="GoalTask" eSuperTypes="#//GoalTask"'),
+    ],
+)
+def test_class_that_inherits_from_itself_is_refused(folder, old, new):
+    edit(folder / MISSION_FILE, old, new)
 
     with pytest.raises(ModelError, match="inherits from itself"):
         read_metamodels(folder)

@@ -156,6 +156,7 @@ STOPS = meaning(mode="STOP", property="MOTION")
 BY = parameter("BY", range="SPEED")
 WRONG_TEXTS = [
     (STOPS + meaning(), "'Odd' says nothing; expected details with a key and a value; delete it"),
+    (STOPS.replace('key="property" ', ""), "'Odd' has the key ''; expected mode, property"),
     (STOPS.replace("property", "mode"), "'Odd' has the key 'mode' again; expected each once"),
     (
         STOPS + '<eAnnotations source="http://mrsfi.org/colour"/>',
