@@ -1,15 +1,247 @@
-"""The server: listens, keeps its clients within their limits, and shares out what they send."""
+"""The server: its sockets, from the opening handshake on, within the limits of all clients."""
 
 import asyncio
+import hmac
+import http
+import logging
+import re
+import socket
+from contextlib import suppress
 from functools import partial
+from typing import Any, cast
+from urllib.parse import parse_qs, urlsplit
 
-from websockets.frames import CloseCode
+from websockets.frames import OP_BINARY, OP_CONT, OP_TEXT, CloseCode, Frame
+from websockets.http11 import Request, Response
+from websockets.protocol import State
+from websockets.server import ServerProtocol
+from websockets.typing import Origin
 
-from mrsfi_bridge.connection import Connection
+from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ListenError
 from mrsfi_bridge.rosapi import provide_rosapi
-from mrsfi_bridge.session import LOGGER, Hub
+from mrsfi_bridge.session import LOGGER, Hub, Session
 from mrsfi_bridge.settings import ServerSettings
+
+_QUICKACK = getattr(socket, "TCP_QUICKACK", None)
+_WIRE = LOGGER.getChild("websocket")
+_WIRE.setLevel(logging.WARNING)
+_THIS_MACHINE = re.compile(r"https?://(?:localhost|127\.0\.0\.1|\[::1\])(?::\d+)?")
+_FEW_BYTES = 1 << 16
+"""What may wait for or from a client before it is counted."""
+
+
+class Connection(asyncio.Protocol):
+    """The server's end of one socket.
+
+    Parameters
+    ----------
+    server
+        What accepted it.
+    """
+
+    def __init__(self, server: "BridgeServer") -> None:
+        self._server = server
+        self._limits = server.settings.limits
+        self._protocol = ServerProtocol(
+            # programs, pages of this machine, and those named
+            origins=[None, _THIS_MACHINE, *map(Origin, server.settings.origins)],
+            max_size=self._limits.frame_bytes,
+            logger=_WIRE,
+        )
+        self._session: Session | None = None
+        self._outbox: list[bytes] = []
+        self._message = bytearray()
+        self._is_text = True
+        self._since = self._heard = self._now()
+        self._pinged: float | None = None
+        self._ending: float | None = None
+
+    @property
+    def is_client(self) -> bool:
+        """Whether hands were shaken."""
+        return self._session is not None
+
+    def _now(self) -> float:
+        return self._server.hub.scheduler.time()
+
+    # What asyncio calls.
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Prepare the socket of a new client."""
+        self._transport: asyncio.Transport = cast("asyncio.Transport", transport)
+        peer = transport.get_extra_info("peername") or ("?", 0)
+        self.name = f"{peer[0]}:{peer[1]}"
+        self._socket: socket.socket = transport.get_extra_info("socket")
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if not self._server.enter(self):
+            self.abort("too many sockets")
+
+    def data_received(self, data: bytes) -> None:
+        """Carry out what a client sent."""
+        if _QUICKACK is not None:  # acknowledged at once: no client waits for it before it sends
+            with suppress(OSError):
+                self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
+        self._heard = self._now()
+        self._pinged = None
+        self._protocol.receive_data(data)
+        self._take_events()
+
+    def eof_received(self) -> bool:
+        """Close, since the client did."""
+        self._protocol.receive_eof()
+        self._take_events()
+        return False
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget the client."""
+        if self._session is not None:
+            LOGGER.info("%s: left%s", self.name, f" ({exc})" if exc else "")
+            self._session.leave()
+            self._session = None
+        self._outbox.clear()
+        self._server.gone(self)
+        self._server.flush()
+
+    # What the server calls.
+
+    def check(self, now: float) -> None:
+        """End what takes too long: handshakes, silence, farewells."""
+        state = self._protocol.state
+        if self._ending is not None or state in {State.CLOSING, State.CLOSED}:
+            self._ending = self._ending or now
+            if now - self._ending > self._limits.close_s:
+                self.abort("did not close")
+        elif state is State.CONNECTING:
+            if now - self._since > self._limits.handshake_s:
+                self.abort("no handshake")
+        elif self._pinged is not None:
+            if now - self._pinged > self._limits.pong_s:
+                self.abort(f"no sign of life for {now - self._heard:.0f} s")
+        elif now - self._heard > self._limits.ping_s:
+            self._pinged = now
+            self._protocol.send_ping(b"")
+            self._server.dirty(self)
+
+    def write(self) -> None:
+        """Write everything that waits, in one go."""
+        transport, writes = self._transport, self._outbox
+        writes.extend(self._protocol.data_to_send())
+        self._outbox = []
+        if transport.is_closing():
+            return
+        is_end = b"" in writes[-1:]
+        content = b"".join(writes)
+        if content:
+            transport.write(content)
+        if is_end and transport.can_write_eof():
+            transport.write_eof()
+        self._count_held()
+
+    def close(self, code: int, reason: str) -> None:
+        """Take leave of the client; it is cut off if it takes too long."""
+        if self._protocol.state is State.OPEN:
+            self._protocol.send_close(code, reason)
+            self._ending = self._now()
+        elif self._protocol.state is State.CONNECTING:
+            self.abort(reason)
+        self._server.dirty(self)
+
+    def refuse(self, reason: str) -> None:
+        """Tell the client that it uses too much, and cut it off."""
+        if self._ending is not None:
+            return
+        LOGGER.warning("%s: disconnected: %s", self.name, reason)
+        if self._protocol.state is State.OPEN:
+            self._outbox.append(text_frames({"op": "status", "level": "error", "msg": reason}))
+            self._server.dirty(self)
+        self.close(CloseCode.TRY_AGAIN_LATER, reason[:120])
+
+    def abort(self, reason: str) -> None:
+        """Cut the client off, and forget what waits for it."""
+        LOGGER.warning("%s: cut off: %s", self.name, reason)
+        self._transport.abort()
+
+    # What comes in.
+
+    def _take_events(self) -> None:
+        for event in self._protocol.events_received():
+            if isinstance(event, Request):
+                self._shake_hands(event)
+            elif isinstance(event, Frame):
+                self._take_frame(event)
+        self._server.dirty(self)
+        self._server.flush()
+
+    def _shake_hands(self, request: Request) -> None:
+        response = self._answer(request)
+        self._protocol.send_response(response)
+        self._outbox.extend(self._protocol.data_to_send())  # before any message
+        if self._protocol.state is not State.OPEN:
+            LOGGER.warning("%s: refused: %s", self.name, response.reason_phrase)
+            self._ending = self._now()
+            return
+        self._session = Session(self._server.hub, self.name, self._send)
+        self._server.hub.counts.clients += 1
+        LOGGER.info("%s: connected", self.name)
+
+    def _answer(self, request: Request) -> Response:
+        if not self._server.admits_client():
+            text = f"{self._limits.clients} clients are connected, the limit\n"
+            return self._protocol.reject(http.HTTPStatus.SERVICE_UNAVAILABLE, text)
+        token = self._server.settings.token
+        if token is not None and not _shows(request, token):
+            text = "show the server's token: ws://HOST:PORT/?token=TOKEN\n"
+            return self._protocol.reject(http.HTTPStatus.UNAUTHORIZED, text)
+        return self._protocol.accept(request)
+
+    def _take_frame(self, frame: Frame) -> None:
+        if frame.opcode in {OP_TEXT, OP_BINARY}:
+            self._is_text = frame.opcode is OP_TEXT
+        elif frame.opcode is not OP_CONT:
+            return
+        self._message += frame.data
+        if frame.fin:
+            content, self._message = self._message, bytearray()
+            self._take_message(content)
+
+    def _take_message(self, content: bytearray) -> None:
+        if self._session is None or self._ending is not None:
+            return  # a client that took leave itself is heard to the end
+        try:
+            text = content.decode()
+        except UnicodeDecodeError as error:
+            kind = "text" if self._is_text else "binary"
+            self.close(CloseCode.INVALID_DATA, f"a {kind} frame that is no UTF-8: {error.reason}")
+            return
+        self._session.receive(text)
+
+    # What goes out.
+
+    def _send(self, frames: bytes) -> None:
+        if self._protocol.state is State.OPEN and self._ending is None:
+            self._outbox.append(frames)
+            self._server.dirty(self)
+
+    def _count_held(self) -> None:
+        """Refuse a client for which too much waits; tell the server how much it is."""
+        n_bytes = self._transport.get_write_buffer_size()
+        if n_bytes > self._limits.queue_bytes:
+            self.refuse(
+                f"too slow: {n_bytes} bytes wait for you, the limit is {self._limits.queue_bytes}"
+            )
+        n_bytes += len(self._message) + len(self._protocol.reader.buffer)
+        if self._session is not None:
+            n_bytes += self._session.fragments.n_bytes
+        self._server.hold(self, n_bytes if n_bytes > _FEW_BYTES else 0)
+
+
+def _shows(request: Request, token: str) -> bool:
+    """Return whether a client shows the token, in its URL or as bearer."""
+    shown: list[Any] = list(parse_qs(urlsplit(request.path).query).get("token", ()))
+    shown += [value.removeprefix("Bearer ") for value in request.headers.get_all("Authorization")]
+    return any(hmac.compare_digest(value.encode(), token.encode()) for value in shown)
+
 
 _BACKLOG = 512
 _CHECKS_S = 0.25

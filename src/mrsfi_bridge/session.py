@@ -84,6 +84,11 @@ class Session:
         Name of the client in the log.
     send
         Takes frames for the client.
+
+    Attributes
+    ----------
+    fragments
+        Messages whose fragments have not all come.
     """
 
     def __init__(self, hub: Hub, name: str, send: Callable[[bytes], None]) -> None:
@@ -94,7 +99,7 @@ class Session:
         self._adverts: Uses[None] = Uses(hub.limits.uses)
         self._wishes: Uses[Wish] = Uses(hub.limits.uses)
         self._subscriptions: dict[str, Subscription] = {}
-        self._fragments = Fragments(2 * hub.limits.frame_bytes)
+        self.fragments = Fragments(2 * hub.limits.frame_bytes)
         self._n_dropped = 0
         self._operations: dict[str, Callable[[Operation], None]] = {
             "publish": self._publish,
@@ -109,11 +114,6 @@ class Session:
             "set_level": self._set_level,
             "fragment": self._fragment,
         }
-
-    @property
-    def n_waiting_bytes(self) -> int:
-        """What messages take whose fragments have not all come."""
-        return self._fragments.n_bytes
 
     def receive(self, text: str) -> None:
         """Carry out the operations of a text; what is wrong is dropped, counted and logged."""
@@ -149,8 +149,7 @@ class Session:
         self._n_dropped += 1
         if self._n_dropped <= _LOGGED_FIRST or self._n_dropped % _LOGGED_EVERY == 0:
             LOGGER.warning("%s: dropped no. %d: %s", self.name, self._n_dropped, reason)
-        if self._level != "none":
-            self.status("error", reason, operation_id)
+        self.status("error", reason, operation_id)
 
     def _advertise(self, operation: Operation) -> None:
         topic, use_id = absolute(operation["topic"]), operation.get("id")
@@ -253,7 +252,7 @@ class Session:
         self._level = operation["level"]
 
     def _fragment(self, operation: Operation) -> None:
-        text = self._fragments.add(operation)
+        text = self.fragments.add(operation)
         if text is not None:
             self.receive(text)
 

@@ -13,7 +13,7 @@ from mrsfi_runtime.kernel.goal_tasks.table import TASKS
 from mrsfi_runtime.kernel.state import GoalState, State
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, TimedFault
-from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission, Obstacle, Robot, Sensor
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import Target, touched
 
@@ -127,18 +127,12 @@ def audit(engine: Engine, start: int, finish: int) -> tuple[AuditRow, ...]:
 def describe(mission: Mission, target: Target) -> str:
     """Return a target in words, for example ``r3 energy`` or ``s4 count``."""
     affected, index = target
-    if affected in (
-        Field.COUNT,
-        Field.RATE,
-        Field.COST,
-        Field.ACTIVATION,
-    ):
-        owner = mission.sensors[index].id
+    owners: Sequence[Robot | Sensor | Obstacle] = mission.robots
+    if affected in (Field.COUNT, Field.RATE, Field.COST, Field.ACTIVATION):
+        owners = mission.sensors
     elif affected is Field.OBSTACLE:
-        owner = mission.obstacles[index].id
-    else:
-        owner = mission.robots[index].id
-    return f"{owner} {affected.name.lower()}"
+        owners = mission.obstacles
+    return f"{owners[index].id} {affected.name.lower()}"
 
 
 def _reason(targets: Sequence[Target], outcome: Outcome, reserves: Reserves) -> str:
@@ -148,17 +142,17 @@ def _reason(targets: Sequence[Target], outcome: Outcome, reserves: Reserves) -> 
     if not any(outcome.changed):
         return "the forged command is what the CI orders anyway"
     affected = {target[0] for target in targets}
-    reasons = []
-    if affected & {
-        Field.SPEED,
-        Field.ENERGY,
-        Field.RATE,
-        Field.COST,
-        Field.ACTIVATION,
-    }:
-        reasons.append(f"energy reserve stayed at {reserves.energy:.0f} or more")
-    if affected & {Field.COUNT, Field.RATE}:
-        reasons.append(f"sample forecast stayed {reserves.samples:.0f} or more above target")
-    if affected & {Field.POSITION, Field.OBSTACLE}:
-        reasons.append(f"believed gap stayed at {reserves.gap:.0f} or more")
-    return "; ".join(reasons) or "the goals allow for it"
+    energy = {Field.SPEED, Field.ENERGY, Field.RATE, Field.COST, Field.ACTIVATION}
+    reasons = (
+        (energy, f"energy reserve stayed at {reserves.energy:.0f} or more"),
+        (
+            {Field.COUNT, Field.RATE},
+            f"sample forecast stayed {reserves.samples:.0f} or more above target",
+        ),
+        (
+            {Field.POSITION, Field.OBSTACLE},
+            f"believed gap stayed at {reserves.gap:.0f} or more",
+        ),
+    )
+    found = (words for fields, words in reasons if affected & fields)
+    return "; ".join(found) or "the goals allow for it"

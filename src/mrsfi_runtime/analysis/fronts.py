@@ -13,17 +13,11 @@ from math import atan2
 import numpy as np
 
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
 
 _NUMBER = r"(\d+(?:\.\d+)?)"
 _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NUMBER}\s*")
-
-
-def identity(specification: Specification) -> Specification:
-    """Return the specification with its faults sorted: the order of its faults has no meaning."""
-    return tuple(sorted(specification))
 
 
 def score(evaluation: Evaluation) -> float:
@@ -32,10 +26,10 @@ def score(evaluation: Evaluation) -> float:
 
 
 def distinct(evaluations: Iterable[Evaluation]) -> tuple[Evaluation, ...]:
-    """Return the first evaluation of every specification, in the given order."""
-    first: dict[Specification, Evaluation] = {}
+    """Return the first of every specification, whose faults may stand in any order, as given."""
+    first: dict[object, Evaluation] = {}
     for evaluation in evaluations:
-        first.setdefault(identity(evaluation.specification), evaluation)
+        first.setdefault(tuple(sorted(evaluation.specification)), evaluation)
     return tuple(first.values())
 
 

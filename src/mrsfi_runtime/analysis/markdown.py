@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from mrsfi_runtime.analysis.fronts import Front, Pick, score
+from mrsfi_runtime.analysis.patterns import Trend
 from mrsfi_runtime.analysis.summary import Summary
-from mrsfi_runtime.analysis.trend import Trend
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure, ticks
 from mrsfi_runtime.record.settings import CampaignSettings

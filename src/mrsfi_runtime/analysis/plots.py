@@ -23,9 +23,8 @@ from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Pick, Ratio
-from mrsfi_runtime.analysis.patterns import TypePattern
+from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.tables import goal_discs, working_window
-from mrsfi_runtime.analysis.trend import Trend
 from mrsfi_runtime.model.mission import Mission
 
 INK, SOFT, GRID, PAPER = "#1f2933", "#66737f", "#e3e8ec", "#ffffff"

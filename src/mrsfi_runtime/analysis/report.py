@@ -94,11 +94,6 @@ def write_report(
     return summary
 
 
-def critical_name(rank: int) -> str:
-    """Return the file name of the specification at a rank, from 1."""
-    return f"{rank:02d}.xmi"
-
-
 def specification_rows(
     pool: FaultPool, specification: Specification
 ) -> tuple[SpecificationRow, ...]:
@@ -115,7 +110,7 @@ def _write_critical(
     _emptied(layout.critical, "[0-9][0-9].xmi")
     for rank, evaluation in enumerate(summary.top, start=1):
         rows = specification_rows(pool, evaluation.specification)
-        write(rows, layout.critical / critical_name(rank), f"evaluation_{evaluation.index}")
+        write(rows, layout.critical / f"{rank:02d}.xmi", f"evaluation_{evaluation.index}")
 
 
 def _emptied(folder: Path, pattern: str) -> None:

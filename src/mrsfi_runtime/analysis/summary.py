@@ -16,8 +16,7 @@ from mrsfi_runtime.analysis.fronts import (
     score,
     top,
 )
-from mrsfi_runtime.analysis.patterns import TypePattern, find_patterns
-from mrsfi_runtime.analysis.trend import Trend, find_trend
+from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
 from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation

@@ -7,8 +7,7 @@ from dataclasses import astuple, dataclass, fields
 from typing import TypeAlias
 
 from mrsfi_runtime.analysis.fronts import Front
-from mrsfi_runtime.analysis.patterns import TypePattern
-from mrsfi_runtime.analysis.trend import Trend
+from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Goal, Mission
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure

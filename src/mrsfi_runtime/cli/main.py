@@ -101,7 +101,8 @@ class CommandGroup(click.Group):
         except KeyboardInterrupt as error:
             ctx.exit(_tell(error, is_traced=False))
         except BrokenPipeError:
-            _silence_stdout()
+            with suppress(BrokenPipeError):  # nobody reads it: let the interpreter end quietly
+                sys.stdout.close()
             ctx.exit(_PIPE_CLOSED)
         except Exception as error:  # noqa: BLE001 - the last door: every error becomes an exit code
             ctx.exit(_tell(error, is_traced=ctx.params["traceback"]))
@@ -121,12 +122,6 @@ def _tell(error: BaseException, *, is_traced: bool) -> int:
     advice = "" if is_traced else "; run `mrsfi --traceback …` to see where, and report it"
     click.echo(f"mrsfi: a defect of mrsfi: {type(error).__name__}: {error}{advice}", err=True)
     return _DEFECT
-
-
-def _silence_stdout() -> None:
-    """Let the interpreter end quietly although nobody reads standard output any more."""
-    with suppress(BrokenPipeError):
-        sys.stdout.close()
 
 
 @click.group(cls=CommandGroup, help=_HELP, context_settings={"help_option_names": ["-h", "--help"]})

@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 
 from mrsfi_runtime.analysis import plots
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
-from mrsfi_runtime.analysis.patterns import find_patterns
-from mrsfi_runtime.analysis.trend import GenerationFitness, Trend
+from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend, find_patterns
 from tests.support.campaigns import random_specification
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission, pool_of

@@ -1,6 +1,6 @@
 import pytest
 
-from mrsfi_runtime.analysis.trend import GenerationFitness, Trend, find_trend
+from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend, find_trend
 from mrsfi_runtime.record.campaign import Generation
 
 

@@ -162,7 +162,7 @@ def test_fragments_in_any_order_are_put_together(peer):
     peer.tell(op="publish", topic="/t", msg={"data": 1})
 
     assert peer.messages() == [{"data": 1.0}]
-    assert peer.session.n_waiting_bytes == 0
+    assert peer.session.fragments.n_bytes == 0
 
 
 def test_messages_in_fragments_may_be_mixed():
