@@ -34,8 +34,6 @@ class _Field(NamedTuple):
 
 _TEXT = _Field((str,))
 _NAME = _Field((str,), is_required=True)
-_NUMBER = _Field((int, float))
-_COUNT = _Field((int,))
 _SOME = _Field((int, type(None)))
 _ID = _Field((str, int, type(None)))
 
@@ -47,8 +45,8 @@ _FIELDS = MappingProxyType(
         "subscribe": {
             "topic": _NAME,
             "type": _Field((str, type(None))),
-            "throttle_rate": _NUMBER,
-            "queue_length": _COUNT,
+            "throttle_rate": _Field((int, float)),
+            "queue_length": _Field((int,)),
             "fragment_size": _SOME,
             "compression": _TEXT,
             "id": _ID,

@@ -7,6 +7,7 @@ Source paper, section V, figures 5 to 12.
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import astuple, fields
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
@@ -14,6 +15,7 @@ from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.drawing_process import Draw, Drawing, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Pick, find_front
 from mrsfi_runtime.analysis.markdown import report_text
+from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.summary import Summary, as_json, parameter_values, summarise
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.mission import MissionCode
@@ -155,7 +157,10 @@ def illustrate(
             "figure_12_fault_types",
             f"Fault types in the {len(summary.top)} most critical specifications",
             Drawing("fault_types", (summary.patterns, len(summary.top))),
-            tables.patterns_table(summary.patterns),
+            [
+                tuple(field.name.removeprefix("n_") for field in fields(TypePattern)),
+                *map(astuple, summary.patterns),
+            ],
         )
 
 
@@ -191,13 +196,19 @@ def _fitness(summary: Summary) -> Iterator[Illustration]:
         f"figure_{mean}_mean_fitness",
         "Mean fitness of each generation",
         Drawing("mean_fitness", (summary.trend, label)),
-        tables.mean_table(summary.trend),
+        [
+            ("generation", "mean", "std"),
+            *((row.generation, row.mean, row.std) for row in summary.trend.generations),
+        ],
     )
     yield Illustration(
         f"figure_{best}_best_fitness",
         "Best fitness of each generation",
         Drawing("best_fitness", (summary.trend, label)),
-        tables.best_table(summary.trend),
+        [
+            ("generation", "best"),
+            *((row.generation, row.best) for row in summary.trend.generations),
+        ],
     )
 
 

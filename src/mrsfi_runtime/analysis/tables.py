@@ -3,11 +3,10 @@
 import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from mrsfi_runtime.analysis.fronts import Front
-from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Goal, Mission
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
@@ -87,17 +86,6 @@ def map_table(mission: Mission) -> Rows:
     ]
 
 
-def mean_table(trend: Trend) -> Rows:
-    """Return mean and standard deviation of fitness per generation."""
-    rows = ((row.generation, row.mean, row.std) for row in trend.generations)
-    return [("generation", "mean", "std"), *rows]
-
-
-def best_table(trend: Trend) -> Rows:
-    """Return the best fitness per generation."""
-    return [("generation", "best"), *((row.generation, row.best) for row in trend.generations)]
-
-
 def generation_fronts_table(fronts: Mapping[int, Front], goals: Sequence[str]) -> Rows:
     """Return the front of each of some generations, by generation."""
     rows = (
@@ -110,12 +98,6 @@ def front_table(front: Front) -> Rows:
     """Return the points of a front."""
     rows = ((point.evaluation, *point.violations) for point in front.points)
     return [("evaluation", *front.goals), *rows]
-
-
-def patterns_table(patterns: Iterable[TypePattern]) -> Rows:
-    """Return the occurrences of every fault type, with what its base share would give."""
-    header = tuple(field.name.removeprefix("n_") for field in fields(TypePattern))
-    return [header, *map(astuple, patterns)]
 
 
 def evaluations_table(evaluations: Iterable[Evaluation], measure: Measure) -> Rows:

@@ -93,8 +93,8 @@ def begun(
     folder = CampaignFolder.reserve(path)
     with only_writer(folder):
         folder.fill(folders.models, folders.generated)
-        content = manifest_of(folders, case, recorded_engine(engine))
-        CampaignStore.create(path, settings, content).close()
+        manifest = manifest_of(folders, case, recorded_engine(engine))
+        CampaignStore.create(path, settings, manifest).close()
         yield
 
 

@@ -81,8 +81,7 @@ def _replay_all(campaign: OpenCampaign, engine: Engine, *, is_json: bool) -> Non
     evaluations = campaign.store.evaluations()
     console = progress_console()
     for recorded in track(evaluations, "replay", console=console, disable=not console.is_terminal):
-        outcome = engine.evaluate(recorded.specification)
-        _require_same(campaign.folder.path, recorded, outcome)
+        _require_same(campaign.folder.path, recorded, engine.evaluate(recorded.specification))
     digest = campaign.store.digest()
     if is_json:
         print_json({"n_evaluations": len(evaluations), "is_same": True, "digest": digest})
@@ -100,10 +99,9 @@ def _require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
     """
     if outcome == recorded.outcome:
         return
-    names = [field.name for field in fields(Outcome)]
     differences = [
         f"{name} {getattr(outcome, name)}, recorded {getattr(recorded.outcome, name)}"
-        for name in names
+        for name in (field.name for field in fields(Outcome))
         if getattr(outcome, name) != getattr(recorded.outcome, name)
     ]
     raise ReplayMismatch(

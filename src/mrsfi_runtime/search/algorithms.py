@@ -15,7 +15,7 @@ from functools import partial
 from itertools import cycle, islice
 from random import Random
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any
 
 from deap import algorithms, base, tools
 
@@ -27,7 +27,7 @@ from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.guided import guided
 from mrsfi_runtime.search.individuals import (
     SELECTIONS,
-    GoalIndividual,
+    Criticality,
     Individual,
     lent_to_deap,
     mate,
@@ -49,16 +49,9 @@ from mrsfi_runtime.search.steps import MUTATIONS
 from mrsfi_runtime.search.user_functions import chosen, told_by_line
 from mrsfi_runtime.search.variation import CROSSOVERS
 
-_Select: TypeAlias = Callable[[Sequence[Individual]], list[Individual]]
-
 
 class Breeder:
     """Draws, varies and selects individuals as the settings of a campaign say.
-
-    Parameters
-    ----------
-    kind
-        What DEAP compares individuals by.
 
     Attributes
     ----------
@@ -68,14 +61,11 @@ class Breeder:
         Individuals of a population.
     """
 
-    def __init__(
-        self, space: SearchSpace, settings: CampaignSettings, kind: type[Individual] = Individual
-    ) -> None:
+    def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
         self.rng = Random(settings.seed)
         self.size = settings.population
         self._space = space
         self._settings = settings
-        self._kind = kind
         self._select = chosen(settings, "selection", SELECTIONS)
         self._crossover = chosen(settings, "crossover_operator", CROSSOVERS)
         self._mutation = chosen(settings, "mutation_operator", MUTATIONS)
@@ -83,7 +73,7 @@ class Breeder:
     def first(self) -> list[Individual]:
         """Draw a population."""
         return [
-            self._kind(random_specification(self._space, self._settings.faults, self.rng))
+            Individual(random_specification(self._space, self._settings.faults, self.rng))
             for _ in range(self.size)
         ]
 
@@ -178,7 +168,7 @@ def nsga2(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     ----------
     Deb et al., *A fast and elitist multiobjective genetic algorithm: NSGA-II*, 2002.
     """
-    breeder = Breeder(space, settings, GoalIndividual)
+    breeder = Breeder(space, settings)
 
     def breed(parents: Sequence[Individual]) -> list[Individual]:
         n_padding = -len(parents) % 4  # the tournament takes four at a time
@@ -221,6 +211,8 @@ def _own_toolbox(breeder: Breeder) -> Any:
 
 def _fittest_by_goals(individuals: list[Individual], n_selected: int) -> list[Individual]:
     """Return the first by rank and crowding distance, both entered in their fitness."""
+    for individual in individuals:
+        individual.fitness = Criticality(individual.score.goals)  # what DEAP compares them by
     n_goals = len(individuals[0].score.goals)
     sorting = "log" if n_goals > 1 else "standard"  # DEAP's log sort needs two objectives
     return list(tools.selNSGA2(individuals, n_selected, nd=sorting))
@@ -251,7 +243,11 @@ def random_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     return breeder.loop(lambda _: breeder.first())
 
 
-def _evolution(breeder: Breeder, settings: CampaignSettings, select: _Select) -> Algorithm:
+def _evolution(
+    breeder: Breeder,
+    settings: CampaignSettings,
+    select: Callable[[Sequence[Individual]], list[Individual]],
+) -> Algorithm:
     rng, toolbox = breeder.rng, breeder.toolbox(breeder.rng)
     return breeder.loop(lambda parents: _varied(select(parents), settings, rng, toolbox))
 

@@ -131,8 +131,7 @@ class Judge:
 
     def score(self, outcome: Outcome) -> Score:
         """Return the fitness and the goal vector of one outcome."""
-        violations = getattr(outcome, self._measure)
-        findings = Findings(outcome, violations, self._goals, self._duration)
+        findings = Findings(outcome, getattr(outcome, self._measure), self._goals, self._duration)
         return Score(self._fitness(findings), self.goals(outcome))
 
     def goals(self, outcome: Outcome) -> tuple[int, ...]:

@@ -68,10 +68,7 @@ class Individual(list[TimedFault]):
     def assess(self, score: Score) -> None:
         """Take the score."""
         self.score = score
-        self.fitness = self._compared(score)
-
-    def _compared(self, score: Score) -> base.Fitness:
-        return Criticality((score.fitness,))
+        self.fitness = Criticality((score.fitness,))
 
     def become(self, specification: Specification) -> None:
         """Take the timed faults of another; the fitness is lost if they differ."""
@@ -90,13 +87,6 @@ class Individual(list[TimedFault]):
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         return self.clone()
-
-
-class GoalIndividual(Individual):
-    """An individual that DEAP compares by its goal vector."""
-
-    def _compared(self, score: Score) -> base.Fitness:
-        return Criticality(score.goals)
 
 
 def mutate(
