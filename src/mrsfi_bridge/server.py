@@ -23,6 +23,12 @@ from mrsfi_bridge.rosapi import provide_rosapi
 from mrsfi_bridge.session import LOGGER, Hub, Session
 from mrsfi_bridge.settings import ServerSettings
 
+_BACKLOG = 512
+_CHECKS_S = 0.25
+_SHAKING = 256
+"""Sockets beside those of clients: shaking hands, refused, or closing."""
+
+
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
 _WIRE = LOGGER.getChild("websocket")
 _WIRE.setLevel(logging.WARNING)
@@ -241,12 +247,6 @@ def _shows(request: Request, token: str) -> bool:
     shown: list[Any] = list(parse_qs(urlsplit(request.path).query).get("token", ()))
     shown += [value.removeprefix("Bearer ") for value in request.headers.get_all("Authorization")]
     return any(hmac.compare_digest(value.encode(), token.encode()) for value in shown)
-
-
-_BACKLOG = 512
-_CHECKS_S = 0.25
-_SHAKING = 256
-"""Sockets beside those of clients: shaking hands, refused, or closing."""
 
 
 class BridgeServer:
