@@ -226,7 +226,14 @@ def _fronts(
             "figure_10_front_by_generation",
             f"Pareto points of some generations {over}",
             Drawing("generation_fronts", (by_generation,)),
-            tables.generation_fronts_table(by_generation, goals),
+            [
+                ("generation", "evaluation", *goals),
+                *(
+                    (generation, *row)
+                    for generation, front in by_generation.items()
+                    for row in tables.front_table(front)[1:]
+                ),
+            ],
         )
     front = find_front(measure, evaluations, goals)
     cloud = [measure.violations(evaluation, goals) for evaluation in evaluations]

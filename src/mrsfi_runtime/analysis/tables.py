@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -84,14 +84,6 @@ def map_table(mission: Mission) -> Rows:
             for disc in goal_discs(mission)
         ),
     ]
-
-
-def generation_fronts_table(fronts: Mapping[int, Front], goals: Sequence[str]) -> Rows:
-    """Return the front of each of some generations, by generation."""
-    rows = (
-        (generation, *row) for generation, front in fronts.items() for row in front_table(front)[1:]
-    )
-    return [("generation", "evaluation", *goals), *rows]
 
 
 def front_table(front: Front) -> Rows:

@@ -47,9 +47,10 @@ from tick {start} to tick {finish}.
 
 | fault | type | touches | applied | changed | violations | why none |
 |---|---|---|--:|--:|---|---|
-"""
+{lines}
 
-_SUMMARY = "\n{n_effective} of {n_faults} faults change a goal.{silent}\n"
+{n_effective} of {n_faults} faults change a goal.{silent}
+"""
 
 
 _HELP = """Fly MISSION once and print what happened to each goal.
@@ -286,35 +287,28 @@ def effects_page(
 ) -> str:
     """Return the audit as a page in Markdown."""
     mission = engine.code.mission
-    head = _PAGE.format(
+    lines = (
+        (
+            row.fault.id,
+            row.fault.type,
+            ", ".join(row.touched) or "–",
+            row.outcome.applied[0],
+            row.outcome.changed[0],
+            ", ".join(_violations(mission, row)) or "–",
+            row.reason or "–",
+        )
+        for row in rows
+    )
+    silent = ", ".join(plain(row.fault.type) for row in rows if not row.differs)
+    return _PAGE.format(
         name=plain(name),
         duration=mission.duration,
         seed=engine.seed,
         n_faults=len(rows),
         start=window[0],
         finish=window[1],
-    )
-    return head + "".join(_line(mission, row) for row in rows) + _summary(rows)
-
-
-def _line(mission: Mission, row: AuditRow) -> str:
-    cells = (
-        row.fault.id,
-        row.fault.type,
-        ", ".join(row.touched),
-        str(row.outcome.applied[0]),
-        str(row.outcome.changed[0]),
-        ", ".join(_violations(mission, row)),
-        row.reason,
-    )
-    return table_row(cell or "–" for cell in cells) + "\n"
-
-
-def _summary(rows: Sequence[AuditRow]) -> str:
-    silent = ", ".join(plain(row.fault.type) for row in rows if not row.differs)
-    return _SUMMARY.format(
+        lines="\n".join(map(table_row, lines)),
         n_effective=sum(1 for row in rows if row.differs),
-        n_faults=len(rows),
         silent=f" These change none, for the reasons given: {silent}." if silent else "",
     )
 

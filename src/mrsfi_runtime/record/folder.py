@@ -150,22 +150,18 @@ def only_writer(folder: CampaignFolder) -> Iterator[None]:
     RecordError
         If another process holds the lock, or the folder cannot be written.
     """
-    descriptor = _opened(folder.lock)
+    try:
+        descriptor = os.open(folder.lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        raise RecordError(
+            f"{folder.path}: cannot be opened or written: {error.strerror}; expected the folder "
+            "of a campaign that can be; change its permissions, or continue a copy of it"
+        ) from error
     try:
         _seize(folder, descriptor)
         yield
     finally:
         os.close(descriptor)
-
-
-def _opened(path: Path) -> int:
-    try:
-        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-    except OSError as error:
-        raise RecordError(
-            f"{path.parent}: cannot be opened or written: {error.strerror}; expected the folder "
-            "of a campaign that can be; change its permissions, or continue a copy of it"
-        ) from error
 
 
 def _seize(folder: CampaignFolder, descriptor: int) -> None:

@@ -95,13 +95,12 @@ class _Guide:
                 self._enter_front(individual)
         for individual, parent_fitness, steps in self._bred:
             if individual.is_evaluated:
-                self._reward(steps, is_better=individual.score.fitness > parent_fitness)
+                is_better = individual.score.fitness > parent_fitness
+                for step in steps:
+                    kept = _MEMORY * self._credit[step]
+                    self._credit[step] = kept + (1.0 - _MEMORY) * is_better
         ranked = sorted([*offspring, *population], key=_fitness, reverse=True)  # new ones first
         return _without_twins(ranked)[: self._size]
-
-    def _reward(self, steps: list[Step], *, is_better: bool) -> None:
-        for step in steps:
-            self._credit[step] = _MEMORY * self._credit[step] + (1.0 - _MEMORY) * is_better
 
     def _enter_niches(self, individual: Individual) -> None:
         """Keep the best of every pattern of violated goals, and of every goal."""

@@ -185,15 +185,15 @@ def _landmark(
         places = [
             (*other.values[:2], *candidate.values[2:])
             for other in others
-            if space.candidates[other.fault].is_place and _is_inside(other.values, candidate.bounds)
+            if space.candidates[other.fault].is_place
+            and all(
+                low <= value <= high
+                for value, (low, high) in zip(other.values[:2], candidate.bounds[:2], strict=True)
+            )
         ]
         if places:
             return rng.choice(places)
     return rng.choice(candidate.landmarks)
-
-
-def _is_inside(values: tuple[float, ...], bounds: tuple[tuple[float, float], ...]) -> bool:
-    return all(low <= v <= high for v, (low, high) in zip(values[:2], bounds[:2], strict=True))
 
 
 widened: Step = partial(_changed, _wide)

@@ -67,7 +67,11 @@ def user_function(name: str, where: str) -> Callable[..., Any]:
     module = _imported(module_name, f"{where}: found '{name}'")
     found: Callable[..., Any] | None = getattr(module, attribute, None)
     if not callable(found):
-        functions = [key for key, value in vars(module).items() if _is_own(value, module)]
+        functions = [
+            key
+            for key, value in vars(module).items()
+            if callable(value) and getattr(value, "__module__", None) == module.__name__
+        ]
         known = ", ".join(functions) or "none"
         raise UsageError(
             f"{where}: found '{name}'; expected a function of {module.__file__}, which has: {known}"
@@ -104,10 +108,6 @@ def _imported(name: str, where: str) -> ModuleType:
         raise
     finally:
         sys.path.remove(folder)
-
-
-def _is_own(value: object, module: ModuleType) -> bool:
-    return callable(value) and getattr(value, "__module__", None) == module.__name__
 
 
 def _place(error: Exception) -> str:
