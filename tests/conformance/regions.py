@@ -7,7 +7,6 @@ from copy import deepcopy
 from dataclasses import astuple
 from pathlib import Path
 from random import Random
-from shutil import copyfile
 from typing import Any
 
 import numpy as np
@@ -18,36 +17,11 @@ from mrsfi_runtime.engine.compiled.compiling import register
 from mrsfi_runtime.engine.compiled.layout import state_type, write_state
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, load_module
-from tests.support.edited import COLLECTIVE, indented, write_body
+from tests.support.edited import COLLECTIVE
 from tests.support.tree import ROOT
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
-REGION = "g1.check"
-
 _numbers = itertools.count()
-
-
-def write_region(folder: Path, body: str, helpers: str = "") -> int:
-    """Write the mission's collective intelligence with another body of g1.check.
-
-    Parameters
-    ----------
-    folder
-        Where the file is written.
-    body
-        Lines of the region.
-    helpers
-        Lines for the region of the helpers, imports included.
-
-    Returns
-    -------
-    int
-        Line of the first line of the body.
-    """
-    folder.mkdir(exist_ok=True)
-    path = Path(copyfile(GENERATED / COLLECTIVE, folder / COLLECTIVE))
-    write_body(path, "helpers", helpers)
-    return write_body(path, REGION, indented(body))
 
 
 def outcomes(folder: Path, n_states: int = 40) -> Iterator[tuple[Any, Any]]:

@@ -1,251 +1,53 @@
-"""The lint of regions warns of what was measured to differ or not to compile, and of no more."""
+"""What the lint of regions says was measured: it differs, does not compile, or is alike."""
 
 import sys
-from typing import NamedTuple
 
 import pytest
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
-from mrsfi_runtime.engine.region_lint import COMPILES, COMPILES_ALIKE, lint_regions
 from mrsfi_runtime.engine.region_names import NAMES
-from tests.conformance.regions import REGION, outcomes, write_region
-from tests.support.cli import ROOT
+from tests.conformance.regions import outcomes
+from tests.support import lint_cases
+from tests.support.lint_cases import named, written
 
-IMPORTS = "import math\nimport random\nimport time\nimport numpy as np\n"
-SWEEP = "values = []\nfor k in range(1000):\n    x = {}\n    values.append({})\nreturn values"
-POSITIVE = "ci.robots[0].energy + k * 0.37"
-UNIT = "(ci.robots[0].x + k) / 1600.0"
-
-
-class Case(NamedTuple):
-    """A body of a region, and the line of it that is remarked upon."""
-
-    name: str
-    body: str
-    line: int = 0
-    helpers: str = ""
-
-
-def sweep(name, expression, x=POSITIVE):
-    """Return a case that lists an expression for a thousand values of ``x``."""
-    return Case(name, SWEEP.format(x, expression), 3)
-
-
-DIFFERENT = [
-    sweep("square", "x ** 2"),
-    sweep("pow of a float", "pow(x, 3)"),
-    sweep("math.pow", "math.pow(x, 3)"),
-    sweep("root as a power", "x ** 0.5"),
-    sweep("negative power", "x ** -2"),
-    sweep("power of two", "2.0 ** (x / 100.0)"),
-    Case("whole power below 0", "return 2 ** (ci.mission.tick - 1000)"),
-    sweep("hypot", "math.hypot(x, k * 0.7)"),
-    Case("random", "return random.random()"),
-    Case("seeded random", "random.seed(3)\nreturn random.random() + ci.mission.tick"),
-    Case("numpy.random", "return np.random.rand()"),
-    Case("imported random", "return uniform(0.0, 1.0)", 0, "from random import uniform\n"),
-    Case("identity", "return ci.sensors[0].count + 1000 is 1000 + ci.sensors[0].count"),
-    Case("not identity", "return ci.mission.tick * 1000 is not ci.mission.tick * 1000"),
-    Case("inverted comparison", "return 1 if ~(ci.robots[0].x > 0.0) else 2"),
-    Case("rounding to digits", "return round(ci.sensors[0].count * 0.005, 2)"),
-    Case(
-        "set in a loop",
-        "t = 0\nfor k in {64, 1, 33, ci.mission.tick}:\n    t = t * 7 + k\nreturn t",
-        1,
-    ),
-    Case(
-        "set by name",
-        "seen = {5}\nfor s in ci.sensors:\n    seen.add(s.count)\nt = 0\n"
-        "for k in seen:\n    t = t * 7 + k\nreturn t",
-        4,
-    ),
-    Case("set popped", "q = {64, 1, 33, ci.mission.tick}\nreturn q.pop()", 1),
-    Case("set listed", "return list({64, 1, 33, 1000, ci.mission.tick})[2]"),
-    Case(
-        "sorted by key",
-        "q = sorted([s.count for s in ci.sensors for k in range(9)], key=lambda v: v % 2)\n"
-        "return q[0] * 3 + q[1] * 5 + q[20] * 7 + q[30]",
-    ),
-    Case("record copied", "ci.commands[0] = ci.commands[1]\nci.commands[1].speed = 7.5\nreturn 1"),
-    Case(
-        "records exchanged",
-        "ci.commands[0], ci.commands[1] = ci.commands[1], ci.commands[0]\nreturn 1",
-    ),
-    Case("float in a whole field", "ci.goals[0].count = ci.mission.tick / 2\nreturn 1"),
-    Case("float added to a whole field", "ci.goals[0].count += 0.5\nreturn 1"),
-    Case("float in a whole list of the state", "ci.chances[0] = 1.5\nreturn 1"),
-    Case("float in a list of integers", "q = [0] * 3\nq[0] = ci.robots[0].x\nreturn q[0]", 1),
-    Case("large literal", "return ci.mission.tick + 9223372036854775808"),
-    Case("large constant", "return ci.mission.tick + BIG", 0, "BIG = 2**63\n"),
-    Case("wide product", "return (ci.mission.tick + 2) * 9000000000000000000"),
-    Case("wide shift", "return (ci.mission.tick * 1000000000) << 40"),
-    Case("shift by a variable", "return 1 << ci.mission.tick % 100"),
-    Case("text of a float", "return len(str(ci.robots[0].x))"),
-    Case("formatted float", 'return len(f"{ci.robots[0].x}")'),
-    Case("root of a difference", "return math.sqrt(ci.robots[0].x - ci.robots[1].x)"),
-    Case("logarithm of a difference", "return math.log(ci.robots[0].x - ci.robots[1].x)"),
-    Case("arc cosine", "return math.acos(ci.robots[0].x / 100.0)"),
+DIFFERENT = lint_cases.DIFFERENT + [
+    case for case in lint_cases.CALLS if NAMES[case.name].does_compile
 ]
-
-NOT_COMPILED = [
-    Case("generator", "return sum(r.x for r in ci.robots) > 0.0"),
-    Case("any", "return any([r.x > 0.0 for r in ci.robots])"),
-    Case("set comprehension", "return len({k % 3 for k in range(9)})"),
-    Case("walrus", "if (t := ci.mission.tick) > 500:\n    return t\nreturn 0"),
-    Case("with", "with open('x') as file:\n    return 1"),
-    Case("import", "import math\nreturn math.pi"),
-    Case("global", "global N\nN = 2\nreturn N", 0, "N = 1\n"),
-    Case("class", "class A:\n    pass\nreturn 1"),
-    Case("deleted", "q = [1, 2]\ndel q[0]\nreturn q[0]", 1),
-    Case("named exception", "try:\n    t = 1\nexcept IndexError:\n    t = 2\nreturn t", 2),
-    Case("kept exception", "try:\n    t = 1\nexcept Exception as e:\n    t = 2\nreturn t", 2),
-    Case("starred", "a, *b = (1, 2, 3)\nreturn b[0]"),
-    Case("open", "return len(open('x').read())"),
-    Case("time", "return time.time()"),
-    Case("key of a minimum", "return min([1, 2, 3], key=lambda k: -k)"),
-    Case("list of records", "q = [r for r in ci.robots]\nreturn q[0].x"),
-    Case("method of a list of the state", "return ci.hazards.index(3)"),
-    Case("global dict", "return LIMITS['x'] > 1", 0, "LIMITS = {'x': 2}\n"),
-    Case("global list", "return LIMITS[0] > 1", 0, "LIMITS = [2]\n"),
-    Case("unmarked", "return unmarked(1)", 0, "def unmarked(x):\n    return x\n"),
-    Case("format spec", 'return len(f"{ci.robots[0].x:.2f}")'),
-    Case("percent", 'return len("%d" % ci.mission.tick)'),
-    Case("format method", 'return len("{}".format(3))'),
-]
-
-ALIKE = [
-    Case("division", "return ci.robots[0].x / ci.robots[1].y"),
-    Case("floor division", "return ci.robots[0].x // 0.1 + ci.mission.tick // -7"),
-    Case("remainder", "return ci.robots[0].x % -360.0 + -ci.mission.tick % 7"),
-    Case("division by zero", "return 1 // (ci.mission.tick * 0)"),
-    Case("float division by zero", "return ci.robots[0].x / (ci.robots[0].y * 0.0)"),
-    Case("product for a square", "return ci.robots[0].x * ci.robots[0].x"),
-    Case("whole power", "return ci.mission.tick ** 2 + 2 ** 10"),
-    Case("root", "return math.sqrt(ci.robots[0].energy)"),
-    Case("bounded root", "return math.sqrt(max(ci.robots[0].x - ci.robots[1].x, 0.0))"),
-    sweep("trigonometry", "math.sin(x) + math.cos(x) + math.tan(x) + math.atan2(x, 3.0)"),
-    sweep("exponential", "math.exp(-x / 100.0) + math.log(x)"),
-    Case("rounding", "return round(ci.robots[0].x) + int(ci.robots[1].x)"),
-    Case("negative zero", "return min(max(ci.robots[0].x, 0.0), -0.0)"),
-    Case("not a number", "x = float('nan')\nreturn (min(x, 1.0) > 0.0) + 2 * (min(1.0, x) > 0.0)"),
-    Case("masked product", "return (ci.mission.tick * 0x7FEB352D7FEB352D) & 0xFFFFFFFF"),
-    Case("masked shift", "return (ci.mission.tick << 60) & 0xFFFFFFFF"),
-    Case("membership", "return ci.mission.tick in {1, 2, 500}"),
-    Case("none", "t = None\nif ci.mission.tick > 3:\n    t = 1.0\nreturn t is None"),
-    Case("general exception", "try:\n    t = 1 // 0\nexcept Exception:\n    t = 2\nreturn t"),
-    Case("record by index", "best = ci.robots[0]\nbest.speed = 3\nreturn best.speed / 2"),
-    Case("whole field", "ci.goals[0].count = int(ci.robots[0].x)\nreturn 1"),
-    Case("global tuple", "return LIMITS[1]", 0, "LIMITS = (1, 2.0)\n"),
-    Case("plain code", "return F", 0, "F = tuple(math.hypot(k, 1) ** 2 for k in range(3))[2]\n"),
-]
+NOT_COMPILED = (
+    lint_cases.NOT_COMPILED
+    + lint_cases.HELPERS
+    + [case for case in lint_cases.CALLS if not NAMES[case.name].does_compile]
+)
+ERRORS = (NumbaError, UnsupportedBytecodeError, NotImplementedError, AssertionError, ValueError)
 
 
-def _names(cases):
-    return {"argvalues": cases, "ids": [case.name for case in cases]}
+def _is_different(folder):
+    return any(python != compiled for python, compiled in outcomes(folder))
 
 
-def written(folder, case):
-    """Write the region, and return the line that is remarked upon."""
-    return write_region(folder, case.body, IMPORTS + case.helpers) + case.line
-
-
-@pytest.mark.parametrize("case", **_names(DIFFERENT))
+@pytest.mark.parametrize("case", **named(DIFFERENT))
 def test_what_is_warned_of_compiles_and_differs(tmp_path, case):
-    line = written(tmp_path, case)
+    written(tmp_path, case)
 
-    found = lint_regions(tmp_path)
-
-    assert any(python != compiled for python, compiled in outcomes(tmp_path))
-    assert [(one.line, one.place, one.constraint) for one in found[:1]] == [
-        (line, f"region '{REGION}'", COMPILES_ALIKE)
-    ]
-    assert {one.line for one in found} <= {line, line + 1}
+    assert _is_different(tmp_path)
 
 
-@pytest.mark.parametrize("case", **_names(NOT_COMPILED))
+@pytest.mark.parametrize("case", **named(NOT_COMPILED))
 def test_what_is_said_not_to_compile_does_not(tmp_path, case):
-    line = written(tmp_path, case)
+    written(tmp_path, case)
 
-    found = lint_regions(tmp_path)
-
-    with pytest.raises((NumbaError, UnsupportedBytecodeError, NotImplementedError, AssertionError)):
+    with pytest.raises(ERRORS):
         list(outcomes(tmp_path, 1))
-    assert (line, COMPILES) in [(one.line, one.constraint) for one in found]
 
 
-@pytest.mark.parametrize("case", **_names(ALIKE))
+@pytest.mark.parametrize("case", **named(lint_cases.ALIKE))
 def test_what_is_not_warned_of_is_alike(tmp_path, case):
     written(tmp_path, case)
 
-    found = lint_regions(tmp_path)
-
-    assert found == ()
-    for python, compiled in outcomes(tmp_path):
-        assert python == compiled
+    assert not _is_different(tmp_path)
 
 
 def test_sums_of_floats_differ_from_python_3_12_on(tmp_path):
-    body = SWEEP.format(POSITIVE, "sum([x, 0.1, -x, 0.2, x / 3.0])")
-    line = write_region(tmp_path, body) + 3
+    written(tmp_path, lint_cases.SUMS)
 
-    found = lint_regions(tmp_path)
-
-    is_different = any(python != compiled for python, compiled in outcomes(tmp_path))
-    assert is_different == (sys.version_info >= (3, 12))
-    assert [(one.line, one.constraint) for one in found] == [(line, COMPILES_ALIKE)]
-
-
-ARGUMENTS = {
-    "arctan2": "x, 1.5", "power": "x, 0.66", "comb": "5, 2", "perm": "5, 2", "lcm": "4, 6",
-    "factorial": "5", "isqrt": "9", "dist": "(x,), (1.0,)", "fmod": "x, 1.5", "isclose": "x, 1.5",
-    "remainder": "x, 1.5", "fsum": "[x]", "prod": "[x]", "hypot": "x * 600.0, k * 0.7",
-}  # fmt: skip
-SERIES = {"average", "mean", "nanmean", "nansum", "linalg.norm", "std", "sum", "var", "argsort"}
-
-
-@pytest.mark.parametrize("name", [name for name in NAMES if "." in name])
-def test_every_name_differs_or_does_not_compile(tmp_path, name):
-    short = name.partition(".")[2]
-    call = name.replace("numpy", "np")
-    if short in SERIES:
-        series = "np.array([float(int(x * j * 10.0) % 9) / 7.0 for j in range(60)])"
-        expression = f"{call}({series}){'[30]' if short == 'argsort' else ''}"
-    else:
-        expression = f"{call}({ARGUMENTS.get(short, 'x')})"
-    write_region(tmp_path, SWEEP.format(f"abs({UNIT})", expression), IMPORTS)
-
-    found = lint_regions(tmp_path)
-
-    assert [one.constraint for one in found] == [
-        COMPILES_ALIKE if NAMES[name].does_compile else COMPILES
-    ]
-    if NAMES[name].does_compile:
-        assert any(python != compiled for python, compiled in outcomes(tmp_path))
-    else:
-        with pytest.raises(NumbaError):
-            list(outcomes(tmp_path, 1))
-
-
-@pytest.mark.parametrize(
-    "helper",
-    [
-        "def helper(n):\n    if n < 2:\n        return 1\n    return n * helper(n - 1)\n",
-        "def helper(n, seen=[]):\n    seen.append(n)\n    return len(seen)\n",
-    ],
-    ids=["calls itself", "has a list for a default"],
-)
-def test_a_helper_that_is_said_not_to_compile_does_not(tmp_path, helper):
-    write_region(tmp_path, "return helper(3)", f"@kernel\n{helper}")
-
-    found = lint_regions(tmp_path)
-
-    with pytest.raises((NumbaError, ValueError)):
-        list(outcomes(tmp_path, 1))
-    assert [(one.place, one.constraint) for one in found] == [("region 'helpers'", COMPILES)]
-
-
-def test_generated_code_has_nothing_to_warn_of():
-    missions = [path.parent for path in ROOT.glob("generated/*/collective_intelligence.py")]
-
-    assert len(missions) >= 3
-    assert [lint_regions(mission) for mission in missions] == [()] * len(missions)
+    assert _is_different(tmp_path) == (sys.version_info >= (3, 12))

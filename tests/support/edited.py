@@ -1,11 +1,12 @@
 """Generated code with other bodies in its regions."""
 
 from pathlib import Path
-from shutil import copytree
+from shutil import copyfile, copytree
 
 from tests.support.tree import ROOT
 
 COLLECTIVE = "collective_intelligence.py"
+REGION = "g1.check"
 
 
 def write_body(path: Path, region: str, body: str) -> int:
@@ -30,3 +31,26 @@ def edited(folder: Path, region: str, body: str, mission: str = "uuv_sampling") 
 def indented(body: str) -> str:
     """Return lines as they stand in the region of a function."""
     return "".join(f"    {line}\n" for line in body.splitlines())
+
+
+def write_region(folder: Path, body: str, helpers: str = "") -> int:
+    """Write the paper's collective intelligence with another body of ``REGION``.
+
+    Parameters
+    ----------
+    folder
+        Where the file is written.
+    body
+        Lines of the region.
+    helpers
+        Lines for the region of the helpers, imports included.
+
+    Returns
+    -------
+    int
+        Line of the first line of the body.
+    """
+    folder.mkdir(exist_ok=True)
+    path = Path(copyfile(ROOT / "generated" / "uuv_sampling" / COLLECTIVE, folder / COLLECTIVE))
+    write_body(path, "helpers", helpers)
+    return write_body(path, REGION, indented(body))
