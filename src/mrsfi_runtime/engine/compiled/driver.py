@@ -69,9 +69,9 @@ def source_hash(texts: Sequence[str]) -> str:
 
 
 def _make_room(cache: Path) -> None:
-    """Remove the oldest compiled missions; who uses one has loaded it."""
-    known = sorted(cache.glob("*/flight.py"), key=lambda path: path.stat().st_mtime)
-    for path in known[: len(known) - N_KEPT + 1]:
+    """Remove the oldest compiled missions but for one less than are kept; who uses one has it."""
+    known = sorted(cache.glob("*/flight.py"), key=lambda path: path.stat().st_mtime, reverse=True)
+    for path in known[N_KEPT - 1 :]:
         shutil.rmtree(path.parent, ignore_errors=True)
 
 

@@ -1,0 +1,30 @@
+"""The cache of compiled missions keeps the newest."""
+
+import os
+
+import pytest
+
+from mrsfi_runtime.engine.compiled.driver import N_KEPT, load_driver
+
+
+@pytest.mark.parametrize("n_before", [0, 1, N_KEPT // 2 + 3, N_KEPT - 1, N_KEPT, N_KEPT + 5])
+def test_a_new_mission_takes_the_place_of_the_oldest_only_where_the_cache_is_full(
+    tmp_path, monkeypatch, n_before
+):
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
+    new = f"new_{n_before}"
+    load_driver(new, "ANSWER = 42")
+    (made,) = tmp_path.rglob(f"{new}/flight.py")
+    cache = made.parents[1]
+    os.utime(made, (0, 0))
+    for k in range(n_before):
+        path = cache / f"mission_{k}" / "flight.py"
+        path.parent.mkdir()
+        path.touch()
+        os.utime(path, (k + 1, k + 1))
+
+    load_driver(f"last_{n_before}", "ANSWER = 43")
+
+    before = [new, *(f"mission_{k}" for k in range(n_before))]
+    kept = {path.name for path in cache.iterdir()}
+    assert kept == {*before[-(N_KEPT - 1) :], f"last_{n_before}"}
