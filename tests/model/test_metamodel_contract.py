@@ -213,6 +213,18 @@ def test_ladder_of_diamonds_is_read_without_climbing_every_path(folder):
     assert both.mission.getEClassifier("R23") is not None
 
 
+def test_text_within_an_element_is_named_with_its_line(folder):
+    path = folder / MISSION_FILE
+    before, end, after = path.read_text(encoding="utf-8").partition("</eClassifiers>")
+    path.write_text(f"{before}forgotten{end}{after}", encoding="utf-8")
+    line = before[: before.rindex("<eClassifiers")].count("\n") + 1
+
+    message = _error(folder)
+
+    assert f"{path}:{line}: " in message
+    assert "holds the text 'forgotten'; expected none; delete it" in message
+
+
 @pytest.mark.parametrize("parent", ["#//Robot", "#//K999"])
 def test_endless_lineage_is_an_error(folder, parent):
     parents = [parent, *(f"#//K{number}" for number in range(999))]
