@@ -8,15 +8,15 @@ References
 Source paper, sections III-F and III-G.
 """
 
-import json
 import signal
-import subprocess
 import sys
 from contextlib import ExitStack, suppress
-from threading import Timer
+from dataclasses import replace
+from multiprocessing import Pipe
+from subprocess import DEVNULL, Popen, TimeoutExpired
 
+from mrsfi_runtime.engine import simulation_process
 from mrsfi_runtime.engine.flights import PlainEngine
-from mrsfi_runtime.engine.simulation_process import request
 from mrsfi_runtime.errors import (
     TransportClosed,
     TransportError,
@@ -33,6 +33,7 @@ from mrsfi_runtime.transport.rosbridge import Client, RosbridgeTransport
 
 _GREATEST_SEED = 2**63 - 1
 _LAST_WORDS = 2.0
+_LATER = 5.0
 
 
 class SimulationProcess:
@@ -63,22 +64,23 @@ class SimulationProcess:
     def __init__(
         self, code: MissionCode, url: str | None, client: Client, patience: Patience
     ) -> None:
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "mrsfi_runtime.engine.simulation_process"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
-        )
-        timer = Timer(patience.handshake, self._process.kill)
-        timer.start()
-        try:
-            self._ask(request(code.directory.resolve(), url, client, patience))
-            said = self._heard()
-        finally:
-            timer.cancel()
+        self._connection, other_end = Pipe()
+        with other_end:
+            self._process = Popen(
+                [sys.executable, "-m", simulation_process.__name__, str(other_end.fileno())],
+                pass_fds=[other_end.fileno()],
+                stdin=DEVNULL,
+                stdout=DEVNULL,
+                start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
+            )
+        # the CI, which knows more, is the first to tell; a URL may hold a token: no argument
+        patient = replace(patience, tick=patience.tick + _LATER)
+        with suppress(BrokenPipeError):  # what it says, or its end, tells why
+            self._connection.send((code.directory.resolve(), url, client, patient))
+        said = self._heard(patience.handshake)
         if "url" not in said:
+            self._connection.close()
             reason = said.get("error") or self._ending()
-            self.close()
             raise TransportError(f"the simulation process did not start: {reason}")
         self.url = said["url"]
 
@@ -91,35 +93,29 @@ class SimulationProcess:
         """Return why the process ended, or nothing if it has not."""
         try:
             self._process.wait(_LAST_WORDS)
-        except subprocess.TimeoutExpired:
+        except TimeoutExpired:
             return ""
         return self._heard().get("error") or self._ending()
 
     def close(self) -> None:
         """Have the process end, and wait for that."""
-        for pipe in (self._process.stdin, self._process.stdout):
-            if pipe is not None:
-                with suppress(OSError):
-                    pipe.close()
-        try:
-            self._process.wait(_LAST_WORDS)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+        self._connection.close()
+        self._ending()
 
-    def _ask(self, line: bytes) -> None:
-        if self._process.stdin is not None:
-            with suppress(BrokenPipeError):  # what it says, or its end, tells why
-                self._process.stdin.write(line)
-                self._process.stdin.flush()
-
-    def _heard(self) -> dict[str, str]:
-        line = self._process.stdout.readline() if self._process.stdout else b""
-        said: dict[str, str] = json.loads(line) if line else {}
+    def _heard(self, timeout: float = 0.0) -> dict[str, str]:
+        """Return what the process says next, if it says anything."""
+        said: dict[str, str] = {}
+        with suppress(EOFError, OSError):
+            said = self._connection.recv() if self._connection.poll(timeout) else said
         return said
 
     def _ending(self) -> str:
-        code = self._process.wait()
+        """Return how the process ended; it is ended if it does not do so soon."""
+        try:
+            code = self._process.wait(_LAST_WORDS)
+        except TimeoutExpired:
+            self._process.kill()
+            code = self._process.wait()
         return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
 
 
@@ -163,7 +159,8 @@ class RosbridgeEngine(PlainEngine):
         patience: Patience | None = None,
     ) -> None:
         super().__init__(code, seed)
-        _require_sense(url, has_simulation=has_simulation)
+        if not has_simulation and url is None:
+            raise UsageError("--side ci needs --url: the server on which the simulation is found")
         _require_seed(seed)
         patience = Patience() if patience is None else patience
         self._simulation: SimulationProcess | None = None
@@ -207,11 +204,6 @@ class RosbridgeEngine(PlainEngine):
             if not last_words:
                 raise
             raise TransportClosed(f"{error}; the simulation process ended: {last_words}") from error
-
-
-def _require_sense(url: str | None, *, has_simulation: bool) -> None:
-    if not has_simulation and url is None:
-        raise UsageError("--side ci needs --url: the server on which the simulation is found")
 
 
 def _require_seed(seed: int) -> None:

@@ -1,17 +1,15 @@
 """The simulation's side of a mission: served in this process, or as a process of its own.
 
-Run as ``python -m mrsfi_runtime.engine.simulation_process`` it reads one line of JSON, prints
-one when it is ready and another when it fails, and ends when its standard input does, however
-the process that holds the other end came to its end.
+Run as ``python -m mrsfi_runtime.engine.simulation_process`` it finds a connection to the process
+that started it, says there when it is ready and why it fails, and ends when the other end of the
+connection does, however its process came to that.
 """
 
-import json
-import os
 import secrets
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
+from multiprocessing.connection import Connection
 from threading import Thread
 
 from mrsfi_bridge.embedded import EmbeddedBridge
@@ -26,8 +24,6 @@ from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
 from mrsfi_runtime.transport.rosbridge import Client, RosbridgeTransport
 from mrsfi_runtime.transport.topics import Transport
-
-_LATER = 5.0
 
 
 def serve_simulation(
@@ -94,48 +90,42 @@ def _transport(url: str | None, client: Client) -> Iterator[tuple[Transport, str
         raise as_ours(error) from error
 
 
-def request(directory: Path, url: str | None, client: Client, patience: Patience) -> bytes:
-    """Return the line that the process reads first; a URL may hold a token, so no argument."""
-    patient = patience.tick + _LATER  # so that the CI, which knows more, is the first to tell
-    return json.dumps([str(directory), url, client, patient]).encode() + b"\n"
+def main(number: int) -> int:
+    """Serve what the first message on a connection asks for; return the exit code.
 
-
-def main() -> int:
-    """Serve what the request says; return the exit code."""
-    directory, url, client, tick = json.loads(_first_line())
+    Parameters
+    ----------
+    number
+        File descriptor of the connection.
+    """
+    connection = Connection(number)
+    directory, url, client, patience = connection.recv()
 
     def on_ready(reached: str, host: SimulationHost) -> None:
-        Thread(target=_stop_with_parent, args=(host,), daemon=True).start()
-        _say(url=reached)
+        Thread(target=_stop_with_parent, args=(connection, host), daemon=True).start()
+        _say(connection, url=reached)
 
     try:
-        serve_simulation(load_code(Path(directory)), url, client, Patience(tick), on_ready)
+        serve_simulation(load_code(directory), url, client, patience, on_ready)
     except MrsfiError as error:
-        _say(error=str(error))
+        _say(connection, error=str(error))
         return error.exit_code
     except Exception as error:  # noqa: BLE001 - the parent tells it
-        _say(error=f"{type(error).__name__}: {error}")
+        _say(connection, error=f"{type(error).__name__}: {error}")
         return MrsfiError.exit_code
     return 0
 
 
-def _first_line() -> bytes:
-    line = b""
-    while not line.endswith(b"\n"):
-        line += os.read(sys.stdin.fileno(), 1) or b"\n"
-    return line
-
-
-def _stop_with_parent(host: SimulationHost) -> None:
-    while os.read(sys.stdin.fileno(), 1024):  # not sys.stdin: its lock outlives a daemon thread
-        pass
+def _stop_with_parent(connection: Connection, host: SimulationHost) -> None:
+    with suppress(EOFError, OSError):
+        connection.recv()  # the parent says nothing more; its end ends this
     host.stop()
 
 
-def _say(**said: str) -> None:
+def _say(connection: Connection, **said: str) -> None:
     with suppress(BrokenPipeError):
-        os.write(sys.stdout.fileno(), json.dumps(said).encode() + b"\n")
+        connection.send(said)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(int(sys.argv[1])))
