@@ -3,12 +3,11 @@
 import logging
 import pickle
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from multiprocessing.resource_tracker import ensure_running
 from time import monotonic
-from types import TracebackType
 from typing import Any, Self
 from uuid import uuid4
 
@@ -16,7 +15,7 @@ from distributed import Client, KilledWorker, LocalCluster, Security, wait
 
 from mrsfi_runtime.engine.cluster.address import LOCAL
 from mrsfi_runtime.engine.cluster.shipment import Shipment
-from mrsfi_runtime.engine.cluster.worker import EvaluatedChunk, MissionPlugin, Order
+from mrsfi_runtime.engine.cluster.worker import Chunk, EvaluatedChunk, MissionPlugin
 from mrsfi_runtime.engine.pools import interrupts_held
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, TransportError, UsageError
 
@@ -31,39 +30,6 @@ _INSTALL = "expected the same mrsfi[dask,fast] on every worker as here"
 _LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application")
 _LOOPBACK = "127.0.0.1"
 _SILENT = logging.CRITICAL + 1
-
-
-class Task:
-    """A chunk under way.
-
-    Parameters
-    ----------
-    cluster
-        Where it is evaluated.
-    future
-        What dask gives for it.
-    """
-
-    def __init__(self, cluster: "Cluster", future: Any) -> None:
-        self._cluster = cluster
-        self.future = future
-
-    @property
-    def is_done(self) -> bool:
-        """Whether there is a result or an error."""
-        return bool(self.future.done())
-
-    def result(self) -> EvaluatedChunk:
-        """Return the result.
-
-        Raises
-        ------
-        MrsfiError
-            If there is none.
-        """
-        with self._cluster.told():
-            found: EvaluatedChunk = self.future.result()
-        return found
 
 
 class Cluster:
@@ -107,12 +73,7 @@ class Cluster:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        where: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -129,7 +90,7 @@ class Cluster:
         Returns
         -------
         str
-            What an ``Order`` calls it.
+            What a ``Chunk`` calls it.
 
         Raises
         ------
@@ -150,24 +111,36 @@ class Cluster:
             self._plugins[shipment.name] = name
         return self._plugins[shipment.name]
 
-    def begin(self, order: Order) -> Task:
-        """Have a chunk evaluated on any worker."""
+    def begin(self, chunk: Chunk) -> Any:
+        """Have a chunk evaluated on any worker; return dask's future for it."""
         key = f"evaluate-{uuid4()}"
-        with self.told():
-            return Task(self, self._client.submit(pickle.loads, pickle.dumps(order), key=key))
+        with self._told():
+            return self._client.submit(pickle.loads, pickle.dumps(chunk), key=key)
 
-    def wait(self, tasks: Iterable[Task]) -> None:
-        """Wait until another of the tasks is done, or for a moment.
+    def result(self, future: Any) -> EvaluatedChunk:
+        """Return what came of a chunk.
+
+        Raises
+        ------
+        MrsfiError
+            If nothing did.
+        """
+        with self._told():
+            found: EvaluatedChunk = future.result()
+        return found
+
+    def wait(self, futures: Iterable[Any]) -> None:
+        """Wait until another chunk is done, or for a moment.
 
         Raises
         ------
         TransportError
             If there has been no worker for too long.
         """
-        futures = [task.future for task in tasks if not task.is_done]
+        open_ones = [future for future in futures if not future.done()]
         with suppress(TimeoutError, CancelledError), self._client.as_current():
-            if futures:
-                wait(futures, timeout=_LOOK_SECONDS, return_when="FIRST_COMPLETED")
+            if open_ones:
+                wait(open_ones, timeout=_LOOK_SECONDS, return_when="FIRST_COMPLETED")
             return
         if self._count_workers():
             self._has_workers_until = monotonic()
@@ -177,15 +150,14 @@ class Cluster:
                 f"{self._advice()}"
             )
 
-    def give_up(self, tasks: Iterable[Task]) -> None:
-        """Drop tasks that nobody waits for any more."""
-        futures = [task.future for task in tasks]
+    def give_up(self, futures: Sequence[Any]) -> None:
+        """Drop chunks that nobody waits for any more."""
         if futures and self._client.status == "running":
             with suppress(OSError, CancelledError):
                 self._client.cancel(futures)
 
     @contextmanager
-    def told(self) -> Iterator[None]:
+    def _told(self) -> Iterator[None]:
         """Let errors of dask become ours."""
         try:
             yield
@@ -238,7 +210,7 @@ class Cluster:
         return f"start some with `dask worker {self.address} --nworkers auto --nthreads 1`"
 
     def _count_workers(self) -> int:
-        with self.told():
+        with self._told():
             return len(self._client.nthreads())
 
     def _take_back(self) -> None:

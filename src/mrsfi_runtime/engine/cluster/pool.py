@@ -6,11 +6,12 @@ give the same results; a chunk whose worker was lost is evaluated again on anoth
 
 from collections import deque
 from collections.abc import Iterator, Sequence
+from typing import Any
 
-from mrsfi_runtime.engine.cluster.connection import Cluster, Task
+from mrsfi_runtime.engine.cluster.connection import Cluster
 from mrsfi_runtime.engine.cluster.pace import Pace
 from mrsfi_runtime.engine.cluster.shipment import Shipment
-from mrsfi_runtime.engine.cluster.worker import Chunk, Order
+from mrsfi_runtime.engine.cluster.worker import Chunk
 from mrsfi_runtime.engine.flights import Evaluated, Evaluator
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.mission import MissionCode
@@ -69,16 +70,17 @@ class ClusterPool(Evaluator):
         seed = self._seed if seed is None else seed
         n_workers = self._cluster.n_workers()
         first = 0
-        waiting: deque[Task] = deque()
+        waiting: deque[Any] = deque()
         try:
             while waiting or first < len(specifications):
                 while first < len(specifications) and _n_open(waiting) < _N_AHEAD * n_workers:
                     size = self._pace.chunk_size(len(specifications), n_workers)
-                    chunk = Chunk(seed, self._settings, tuple(specifications[first : first + size]))
-                    waiting.append(self._cluster.begin(Order(self._plugin, chunk)))
+                    some = tuple(specifications[first : first + size])
+                    chunk = Chunk(self._plugin, seed, self._settings, some)
+                    waiting.append(self._cluster.begin(chunk))
                     first += size
-                while waiting and waiting[0].is_done:
-                    evaluated = waiting.popleft().result()
+                while waiting and waiting[0].done():
+                    evaluated = self._cluster.result(waiting.popleft())
                     self._pace.learn(len(evaluated.results), evaluated.seconds)
                     yield from evaluated.results
                 if waiting:
@@ -87,5 +89,5 @@ class ClusterPool(Evaluator):
             self._cluster.give_up(waiting)
 
 
-def _n_open(tasks: deque[Task]) -> int:
-    return sum(not task.is_done for task in tasks)
+def _n_open(futures: deque[Any]) -> int:
+    return sum(not future.done() for future in futures)

@@ -2,7 +2,6 @@
 
 import platform
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
@@ -96,13 +95,9 @@ def _version(name: str) -> str:
 
 
 def _source_hash() -> str:
+    package = Path(str(mrsfi_runtime.__file__)).parent
     digest = sha256()
-    for path in _sources(Path(str(mrsfi_runtime.__file__)).parent):
-        digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()[:8]
-
-
-def _sources(package: Path) -> Iterator[Path]:
     for path in sorted(package.rglob("*.py")):
         if path.relative_to(package).parts[0] not in _ELSEWHERE:
-            yield path
+            digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:8]

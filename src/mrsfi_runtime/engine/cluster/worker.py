@@ -18,15 +18,6 @@ from mrsfi_runtime.model.faults import Specification
 
 
 @dataclass(frozen=True, slots=True)
-class Chunk:
-    """Specifications that are evaluated in one go on a mission seed, and the engine for it."""
-
-    seed: int
-    settings: EngineSettings
-    specifications: tuple[Specification, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class EvaluatedChunk:
     """What came of a chunk, in its order, and how long the evaluations took."""
 
@@ -35,31 +26,33 @@ class EvaluatedChunk:
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
-    """A chunk for any worker, on which unpickling this evaluates it.
+class Chunk:
+    """Specifications for any worker, on which unpickling this evaluates them in one go.
 
     So a task is ``pickle.loads`` and bytes, and a scheduler without mrsfi can pass it on.
-    """
 
-    plugin: str
-    chunk: Chunk
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return evaluate, (self.plugin, self.chunk)
-
-
-def evaluate(plugin: str, chunk: Chunk) -> EvaluatedChunk:
-    """Evaluate a chunk on the worker that calls this.
-
-    Parameters
+    Attributes
     ----------
     plugin
         Name of the ``MissionPlugin`` that has the mission.
-    chunk
+    seed, settings
+        Mission seed, and the engine.
+    specifications
         What to evaluate.
     """
-    mission = cast("MissionPlugin", get_worker().plugins[plugin])
-    return mission.evaluate(chunk)
+
+    plugin: str
+    seed: int
+    settings: EngineSettings
+    specifications: tuple[Specification, ...]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _evaluate, (self.plugin, self.seed, self.settings, self.specifications)
+
+
+def _evaluate(plugin: str, *chunk: Any) -> EvaluatedChunk:
+    """Evaluate a chunk on the worker that calls this."""
+    return cast("MissionPlugin", get_worker().plugins[plugin]).evaluate(*chunk)
 
 
 class MissionPlugin(WorkerPlugin):
@@ -109,7 +102,9 @@ class MissionPlugin(WorkerPlugin):
             engine.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def evaluate(self, chunk: Chunk) -> EvaluatedChunk:
+    def evaluate(
+        self, seed: int, settings: EngineSettings, specifications: tuple[Specification, ...]
+    ) -> EvaluatedChunk:
         """Evaluate a chunk; errors and failures tell of the places of the code at home.
 
         Raises
@@ -122,9 +117,9 @@ class MissionPlugin(WorkerPlugin):
         self._require_same_environment()
         with self._lock:
             try:
-                engine = self._engine(chunk)
+                engine = self._engine(seed, settings)
                 start = perf_counter()
-                results = tuple(engine.evaluate_many(chunk.specifications, chunk.seed))
+                results = tuple(engine.evaluate_many(specifications, seed))
                 seconds = perf_counter() - start
             except MrsfiError as error:
                 raise type(error)(self._told(str(error))) from error
@@ -138,18 +133,17 @@ class MissionPlugin(WorkerPlugin):
                 f"{differences}; install the same there, or stop that worker"
             )
 
-    def _engine(self, chunk: Chunk) -> Engine:
-        key = chunk.settings
-        if key not in self._engines:
+    def _engine(self, seed: int, settings: EngineSettings) -> Engine:
+        if settings not in self._engines:
             try:
                 code = load_code(self._folder)
-                self._engines[key] = chunk.settings.open(code, chunk.seed, self._n_threads)
+                self._engines[settings] = settings.open(code, seed, self._n_threads)
             except MrsfiError as error:
                 raise type(error)(
                     f"on the worker at {self._address}: {error}; what regions import has to be "
                     "installed on every worker"
                 ) from error
-        return self._engines[key]
+        return self._engines[settings]
 
     def _as_at_home(self, result: Evaluated) -> Evaluated:
         if isinstance(result, FailedFlight):
