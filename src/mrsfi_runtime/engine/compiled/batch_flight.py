@@ -62,8 +62,8 @@ def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int)
     moments = arrays.moments
     for k in range(first, last):
         arrays.at[0] = k
-        restore(arrays.fresh, arrays.words)
-        board(plan, arrays, k)
+        arrays.words[:] = arrays.fresh
+        lay_out(plan, arrays, k)
         result = arrays.results[k]
         issue(belief, world, plan, 0)
         for tick in range(world.mission.duration):
@@ -71,53 +71,35 @@ def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int)
             send(world, inbox)
             answer(functions, world, belief, inbox, world, plan, result, tick)
             if tick < len(moments):
-                keep(moments[tick], arrays.words, result)
-        keep(result, arrays.words, result)
-        leave(plan, arrays, k)
+                record(moments[tick], arrays.words, result)
+        record(result, arrays.words, result)
+        first_tally = arrays.ends[k, 4]
+        n_tallies = arrays.ends[k, 5] - first_tally
+        arrays.tallies[first_tally : first_tally + n_tallies] = plan.tallies[:n_tallies]
 
 
 @kernel
-def restore(fresh: Any, words: Any) -> None:
-    """Set states back to before the first tick."""
-    for side in range(len(fresh)):
-        for word in range(len(fresh[side])):
-            words[side, word] = fresh[side, word]
-
-
-@kernel
-def board(plan: Any, arrays: Arrays, k: int) -> None:
-    """Bring the injections of a specification into the plan, and its tallies."""
+def lay_out(plan: Any, arrays: Arrays, k: int) -> None:
+    """Bring the injections and tallies of a specification into the plan."""
     ends = arrays.ends
-    load(plan.messages, arrays.injections, ends[k, 0], ends[k, 1])
-    load(plan.reports, arrays.injections, ends[k, 1], ends[k, 2])
-    load(plan.commands, arrays.injections, ends[k, 2], ends[k, 3])
-    load(plan.own, arrays.own, ends[k, 6], ends[k, 7])
-    for n in range(ends[k, 4], ends[k, 5]):
-        plan.tallies[n - ends[k, 4]] = arrays.tallies[n]
+    copy_injections(plan.messages, arrays.injections, ends[k, 0], ends[k, 1])
+    copy_injections(plan.reports, arrays.injections, ends[k, 1], ends[k, 2])
+    copy_injections(plan.commands, arrays.injections, ends[k, 2], ends[k, 3])
+    copy_injections(plan.own, arrays.own, ends[k, 6], ends[k, 7])
+    plan.tallies[: ends[k, 5] - ends[k, 4]] = arrays.tallies[ends[k, 4] : ends[k, 5]]
 
 
 @kernel
-def load(room: Any, injections: Any, first: int, last: int) -> None:
-    """Copy injections into a list of the plan, with a sentinel behind the last."""
-    for n in range(first, last):
-        room[n - first] = injections[n]
-    room[last - first].start = NEVER
+def copy_injections(listed: Any, injections: Any, first: int, last: int) -> None:
+    """Fill a list of the plan, with a sentinel behind the last injection."""
+    listed[: last - first] = injections[first:last]
+    listed[last - first].start = NEVER
 
 
 @kernel
-def leave(plan: Any, arrays: Arrays, k: int) -> None:
-    """Bring the tallies of a specification back."""
-    first = arrays.ends[k, 4]
-    for n in range(first, arrays.ends[k, 5]):
-        arrays.tallies[n] = plan.tallies[n - first]
-
-
-@kernel
-def keep(moment: Any, words: Any, verdicts: Any) -> None:
+def record(moment: Any, words: Any, verdicts: Any) -> None:
     """Write down what is recorded of truth and belief, and which goals are violated."""
-    for word in range(len(moment.world)):
-        moment.world[word] = words[0, word]
-        moment.belief[word] = words[1, word]
-    for goal in range(len(verdicts.is_true)):
-        moment.is_true[goal] = verdicts.is_true[goal]
-        moment.is_believed[goal] = verdicts.is_believed[goal]
+    moment.world[:] = words[0, : len(moment.world)]
+    moment.belief[:] = words[1, : len(moment.belief)]
+    moment.is_true[:] = verdicts.is_true
+    moment.is_believed[:] = verdicts.is_believed
