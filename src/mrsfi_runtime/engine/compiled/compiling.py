@@ -10,14 +10,9 @@ from numba.extending import register_jitable
 
 from mrsfi_runtime.engine.compiled import batch_flight
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
-from mrsfi_runtime.engine.compiled.driver import (
-    driver_text,
-    load_driver,
-    only_compiler,
-    source_hash,
-)
+from mrsfi_runtime.engine.compiled.compilation_errors import CompilationError, explain
+from mrsfi_runtime.engine.compiled.driver import load_driver, only_compiler
 from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
-from mrsfi_runtime.engine.compiled.regions import CompilationError, explain
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.mission import MissionCode
 
@@ -92,8 +87,7 @@ def _driver(functions: MissionFunctions, state_type: Any) -> ModuleType:
         register(module)
         parts += [path.read_text(encoding="utf-8") for path in sources(module)]
         parts += constants(module)
-    text = driver_text(collective.__name__, effects.__name__)
-    return load_driver(source_hash([text, *parts]), text)
+    return load_driver(collective.__name__, effects.__name__, parts)
 
 
 def register(module: ModuleType) -> None:

@@ -7,12 +7,12 @@ compiled for.
 """
 
 import fcntl
-import hashlib
 import os
 import shutil
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
 
@@ -37,35 +37,35 @@ def fly_many(arrays, first, last):
 '''
 
 
-def driver_text(collective: str, effects: str) -> str:
-    """Return the stub of a mission.
+def load_driver(collective: str, effects: str, parts: Sequence[str]) -> ModuleType:
+    """Return the stub of a mission, written to the cache folder before if need be.
 
     Parameters
     ----------
-    collective
-        Name under which its collective intelligence can be imported.
-    effects
-        The same of its fault effects.
+    collective, effects
+        Names under which its collective intelligence and its fault effects can be imported.
+    parts
+        All else that decides what is compiled, as texts.
     """
-    return _TEXT.format(collective=collective, effects=effects)
+    text = _TEXT.format(collective=collective, effects=effects)
+    key = sha256("\0".join((sys.version, text, *parts)).encode()).hexdigest()[:24]
+    name = f"mrsfi_compiled_{key}"
+    if name in sys.modules:  # with what it has compiled
+        return sys.modules[name]
+    path = _cache_folder() / key / "flight.py"
+    if not path.is_file():
+        _make_room(path.parent.parent)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        staged = path.with_suffix(f".{os.getpid()}.tmp")
+        staged.write_text(text, encoding="utf-8")
+        staged.replace(path)
+    return load_module(name, path)
 
 
-def cache_folder() -> Path:
+def _cache_folder() -> Path:
     """Return where compiled code is kept: ``MRSFI_CACHE``, else the user's cache folder."""
-    own = os.environ.get("MRSFI_CACHE")
-    if own:
-        return Path(own)
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "mrsfi"
-
-
-def source_hash(texts: Sequence[str]) -> str:
-    """Return a key of some texts, for this version of Python."""
-    sha = hashlib.sha256(sys.version.encode())
-    for text in texts:
-        sha.update(b"\0")
-        sha.update(text.encode())
-    return sha.hexdigest()[:24]
+    users = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(os.environ.get("MRSFI_CACHE") or Path(users, "mrsfi"))
 
 
 def _make_room(cache: Path) -> None:
@@ -73,22 +73,6 @@ def _make_room(cache: Path) -> None:
     known = sorted(cache.glob("*/flight.py"), key=lambda path: path.stat().st_mtime, reverse=True)
     for path in known[N_KEPT - 1 :]:
         shutil.rmtree(path.parent, ignore_errors=True)
-
-
-def load_driver(key: str, text: str) -> ModuleType:
-    """Return the driver of a key, written to the cache folder before if need be."""
-    name = f"mrsfi_compiled_{key}"
-    if name in sys.modules:  # with what it has compiled
-        return sys.modules[name]
-    folder = cache_folder() / key
-    path = folder / "flight.py"
-    if not path.is_file():
-        _make_room(folder.parent)
-        folder.mkdir(parents=True, exist_ok=True)
-        staged = folder / f"flight.{os.getpid()}.tmp"
-        staged.write_text(text, encoding="utf-8")
-        staged.replace(path)
-    return load_module(name, path)
 
 
 @contextmanager

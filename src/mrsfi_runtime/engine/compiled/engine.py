@@ -23,9 +23,8 @@ from mrsfi_runtime.engine.compiled.layout import (
     read_words,
     recorded_type,
     result_type,
+    split,
     state_type,
-    tables,
-    words,
     write_state,
 )
 from mrsfi_runtime.engine.flights import Engine, Evaluated
@@ -170,11 +169,12 @@ class CompiledEngine(Engine):
         everyone = list(range(first, last))
         at = np.zeros(1, np.int64)
         states = fresh.copy()
+        (fresh_words, fresh_tables), (words, tables) = split(fresh), split(states)
         plans = np.zeros(1, plan_type(batch.plan_size))
         moments = np.zeros(0, self._moment_type) if moments is None else moments
         arrays = Arrays(
-            words(fresh),
-            words(states),
+            fresh_words,
+            words,
             states,
             plans,
             batch.injections,
@@ -193,7 +193,7 @@ class CompiledEngine(Engine):
                 first = int(at[0]) + 1
             else:
                 first = last
-        return failed if np.array_equal(tables(states), tables(fresh)) else everyone
+        return failed if np.array_equal(tables, fresh_tables) else everyone
 
     def _tell(self, observer: Observer, seed: int, moments: Records) -> None:
         """Let an observer see recorded ticks."""

@@ -77,20 +77,15 @@ def recorded_type(state: State) -> np.dtype[Any]:
     return np.dtype([_member(name, hints[name], getattr(state, name)) for name in names])
 
 
-def words(states: Records) -> npt.NDArray[np.int64]:
-    """Return what changes in some states, as words of 8 bytes, shape ``(n_states, n_words)``."""
-    return _split(states)[0]
+def split(states: Records) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return what changes in some states, and what never does, as words of 8 bytes.
 
-
-def tables(states: Records) -> npt.NDArray[np.int64]:
-    """Return what never changes in some states, as words of 8 bytes; as ``words``."""
-    return _split(states)[1]
-
-
-def _split(states: Records) -> list[npt.NDArray[np.int64]]:
+    Both have shape ``(n_states, n_words)``.
+    """
     layout: Mapping[str, Any] = states.dtype.fields or {}
     n_words = min(layout[name][1] for name in TABLES) // 8
-    return np.split(states.view(np.int64).reshape(len(states), -1), [n_words], axis=1)
+    words = states.view(np.int64).reshape(len(states), -1)
+    return words[:, :n_words], words[:, n_words:]
 
 
 def _member(name: str, hint: Any, value: Any) -> tuple[Any, ...]:

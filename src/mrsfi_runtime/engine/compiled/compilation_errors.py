@@ -2,9 +2,8 @@
 
 import inspect
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
-from types import FunctionType
 from typing import Any
 
 import numba
@@ -45,27 +44,16 @@ def explain(code: MissionCode, state_type: Any, error: Exception) -> Compilation
     """
     state = numba.from_dtype(state_type)
     own = (state, state, numba.from_dtype(record_type(OwnFault)))
-    candidates: list[tuple[FunctionType, tuple[Any, ...]]] = [
-        (function, (state,)) for function in _called(code.functions[:-1])
-    ]
-    candidates += [(function, own) for function in _called([code.functions.apply])]
-    for function, arguments in candidates:
-        try:
-            numba.njit(boundscheck=True)(function).compile(arguments)
-        except Exception as own:  # noqa: BLE001 - numba raises errors of any kind
-            where = _where(code.directory, function, str(own))
-            return CompilationError(f"{where} cannot be compiled: {_why(own)}")
+    for role, function in code.functions._asdict().items():
+        arguments = own if role == "apply" else (state,)
+        called = [function.__globals__.get(name) for name in function.__code__.co_names]
+        for region in filter(is_kernel, called):
+            try:
+                numba.njit(boundscheck=True)(region).compile(arguments)
+            except Exception as found:  # noqa: BLE001 - numba raises errors of any kind
+                where = _where(code.directory, region, str(found))
+                return CompilationError(f"{where} cannot be compiled: {_why(found)}")
     return CompilationError(f"{code.directory}: cannot be compiled: {_why(error)}")
-
-
-def _called(functions: Iterable[Callable[..., Any]]) -> list[FunctionType]:
-    """Return the kernel functions of the generated file that a mission's functions call."""
-    found: dict[FunctionType, None] = {}
-    for function in functions:
-        names = function.__globals__
-        called = [names.get(name) for name in function.__code__.co_names]
-        found |= dict.fromkeys(one for one in called if is_kernel(one))
-    return list(found)
 
 
 def _where(directory: Path, function: Callable[..., Any], text: str) -> str:
