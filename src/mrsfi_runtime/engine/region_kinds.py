@@ -6,7 +6,7 @@ local name has one if all that is ever assigned to it has.
 """
 
 import ast
-from collections.abc import Iterator, Mapping, MutableSequence, Sequence
+from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
 from contextlib import suppress
 from dataclasses import is_dataclass
 from difflib import get_close_matches
@@ -126,52 +126,64 @@ class Kinds:
 
     def of(self, node: ast.AST | None) -> Kind:
         """Return the kind of an expression, or ``None`` where it cannot be told."""
-        if isinstance(node, ast.Name):
-            return self._names.get(node.id)
-        if isinstance(node, ast.Attribute | ast.Subscript):
-            return self._of_part(node)
-        if isinstance(node, ast.Call):
-            return self._of_call(node)
-        found = None if node is None else literal(node)
-        return self._of_operation(node) if found is None else type(found)
+        number = literal(node)
+        if number is not None:
+            return type(number)
+        kind_of = _KIND_OF.get(type(node))
+        return None if kind_of is None else kind_of(self, node)
 
-    def _of_part(self, node: ast.Attribute | ast.Subscript) -> Kind:
-        owner = self.of(node.value)
-        if isinstance(node, ast.Attribute):
-            known = fields(owner) if is_record(owner) else _FIELDS
-            return known.get(node.attr)
-        return owner if isinstance(node.slice, ast.Slice) else element(owner)
+    def of_name(self, name: str) -> Kind:
+        """Return the kind of what a name holds, or ``None`` where it cannot be told."""
+        return self._names.get(name)
 
-    def _of_operation(self, node: ast.AST | None) -> Kind:
-        match node:
-            case ast.Compare() | ast.UnaryOp(op=ast.Not()):
-                return bool
-            case ast.Set() | ast.SetComp():
-                return set
-            case ast.UnaryOp():
-                return self.of(node.operand)
-            case ast.IfExp():
-                return _common([self.of(node.body), self.of(node.orelse)])
-            case ast.List():
-                return list[int] if {*map(self.of, node.elts)} == {int} else None
-        return self._of_sides(node) if isinstance(node, ast.BinOp) else None
 
-    def _of_sides(self, node: ast.BinOp) -> Kind:
-        left, right = self.of(node.left), self.of(node.right)
-        if left == list[int] and isinstance(node.op, ast.Mult):
-            return left
-        if float in (left, right) or isinstance(node.op, ast.Div):
-            return float
-        return int if {left, right} <= {int, bool} else None
+def _of_field(node: ast.Attribute, owner: Kind) -> Kind:
+    return (fields(owner) if is_record(owner) else _FIELDS).get(node.attr)
 
-    def _of_call(self, node: ast.Call) -> Kind:
-        if isinstance(node.func, ast.Attribute):
-            return float if node.func.attr == "sqrt" else None
-        if not isinstance(node.func, ast.Name):
-            return None
-        if node.func.id in ("abs", "min", "max"):
-            return _common([self.of(argument) for argument in node.args])
-        return _CALLS.get(node.func.id) if len(node.args) < 2 else None
+
+def _of_operation(node: ast.BinOp, left: Kind, right: Kind) -> Kind:
+    if left == list[int] and isinstance(node.op, ast.Mult):
+        return left
+    if float in (left, right) or isinstance(node.op, ast.Div):
+        return float
+    return int if {left, right} <= {int, bool} else None
+
+
+def _of_call(node: ast.Call, arguments: Sequence[Kind]) -> Kind:
+    if isinstance(node.func, ast.Attribute):
+        return float if node.func.attr == "sqrt" else None
+    name = ast.unparse(node.func)
+    if name in ("abs", "min", "max"):
+        return _common(arguments)
+    return _CALLS.get(name) if len(arguments) < 2 else None
+
+
+def _common(kinds: Sequence[Kind]) -> Kind:
+    """Return the kind that a name has if it may hold any of these: int and float make float."""
+    found = set(kinds)
+    if len(found) == 1:
+        return found.pop()
+    return float if found == {int, float} else None
+
+
+_KIND_OF: Mapping[type, Callable[[Kinds, Any], Kind]] = {
+    ast.Name: lambda kinds, node: kinds.of_name(node.id),
+    ast.Attribute: lambda kinds, node: _of_field(node, kinds.of(node.value)),
+    ast.Subscript: lambda kinds, node: (
+        kinds.of(node.value) if isinstance(node.slice, ast.Slice) else element(kinds.of(node.value))
+    ),
+    ast.Call: lambda kinds, node: _of_call(node, [*map(kinds.of, node.args)]),
+    ast.BinOp: lambda kinds, node: _of_operation(node, kinds.of(node.left), kinds.of(node.right)),
+    ast.UnaryOp: lambda kinds, node: (
+        bool if isinstance(node.op, ast.Not) else kinds.of(node.operand)
+    ),
+    ast.Compare: lambda *_: bool,
+    ast.Set: lambda *_: set,
+    ast.SetComp: lambda *_: set,
+    ast.IfExp: lambda kinds, node: _common([kinds.of(node.body), kinds.of(node.orelse)]),
+    ast.List: lambda kinds, node: list[int] if {*map(kinds.of, node.elts)} == {int} else None,
+}
+"""How the kind of an expression follows from those of its parts."""
 
 
 def _arguments(function: ast.FunctionDef, imports: Mapping[str, str]) -> Iterator[tuple[str, Kind]]:
@@ -212,14 +224,6 @@ def bound(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
         case ast.For() | ast.comprehension():
             is_range = isinstance(node.iter, ast.Call) and ast.unparse(node.iter.func) == "range"
             yield node.target, _FIRST if is_range else ast.Subscript(node.iter, _FIRST)
-
-
-def _common(kinds: list[Kind]) -> Kind:
-    """Return the kind that a name has if it may hold any of these: int and float make float."""
-    found = set(kinds)
-    if len(found) == 1:
-        return found.pop()
-    return float if found == {int, float} else None
 
 
 def missing(source: Source) -> Iterator[tuple[int, str]]:

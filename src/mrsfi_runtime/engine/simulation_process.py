@@ -8,7 +8,7 @@ connection does, however its process came to that.
 import secrets
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from multiprocessing.connection import Connection
 from threading import Thread
 
@@ -72,20 +72,16 @@ def serve_simulation(
 def _transport(url: str | None, client: Client) -> Iterator[tuple[Transport, str]]:
     """Yield a transport and the URL of its server."""
     if url is not None:
-        joined = RosbridgeTransport(url, client)
-        try:
+        with closing(RosbridgeTransport(url, client)) as joined:
             yield joined, url
-        finally:
-            joined.close()
         return
     token = secrets.token_urlsafe()  # other users of this machine are no part of the mission
     try:
-        with EmbeddedBridge(ServerSettings(token=token)) as bridge:
-            embedded = EmbeddedTransport(bridge)
-            try:
-                yield embedded, f"{bridge.url}/?token={token}"
-            finally:
-                embedded.close()
+        with (
+            EmbeddedBridge(ServerSettings(token=token)) as bridge,
+            closing(EmbeddedTransport(bridge)) as embedded,
+        ):
+            yield embedded, f"{bridge.url}/?token={token}"
     except BridgeError as error:
         raise as_ours(error) from error
 

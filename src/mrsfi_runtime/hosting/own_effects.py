@@ -1,6 +1,6 @@
 """Holds effects of a team's own to what their fault types name; anything else is an error."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -25,7 +25,7 @@ _LISTS = ("robots", "sensors", "obstacles")
 """Lists of a state that hold those owners, by ``OwnFault.kind``."""
 
 Place = tuple[str, int, str]
-"""A list of a state, the index of a record in it, and a column."""
+"""A list of a state, such as ``ci.robots``; the index of a record in it, and a column."""
 
 
 def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
@@ -42,52 +42,41 @@ def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
     def apply_guarded(ci: State, inbox: State, fault: OwnFault) -> None:
         kind = kinds[fault.effect]
         allowed = {
-            (_LISTS[fault.kind], fault.target, column)
+            (f"ci.{_LISTS[fault.kind]}", fault.target, column)
             for affected in kind.properties
             for column in _COLUMNS[affected]
         }
-        before = [dict(_values(ci)), dict(_values(inbox)), dict(_fixed(fault))]
+        before = _snapshot(ci, inbox, fault)
         apply(ci, inbox, fault)
-        _require_same(kind, "ci.", before[0], dict(_values(ci)), allowed)
-        _require_same(kind, "inbox.", before[1], dict(_values(inbox)), set())
-        _require_same(kind, "", before[2], dict(_fixed(fault)), set())
+        for place, value in _snapshot(ci, inbox, fault).items():
+            if value != before[place] and place not in allowed:
+                raise _changed(kind, place, before[place], value)
 
     return apply_guarded
 
 
-def _values(state: State) -> Iterator[tuple[Place, Any]]:
-    """Yield all that a flight changes of a state."""
-    lists = {name: getattr(state, name) for name in COLUMNS}
-    for name, records in {**lists, "mission": [state.mission], "map": [state.map]}.items():
-        for index, record in enumerate(records):
-            yield from _columns(name, index, record)
+def _snapshot(ci: State, inbox: State, fault: OwnFault) -> Mapping[Place, Any]:
+    """Return all that a flight changes of two states, and all of a fault but its memory."""
+    records: dict[str, Sequence[Any]] = {"fault": [fault]}
+    for side, state in (("ci", ci), ("inbox", inbox)):
+        records |= {f"{side}.mission": [state.mission], f"{side}.map": [state.map]}
+        records |= {f"{side}.{name}": getattr(state, name) for name in COLUMNS}
+    found = {}
+    for name, listed in records.items():
+        for index, record in enumerate(listed):
+            for known in fields(record):
+                value = getattr(record, known.name)
+                is_number = isinstance(value, int | float)
+                found[name, index, known.name] = value if is_number else tuple(value)
+    del found["fault", 0, "memory"]
+    return found
 
 
-def _columns(name: str, index: int, record: Any) -> Iterator[tuple[Place, Any]]:
-    for known in fields(record):
-        value = getattr(record, known.name)
-        is_number = isinstance(value, int | float)
-        yield (name, index, known.name), value if is_number else tuple(value)
-
-
-def _require_same(
-    kind: FaultType,
-    name: str,
-    before: Mapping[Place, Any],
-    after: Mapping[Place, Any],
-    allowed: set[Place],
-) -> None:
-    for place, value in after.items():
-        if value != before[place] and place not in allowed:
-            records, index, column = place
-            named = " and ".join(affected.name for affected in kind.properties)
-            raise EvaluationError(
-                f"region '{kind.name}.apply' of fault_effects.py changed {column} of "
-                f"{name}{records}[{index}] from {before[place]} to {value}; expected it to change "
-                f"{named} of its target alone, as faults.ecore says; correct either"
-            )
-
-
-def _fixed(fault: OwnFault) -> Iterator[tuple[Place, Any]]:
-    """Yield all of a fault but its memory."""
-    return (entry for entry in _columns("fault", 0, fault) if entry[0][2] != "memory")
+def _changed(kind: FaultType, place: Place, before: Any, after: Any) -> EvaluationError:
+    records, index, column = place
+    named = " and ".join(affected.name for affected in kind.properties)
+    return EvaluationError(
+        f"region '{kind.name}.apply' of fault_effects.py changed {column} of "
+        f"{records}[{index}] from {before} to {after}; expected it to change "
+        f"{named} of its target alone, as faults.ecore says; correct either"
+    )

@@ -5,7 +5,8 @@ leaves in one write.
 """
 
 from collections.abc import Callable
-from threading import Event, get_ident
+from concurrent.futures import Future
+from threading import get_ident
 from typing import Any, TypeVar
 
 from mrsfi_bridge.embedded import EmbeddedBridge
@@ -47,13 +48,7 @@ class EmbeddedTransport(ListenedTransport):
         self._run(lambda: client.advertise(name, topic.type))
 
         def publish(payload: Payload) -> None:
-            if get_ident() != self._thread:
-                self._run(lambda: client.publish(name, payload))
-                return
-            try:
-                client.publish(name, payload)
-            except BridgeError as error:
-                raise as_ours(error) from error
+            self._run(lambda: client.publish(name, payload))
 
         return publish
 
@@ -85,27 +80,18 @@ class EmbeddedTransport(ListenedTransport):
         """Run a function in the bridge's thread and return what it returns."""
         self.require_open()
         try:
-            return self._run_there(function)
+            return function() if get_ident() == self._thread else self._run_there(function)
         except BridgeError as error:
             raise as_ours(error) from error
 
     def _run_there(self, function: Callable[[], T]) -> T:
-        if get_ident() == self._thread:
-            return function()
-        done = Event()
-        results: list[T] = []
-        errors: list[Exception] = []
+        done: Future[T] = Future()
 
         def run() -> None:
             try:
-                results.append(function())
+                done.set_result(function())
             except Exception as error:  # noqa: BLE001 - raised where it was asked for
-                errors.append(error)
-            finally:
-                done.set()
+                done.set_exception(error)
 
         self._bridge.call_soon(run)
-        done.wait()
-        if errors:
-            raise errors[0]
-        return results[0]
+        return done.result()
