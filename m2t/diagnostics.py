@@ -1,5 +1,6 @@
 """What is wrong with a model: where, which constraint, how bad, and what to do about it."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -70,132 +71,103 @@ class Constraint:
     reason: str
 
 
-_FILE = "says something about the file, of which nothing is left once Eclipse has loaded it"
-_REFUSED = "Eclipse refuses to load such a file"
-_DROPPED = "Eclipse drops what is wrong while it loads the file, without a word"
-
 _REASONS: Mapping[str, str] = MappingProxyType(
     {
-        "ReadableFile": _FILE,
-        "FileSize": _FILE,
-        "WellFormedXml": _REFUSED,
-        "NoDocumentType": _FILE,
-        "RootElement": _FILE,
-        "KnownFeature": _REFUSED,
-        "NoText": _DROPPED,
-        "SingleValue": _DROPPED,
-        "ConcreteType": _REFUSED,
-        "ContainedElement": _FILE,
-        "NumberSyntax": _REFUSED,
-        "EnumLiteral": _REFUSED,
-        "ReferenceType": _REFUSED,
-        "UniqueReference": _DROPPED,
-        "LocalReference": _FILE,
+        "file": "says something about the file, of which nothing is left once Eclipse has "
+        "loaded it",
+        "refused": "Eclipse refuses to load such a file",
+        "dropped": "Eclipse drops what is wrong while it loads the file, without a word",
     }
 )
-"""Why a constraint is not stated in EVL."""
+"""Why a constraint is not stated in EVL. In brackets stands the key of the reason below, or the
+file that states the constraint."""
 
-_OF_FAULTS = frozenset(
-    {
-        "DelayNotNegative",
-        "WindowNotNegative",
-        "ExactlyOneFaultType",
-        "RandomBoundsOrdered",
-        "SearchBoundsOrdered",
-        "WholeTicks",
-        "WindowComplete",
-        "WindowOrdered",
-        "FaultFieldCarried",
-        "WindowInsideMission",
-    }
-)
+_ERRORS = """
+ReadableFile (file): the file exists and can be read
+FileSize (file): the file stays within the limits on bytes, elements and nesting
+WellFormedXml (refused): the file is well-formed XML
+NoDocumentType (file): the file declares no document type and no entities
+RootElement (file): the root is the class that the file is for, in its namespace
+KnownFeature (refused): every attribute and element is a feature of its class
+NoText (dropped): text stands in attributes only
+RequiredFeature (mission): what the metamodel requires is there
+SingleValue (dropped): a single-valued feature is given once
+ConcreteType (refused): xsi:type names a concrete class that fits the feature
+ContainedElement (file): what the metamodel contains stands in place or is the root of a file of its
+    own, what it refers to does not
+NumberSyntax (refused): numbers are written as numbers of their type
+FiniteNumber (mission): numbers are finite
+NumberMagnitude (mission): numbers are no larger than the simulation can reckon with
+EnumLiteral (refused): enumerations have one of their literals
+StringLength (mission): texts stay within their limits
+IdSyntax (mission): IDs begin with a letter and hold letters, digits, _ - . and spaces
+ReservedId (mission): IDs of a mission become names that Python and generated code leave free
+UniqueId (mission): IDs are unique over all classes of a file
+IdClash (mission): IDs of a mission become different names in Python
+ResolvedReference (mission): references lead to an element
+ReferenceType (refused): references lead to an element of the declared class
+UniqueReference (dropped): a list of references names each element once
+LocalReference (file): references between files lead to files of the mission, in its project
+DurationInRange (mission): a mission lasts 1 to 10,000,000 ticks
+RadiusPositive (mission): an area has a radius above 0
+SpeedNotNegative (mission): a speed is not below 0
+EnergyNotNegative (mission): energies and energy costs are not below 0
+SamplesPerSecondPositive (mission): a sensor takes at least 1 sample a tick
+TargetSampleNumberNotNegative (mission): a number of samples is not below 0
+PeriodPositive (mission): a patrol period is at least 1 tick
+DeadlinePositive (mission): a deadline is at least tick 1
+TolerancePositive (mission): a tolerance is above 0
+FixedDistancePositive (mission): a fixed distance is above 0
+DelayNotNegative (faults): delays and block durations are not below 0
+WindowNotNegative (faults): the window of a fault does not begin or end before tick 0
+MessageFieldName (mission): a message reports POSITION, SPEED, ENERGY or a sensor type
+MessageFieldType (mission): a message field is of type Coordinates, Int, Double or String
+SenderIsNotReceiver (mission): a message goes to somebody else than its sender
+UniquePropertyName (mission): user-defined properties of one station have different names
+GoalDependsOnOthers (mission): a goal does not depend on itself
+GatherSamplesArea (mission): a goal that gathers samples has an area
+SensorOfMember (mission): the sensor of a goal belongs to one of its members
+PairOfMembers (mission): a distance between robots has at least two members to be between
+ExactlyOneFaultType (faults): a fault contains exactly one fault type
+RandomBoundsOrdered (faults): the lowest random value of a fault is not above its highest
+SearchBoundsOrdered (faults): the lowest value of a parameter is not above its highest
+WholeTicks (faults): delays and block durations are whole numbers of ticks
+WindowComplete (faults): a fault has both start and finish, or neither
+WindowOrdered (faults): a fault does not finish before it starts
+"""
+
+_WARNINGS = """
+IdWithoutSpaces (mission): IDs hold no spaces, so that an attribute can refer to them
+AreaInsideMission (mission): areas lie inside the mission area
+RobotInsideMission (mission): robots start inside the mission area
+RobotStartsClear (mission): robots start clear of obstacles and of each other
+RobotHasBattery (mission): a robot has energy to begin with
+SenderIsMember (mission): the messages of a goal are sent by its members
+UniqueMessageField (mission): a message reports a field once
+FieldOfSender (mission): a message reports what its sender has
+AvoidCollisionMembers (mission): robots that avoid collisions are members of their goal
+DeadlineInsideMission (mission): a deadline lies inside the mission
+FaultFieldCarried (faults): the message of a fault carries the field that the fault falsifies
+WindowInsideMission (faults): a fault starts before the mission ends
+"""
+
+_CONSTRAINT = re.compile(r"^(\w+) \((\w+)\): (.*(?:\n    .*)*)", re.MULTILINE)
 
 
-def _constraints(severity: Severity, **meanings: str) -> dict[str, Constraint]:
+def _constraints(severity: Severity, text: str) -> dict[str, Constraint]:
     return {
-        name: Constraint(severity, meaning, _evl(name), _REASONS.get(name, ""))
-        for name, meaning in meanings.items()
+        name: Constraint(
+            severity,
+            " ".join(meaning.split()),
+            "" if where in _REASONS else f"{where}.evl",
+            _REASONS.get(where, ""),
+        )
+        for name, where, meaning in _CONSTRAINT.findall(text)
     }
-
-
-def _evl(name: str) -> str:
-    if name in _REASONS:
-        return ""
-    return "faults.evl" if name in _OF_FAULTS else "mission.evl"
 
 
 CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
-    {
-        **_constraints(
-            "error",
-            ReadableFile="the file exists and can be read",
-            FileSize="the file stays within the limits on bytes, elements and nesting",
-            WellFormedXml="the file is well-formed XML",
-            NoDocumentType="the file declares no document type and no entities",
-            RootElement="the root is the class that the file is for, in its namespace",
-            KnownFeature="every attribute and element is a feature of its class",
-            NoText="text stands in attributes only",
-            RequiredFeature="what the metamodel requires is there",
-            SingleValue="a single-valued feature is given once",
-            ConcreteType="xsi:type names a concrete class that fits the feature",
-            ContainedElement="what the metamodel contains stands in place or is the root of a "
-            "file of its own, what it refers to does not",
-            NumberSyntax="numbers are written as numbers of their type",
-            FiniteNumber="numbers are finite",
-            NumberMagnitude="numbers are no larger than the simulation can reckon with",
-            EnumLiteral="enumerations have one of their literals",
-            StringLength="texts stay within their limits",
-            IdSyntax="IDs begin with a letter and hold letters, digits, _ - . and spaces",
-            ReservedId="IDs of a mission become names that Python and generated code leave free",
-            UniqueId="IDs are unique over all classes of a file",
-            IdClash="IDs of a mission become different names in Python",
-            ResolvedReference="references lead to an element",
-            ReferenceType="references lead to an element of the declared class",
-            UniqueReference="a list of references names each element once",
-            LocalReference="references between files lead to files of the mission, in its project",
-            DurationInRange="a mission lasts 1 to 10,000,000 ticks",
-            RadiusPositive="an area has a radius above 0",
-            SpeedNotNegative="a speed is not below 0",
-            EnergyNotNegative="energies and energy costs are not below 0",
-            SamplesPerSecondPositive="a sensor takes at least 1 sample a tick",
-            TargetSampleNumberNotNegative="a number of samples is not below 0",
-            PeriodPositive="a patrol period is at least 1 tick",
-            DeadlinePositive="a deadline is at least tick 1",
-            TolerancePositive="a tolerance is above 0",
-            FixedDistancePositive="a fixed distance is above 0",
-            DelayNotNegative="delays and block durations are not below 0",
-            WindowNotNegative="the window of a fault does not begin or end before tick 0",
-            MessageFieldName="a message reports POSITION, SPEED, ENERGY or a sensor type",
-            MessageFieldType="a message field is of type Coordinates, Int, Double or String",
-            SenderIsNotReceiver="a message goes to somebody else than its sender",
-            UniquePropertyName="user-defined properties of one station have different names",
-            GoalDependsOnOthers="a goal does not depend on itself",
-            GatherSamplesArea="a goal that gathers samples has an area",
-            SensorOfMember="the sensor of a goal belongs to one of its members",
-            PairOfMembers="a distance between robots has at least two members to be between",
-            ExactlyOneFaultType="a fault contains exactly one fault type",
-            RandomBoundsOrdered="the lowest random value of a fault is not above its highest",
-            SearchBoundsOrdered="the lowest value of a parameter is not above its highest",
-            WholeTicks="delays and block durations are whole numbers of ticks",
-            WindowComplete="a fault has both start and finish, or neither",
-            WindowOrdered="a fault does not finish before it starts",
-        ),
-        **_constraints(
-            "warning",
-            IdWithoutSpaces="IDs hold no spaces, so that an attribute can refer to them",
-            AreaInsideMission="areas lie inside the mission area",
-            RobotInsideMission="robots start inside the mission area",
-            RobotStartsClear="robots start clear of obstacles and of each other",
-            RobotHasBattery="a robot has energy to begin with",
-            SenderIsMember="the messages of a goal are sent by its members",
-            UniqueMessageField="a message reports a field once",
-            FieldOfSender="a message reports what its sender has",
-            AvoidCollisionMembers="robots that avoid collisions are members of their goal",
-            DeadlineInsideMission="a deadline lies inside the mission",
-            FaultFieldCarried="the message of a fault carries the field that the fault falsifies",
-            WindowInsideMission="a fault starts before the mission ends",
-        ),
-    }
+    _constraints("error", _ERRORS) | _constraints("warning", _WARNINGS)
 )
 """All constraints by name, in the order in which they are checked; no other name is reported."""
 
@@ -288,10 +260,6 @@ class Findings:
     def describe(self, element: Any) -> str:
         """Return the name of an element in messages."""
         return self.nodes[element].description
-
-    def line(self, element: Any) -> int:
-        """Return the line of an element."""
-        return self.nodes[element].line
 
 
 def shown(text: str) -> str:

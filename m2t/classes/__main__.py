@@ -6,7 +6,6 @@ Examples
 """
 
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -23,8 +22,12 @@ def main(folder: Path, *, check: bool) -> None:
     """Generate the static Python classes of both metamodels into FOLDER."""
     try:
         files = class_files(load_metamodels().packages)
+        if check and (stale := stale_files(folder, files)):
+            raise GenerationError(
+                f"{folder}: stale, because the metamodels or templates changed: "
+                f"{', '.join(stale)}; run `python -m m2t.classes {folder}` and review the diff"
+            )
         if check:
-            _require_fresh(folder, files)
             click.echo(f"fresh: {folder}")
         else:
             written = write_classes(folder, files)
@@ -33,15 +36,6 @@ def main(folder: Path, *, check: bool) -> None:
     except MrsfiError as error:
         click.echo(f"error: {error}", err=True)
         sys.exit(error.exit_code)
-
-
-def _require_fresh(folder: Path, files: Mapping[str, str]) -> None:
-    stale = stale_files(folder, files)
-    if stale:
-        raise GenerationError(
-            f"{folder}: stale, because the metamodels or templates changed: {', '.join(stale)}; "
-            f"run `python -m m2t.classes {folder}` and review the diff"
-        )
 
 
 if __name__ == "__main__":

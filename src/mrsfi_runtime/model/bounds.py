@@ -67,22 +67,17 @@ def _default_bounds(mission: Mission, fault: Fault, of: Range) -> tuple[float, f
         Range.Y: (center.y - reach, center.y + reach),
         Range.Z: (center.z - reach, center.z + reach),
     }
-    return of_mission.get(of) or (0.0, _largest(mission, fault, of))
-
-
-def _largest(mission: Mission, fault: Fault, of: Range) -> float:
-    """Return the default upper bound of an energy, speed, rate or cost."""
+    if of in of_mission:
+        return of_mission[of]
     robots = _robots(mission, fault)
-    if of is Range.ENERGY:
-        return max((robot.total_energy for robot in robots), default=0.0)
-    if of is Range.SPEED:
-        return _EXCESS * max((robot.speed for robot in robots), default=0.0)
     sensors = _sensors(mission, fault, robots)
-    nominal = (
-        float(sensor.samples_per_second) if of is Range.RATE else sensor.energy_per_sample
-        for sensor in sensors
-    )
-    return _EXCESS * max(nominal, default=0.0)
+    largest = {
+        Range.ENERGY: [robot.total_energy for robot in robots],
+        Range.SPEED: [_EXCESS * robot.speed for robot in robots],
+        Range.RATE: [_EXCESS * sensor.samples_per_second for sensor in sensors],
+        Range.COST: [_EXCESS * sensor.energy_per_sample for sensor in sensors],
+    }
+    return 0.0, max(largest[of], default=0.0)
 
 
 def _robots(mission: Mission, fault: Fault) -> tuple[Robot, ...]:
