@@ -89,8 +89,7 @@ def require_value(slot: Slot, text: str) -> None:
         return
     for constraint, is_kept, expected in _rules(slot, text):
         if not is_kept:
-            finding = f"has {slot.name} {shown(text)}; expected {expected}"
-            raise Defect(constraint, finding)
+            raise Defect(constraint, f"has {slot.name} {shown(text)}; expected {expected}")
 
 
 def _require_length(slot: Slot, text: str) -> None:

@@ -88,10 +88,10 @@ class _Resolver:
         expected = f"a {wanted.name}{self._known(tree, wanted)}; correct the reference"
         what = f"refers to {shown(target)} as {reference.slot.name}, which"
         if element is None:
-            finding = f"{what} does not exist; expected the ID of {expected}"
-            raise Defect("ResolvedReference", finding)
-        finding = f"{what} is a {element.metaclass.name}; expected {expected}"
-        raise Defect("ReferenceType", finding)
+            raise Defect(
+                "ResolvedReference", f"{what} does not exist; expected the ID of {expected}"
+            )
+        raise Defect("ReferenceType", f"{what} is a {element.metaclass.name}; expected {expected}")
 
     def _place(self, reference: Reference, target: str) -> tuple[ModelFile, ModelTree] | None:
         """Return the file that a target is looked for in, and the model that it is part of.
@@ -110,11 +110,11 @@ class _Resolver:
         if tree is None and is_mission:
             return None
         own = "an element of this file" if mission is None else f"{mission.path.name}#ID"
-        finding = (
+        raise Defect(
+            "LocalReference",
             f"refers to {shown(target)} as {reference.slot.name}; expected {own}, or one of a file "
-            "that is part of the mission; correct the reference"
+            "that is part of the mission; correct the reference",
         )
-        raise Defect("LocalReference", finding)
 
     def _find_file(self, folder: Path, address: str) -> tuple[ModelFile | None, bool]:
         """Return the file that an address means if it was read, and whether it is the mission's."""

@@ -39,19 +39,21 @@ def find_part(child: Node, declared: Any, package: Any, files: ModelFiles) -> tu
         If the element stands for no such root, or for one that something else contains.
     """
     if set(child.attributes) != {"href"} or child.children or child.text.strip():
-        finding = f"has an href and more; expected <{child.tag[:60]} href=...> alone; correct it"
-        raise Defect("ContainedElement", finding)
+        raise Defect(
+            "ContainedElement",
+            f"has an href and more; expected <{child.tag[:60]} href=...> alone; correct it",
+        )
     target = child.attributes["href"]
     address, _, fragment = target.rpartition("#")
     file = _file(child, address, files)
     root = file.root(unquote(fragment))
     if root is None or root in file.claimed:
         found = "is no root of that file" if root is None else "is contained already"
-        finding = (
+        raise Defect(
+            "ContainedElement",
             f"stands for {shown(target)}, which {found}; expected a root of "
-            f"{file.path.name} that stands nowhere else; correct the href"
+            f"{file.path.name} that stands nowhere else; correct the href",
         )
-        raise Defect("ContainedElement", finding)
     file.claimed.add(root)
     metaclass = _metaclass(child, root, declared, package)
     root.tag, root.namespace, root.parent = child.tag, "", child.parent
@@ -72,20 +74,20 @@ def _file(child: Node, address: str, files: ModelFiles) -> ModelFile:
     first = (*here.owners, here)[0].path.parent
     path = contained_path(here.path.parent, first, address) if address else None
     if path is None:
-        finding = (
+        raise Defect(
+            "LocalReference" if address else "ContainedElement",
             f"{what}; expected the root of another file, by a relative address inside the "
-            "mission's project; move that file there, or the element here"
+            "mission's project; move that file there, or the element here",
         )
-        raise Defect("LocalReference" if address else "ContainedElement", finding)
     owners = (*here.owners, here)
     known = files.at(path)
     if known is not None and known in owners:
         circle = " > ".join(owner.path.name for owner in (*owners[owners.index(known) :], known))
-        finding = (
+        raise Defect(
+            "ContainedElement",
             f"{what}, which closes a circle of files ({circle}); expected files that lead "
-            "downwards only; move the element into place"
+            "downwards only; move the element into place",
         )
-        raise Defect("ContainedElement", finding)
     file = files.read(path, owners)
     if file is None:  # what is wrong with it is reported there
         raise Defect("ContainedElement", f"{what}, a file that cannot be used; correct it")
@@ -101,8 +103,8 @@ def _metaclass(child: Node, root: Node, declared: Any, package: Any) -> Any:
     ):
         return found
     expected = ", ".join(kinds)
-    finding = (
+    raise Defect(
+        "ConcreteType",
         f"stands for {shown(child.attributes['href'])}, which is a {root.tag[:60]}; expected "
-        f"one of {expected}, the same as xsi:type if that is given; correct the href"
+        f"one of {expected}, the same as xsi:type if that is given; correct the href",
     )
-    raise Defect("ConcreteType", finding)

@@ -93,10 +93,11 @@ def check_structure(
         _report_wrong_root(file, metaclass, report)
         return None
     for other in roots[1:]:
-        finding = (
-            f"is a second {metaclass.name} of {file.path.name}; expected one; delete the others"
+        report.add(
+            other,
+            "RootElement",
+            f"is a second {metaclass.name} of {file.path.name}; expected one; delete the others",
         )
-        report.add(other, "RootElement", finding)
     file.claimed.update(roots)
     checker = _Checker(ModelTree(roots[0], files), metaclass.ePackage, report)
     checker.element(roots[0], metaclass)
@@ -108,11 +109,12 @@ def check_claims(files: ModelFiles, report: Report) -> None:
     for file in files:
         for root in file.roots:
             if root not in file.claimed:
-                finding = (
+                report.add(
+                    root,
+                    "ContainedElement",
                     f"is a root of {file.path.name} that no model contains; expected an element "
-                    f'with href="{file.path.name}#..." in its place; add one or delete the root'
+                    f'with href="{file.path.name}#..." in its place; add one or delete the root',
                 )
-                report.add(root, "ContainedElement", finding)
 
 
 def report_count(node: Node, slot: Slot, count: int, report: Report) -> None:
@@ -121,8 +123,9 @@ def report_count(node: Node, slot: Slot, count: int, report: Report) -> None:
     if count < slot.lower_bound:
         expected = f"at least {slot.lower_bound}" if slot.many else "one"
         found = count or "no"
-        finding = f"has {found} {name}; expected {expected}; add what is missing"
-        report.add(node, "RequiredFeature", finding)
+        report.add(
+            node, "RequiredFeature", f"has {found} {name}; expected {expected}; add what is missing"
+        )
     else:
         report.add(node, "SingleValue", f"has {count} {name}; expected one; delete the others")
 
@@ -172,10 +175,11 @@ class _Checker:
             self.tree.references.append(Reference(node, slot, node, targets))
             return len(targets)
         elif slot.is_contained:
-            finding = (
-                f"has {name} as an attribute; expected an element <{name}> in place; move it there"
+            self._report.add(
+                node,
+                "ContainedElement",
+                f"has {name} as an attribute; expected an element <{name}> in place; move it there",
             )
-            self._report.add(node, "ContainedElement", finding)
         else:
             self._value(node, slot, text)
         return 1
@@ -212,11 +216,12 @@ class _Checker:
             if (namespace, name) == (XMI, "id"):
                 self._remember_xmi_id(node, text)
             elif (namespace, name) not in expected:
-                finding = (
+                self._report.add(
+                    node,
+                    "KnownFeature",
                     f"has attribute {shown(f'{{{namespace}}}{name}')}, which belongs to no model; "
-                    "expected attributes of the metamodel; delete it"
+                    "expected attributes of the metamodel; delete it",
                 )
-                self._report.add(node, "KnownFeature", finding)
 
     def _remember_xmi_id(self, node: Node, identity: str) -> None:
         first = self.tree.files.containing(node).by_xmi_id.setdefault(identity, node)
@@ -256,11 +261,12 @@ class _Checker:
     def _refer(self, source: Node, slot: Slot, child: Node) -> None:
         target = child.attributes.get("href")
         if target is None or set(child.attributes) != {"href"} or child.children:
-            finding = (
+            self._report.add(
+                child,
+                "ContainedElement",
                 "is a reference; expected nothing but href, such as "
-                f'<{child.tag} href="mission.xmi#m1"/>; correct it'
+                f'<{child.tag} href="mission.xmi#m1"/>; correct it',
             )
-            self._report.add(child, "ContainedElement", finding)
             return
         self.tree.references.append(Reference(source, slot, child, (target,)))
 
@@ -273,8 +279,7 @@ class _Checker:
         if metaclass is None:
             found = "no xsi:type" if child.xsi_type is None else f"xsi:type {shown(child.xsi_type)}"
             expected = ", ".join(f"{self._package.nsPrefix}:{name}" for name in kinds)
-            finding = f"has {found}; expected one of {expected}; choose one"
-            raise Defect("ConcreteType", finding)
+            raise Defect("ConcreteType", f"has {found}; expected one of {expected}; choose one")
         return metaclass
 
     def _unknown(self, node: Node, finding: str, element: Node, what: str) -> None:
@@ -282,11 +287,15 @@ class _Checker:
         known = slots(element.metaclass).items()
         names = [name for name, slot in known if slot.is_contained == (what == "element")]
         expected = listed(names) or f"no {what}s"
-        finding = f"{finding}; expected {expected}; correct or delete it"
-        self._report.add(node, "KnownFeature", finding)
+        self._report.add(
+            node, "KnownFeature", f"{finding}; expected {expected}; correct or delete it"
+        )
 
     def _require_no_text(self, node: Node) -> None:
         text = node.text.strip()
         if text:
-            finding = f"holds the text {shown(text)}; expected attributes and elements; delete it"
-            self._report.add(node, "NoText", finding)
+            self._report.add(
+                node,
+                "NoText",
+                f"holds the text {shown(text)}; expected attributes and elements; delete it",
+            )

@@ -136,11 +136,15 @@ class ModelFiles:
         self._n_bytes += xml.n_bytes
         self._n_elements += xml.n_elements
         if self._breaks_limits():
-            finding = (
-                f"is one file too many: all files of a model have at most {MAX_FILES:,} files, "
-                f"{MAX_BYTES:,} bytes and {MAX_ELEMENTS:,} elements; model less"
+            self._report.add_file(
+                path,
+                1,
+                Defect(
+                    "FileSize",
+                    f"is one file too many: all files of a model have at most {MAX_FILES:,} files, "
+                    f"{MAX_BYTES:,} bytes and {MAX_ELEMENTS:,} elements; model less",
+                ),
             )
-            self._report.add_file(path, 1, Defect("FileSize", finding))
             return None
         file = ModelFile(path, xml.encoding, self._roots(xml.root), owners=owners)
         self._by_name[path] = file
@@ -161,14 +165,21 @@ class ModelFiles:
             if (namespace, name) not in ROOT_ATTRIBUTES
         ]
         if unknown:
-            finding = f"has attribute {unknown[0]}; expected xmi:version only; delete it"
-            self._report.add(root, "KnownFeature", finding)
+            self._report.add(
+                root,
+                "KnownFeature",
+                f"has attribute {unknown[0]}; expected xmi:version only; delete it",
+            )
         if root.text.strip():
-            finding = f"holds the text {shown(root.text.strip())}; expected elements; delete it"
-            self._report.add(root, "NoText", finding)
+            self._report.add(
+                root,
+                "NoText",
+                f"holds the text {shown(root.text.strip())}; expected elements; delete it",
+            )
         if not root.children:
-            finding = "is the root and holds nothing; expected a Mission; add one"
-            self._report.add(root, "RootElement", finding)
+            self._report.add(
+                root, "RootElement", "is the root and holds nothing; expected a Mission; add one"
+            )
         for child in root.children:
             child.parent = None
         return tuple(root.children)

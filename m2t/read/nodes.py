@@ -159,8 +159,10 @@ class XmlFile:
         self.encoding = (encoding or "").upper()  # as Eclipse writes it back
 
     def _doctype(self, *_: object) -> None:
-        finding = "declares a document type; a model needs none; delete the <!DOCTYPE ...>"
-        raise Defect("NoDocumentType", finding)
+        raise Defect(
+            "NoDocumentType",
+            "declares a document type; a model needs none; delete the <!DOCTYPE ...>",
+        )
 
     def _namespace(self, prefix: str | None, uri: str | None) -> None:
         self._prefixes = {**self._prefixes, (prefix or ""): uri or ""}
@@ -193,11 +195,11 @@ class XmlFile:
     def _require_limits(self) -> None:
         self.n_elements += 1
         if self.n_elements > MAX_ELEMENTS:
-            finding = f"has more than {MAX_ELEMENTS:,} elements; split the model"
-            raise Defect("FileSize", finding)
+            raise Defect("FileSize", f"has more than {MAX_ELEMENTS:,} elements; split the model")
         if len(self._open) >= MAX_DEPTH:
-            finding = f"nests more than {MAX_DEPTH} elements; no model needs that; correct it"
-            raise Defect("FileSize", finding)
+            raise Defect(
+                "FileSize", f"nests more than {MAX_DEPTH} elements; no model needs that; correct it"
+            )
 
 
 def read_xml(path: Path, report: Report) -> XmlFile | None:
@@ -222,11 +224,19 @@ def read_xml(path: Path, report: Report) -> XmlFile | None:
         report.add_file(path, xml.line, defect)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        finding = f"is not well-formed XML: {reason}; correct it at this line"
-        report.add_file(path, error.lineno, Defect("WellFormedXml", finding))
+        report.add_file(
+            path,
+            error.lineno,
+            Defect("WellFormedXml", f"is not well-formed XML: {reason}; correct it at this line"),
+        )
     except (LookupError, ValueError) as error:
-        finding = f"has an encoding that cannot be read: {error}; save it as UTF-8"
-        report.add_file(path, 1, Defect("WellFormedXml", finding))
+        report.add_file(
+            path,
+            1,
+            Defect(
+                "WellFormedXml", f"has an encoding that cannot be read: {error}; save it as UTF-8"
+            ),
+        )
     else:
         return xml
     return None
@@ -260,9 +270,11 @@ def _content(path: Path) -> bytes:
             content = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", str(error)) or type(error).__name__
-        finding = f"cannot be read: {reason}; expected a model file at this path"
-        raise Defect("ReadableFile", finding) from error
+        raise Defect(
+            "ReadableFile", f"cannot be read: {reason}; expected a model file at this path"
+        ) from error
     if len(content) > MAX_BYTES:
-        finding = f"has more than {MAX_BYTES:,} bytes; a model is far smaller; split it"
-        raise Defect("FileSize", finding)
+        raise Defect(
+            "FileSize", f"has more than {MAX_BYTES:,} bytes; a model is far smaller; split it"
+        )
     return content

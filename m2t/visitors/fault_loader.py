@@ -46,6 +46,7 @@ def _fault(fault: Any) -> Call:
     """Return a fault: what it is, what it strikes, and its window if it has one."""
     (fault_type,) = fault_types(fault)
     kind = meaning(fault_type)
+    values = tuple(float(getattr(fault_type, known.name)) for known in kind.parameters)
     reference = f"affected{kind.struck.value.title()}"
     return Call(
         "Fault",
@@ -54,7 +55,7 @@ def _fault(fault: Any) -> Call:
             ("name", fault.name),
             ("kind", Name(f"TYPES[{literal(kind.name)}]")),
             ("target", str(getattr(fault_type, reference).ID)),
-            *_given("values", _values(fault_type, kind)),
+            *_given("values", values),
             *_given("bounds", _bounds(fault_type, kind)),
             *((name, getattr(fault, name)) for name in ("start", "finish") if is_set(fault, name)),
             *_given("own", _own(fault, fault_type, kind, reference)),
@@ -93,10 +94,6 @@ def _parameter(parameter: Parameter) -> Call:
         ),
         is_flat=True,
     )
-
-
-def _values(fault_type: Any, kind: FaultType) -> tuple[Expression, ...]:
-    return tuple(float(getattr(fault_type, parameter.name)) for parameter in kind.parameters)
 
 
 def _bounds(fault_type: Any, kind: FaultType) -> Table:

@@ -154,13 +154,13 @@ class _Writer:
         self, roots: Sequence[Any], hrefs: Mapping[Any, str], xmi_ids: Mapping[Any, str]
     ) -> None:
         self._roots = roots
-        self._hrefs = hrefs
+        self._addresses: dict[Any, str] = {**dict.fromkeys(roots, ""), **hrefs}
         self._xmi_ids = xmi_ids
         self._uses_xsi = False
         self._namespaces = {
             root.eClass.ePackage.nsPrefix: root.eClass.ePackage.nsURI for root in roots
         }
-        self._tops: dict[Any, Any] = {root: root for root in (*hrefs, *roots)}
+        self._tops: dict[Any, Any] = {root: root for root in self._addresses}
         self._starts = dict(_starts(roots, hrefs))
         self._positions: dict[tuple[Any, str], dict[Any, int]] = {}
 
@@ -247,14 +247,12 @@ class _Writer:
     def _address(self, value: Any) -> str:
         """Return the address of the file that an object stands in, empty for this one."""
         top = self._top(value)
-        if top in self._hrefs:
-            return self._hrefs[top]
-        if not any(top is root for root in self._roots):
+        if top not in self._addresses:
             raise ModelError(
                 f"{self._roots[0].eClass.name} refers to '{self._fragment(value)}' of another "
                 f"{top.eClass.name}; expected one whose file is known; give its address"
             )
-        return ""
+        return self._addresses[top]
 
     def _top(self, value: Any) -> Any:
         """Return the root, in its file, of an object."""
