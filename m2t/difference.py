@@ -140,7 +140,10 @@ class _Comparison:
             yield _placed("added", outline, "to")
             yield from self._moved_into(outline)
             return
-        yield from self._move(earlier, outline, container)
+        source = earlier.container
+        if source is not None and not _is_alike(source, container):
+            text = f"{outline.label} moved from {source.label} to {container.label}"
+            yield Change("moved", outline.label, "", source.label, container.label, text)
         yield from self.compare(earlier, outline)
 
     def _moved_into(self, added: Outline) -> Iterator[Change]:
@@ -152,13 +155,10 @@ class _Comparison:
                 else:
                     yield from self._moved_into(outline)
 
-    def _move(self, earlier: Outline, outline: Outline, container: Outline) -> Iterator[Change]:
-        source = earlier.container
-        is_root = source is not None and source.container is None and container.container is None
-        if source is None or is_root or source.key == container.key:
-            return
-        text = f"{outline.label} moved from {source.label} to {container.label}"
-        yield Change("moved", outline.label, "", source.label, container.label, text)
+
+def _is_alike(one: Outline, other: Outline) -> bool:
+    """Return whether two outlines are of the same element, or both of a root."""
+    return one.key == other.key or one.container is other.container is None
 
 
 def _changed(outline: Outline, name: str, before: Value, after: Value) -> Change:
@@ -169,11 +169,10 @@ def _changed(outline: Outline, name: str, before: Value, after: Value) -> Change
 
 def _placed(what: What, outline: Outline, preposition: str) -> Change:
     container = outline.container
-    where = ""
-    if container is not None and container.container is not None:
-        where = f" {preposition} {container.label}"
+    is_inside = container is not None and container.container is not None
+    place = container.label if container is not None and is_inside else ""
+    where = f" {preposition} {place}" if is_inside else ""
     about = f" ({outline.about})" if outline.about and what == "added" else ""
-    place = container.label if container is not None and where else ""
     old, new = (place, "") if what == "removed" else ("", place)
     return Change(what, outline.label, "", old, new, f"{outline.label} {what}{where}{about}")
 

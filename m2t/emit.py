@@ -128,10 +128,7 @@ def plan_files(
 def write(plan: GenerationPlan) -> None:
     """Carry out a plan, as the module describes; what does not change is not touched.
 
-    Raises
-    ------
-    GenerationError
-        If a file cannot be written; what stands in the folder stays usable.
+    A file that cannot be written raises a ``GenerationError``; the folder stays usable.
     """
     if plan.stale:
         try:

@@ -23,23 +23,14 @@ def unified_difference(
 ) -> Iterator[str]:
     """Yield the lines of the unified difference, as ``difflib.unified_diff`` does.
 
-    Parameters
-    ----------
-    old, new
-        Lines to compare.
-    old_name, new_name
-        What the header calls them.
-    line_end
-        End of the lines of header and hunks; empty where the compared lines have none.
+    ``line_end`` ends the lines of header and hunks; it is empty where the compared lines have none.
     """
-    is_first = True
-    for group in _Aligned(old, new).get_grouped_opcodes(_CONTEXT):
-        if is_first:
-            is_first = False
+    for number, group in enumerate(_Aligned(old, new).get_grouped_opcodes(_CONTEXT)):
+        if number == 0:
             yield f"--- {old_name}{line_end}"
             yield f"+++ {new_name}{line_end}"
-        first, last = group[0], group[-1]
-        ranges = f"-{_range(first[1], last[2])} +{_range(first[3], last[4])}"
+        (_, old_first, _, new_first, _), (_, _, old_last, _, new_last) = group[0], group[-1]
+        ranges = f"-{_range(old_first, old_last)} +{_range(new_first, new_last)}"
         yield f"@@ {ranges} @@{line_end}"
         for opcode in group:
             yield from _changed(opcode, old, new)
@@ -47,11 +38,10 @@ def unified_difference(
 
 def _changed(opcode: Opcode, old: Sequence[str], new: Sequence[str]) -> Iterator[str]:
     what, old_first, old_last, new_first, new_last = opcode
-    if what == "equal":
-        yield from (f" {line}" for line in old[old_first:old_last])
-        return
-    yield from (f"-{line}" for line in old[old_first:old_last])
-    yield from (f"+{line}" for line in new[new_first:new_last])
+    mark = " " if what == "equal" else "-"
+    yield from (f"{mark}{line}" for line in old[old_first:old_last])
+    if what != "equal":
+        yield from (f"+{line}" for line in new[new_first:new_last])
 
 
 def _range(first: int, last: int) -> str:

@@ -26,14 +26,7 @@ FAULTS_XMI = "faults.xmi"
 class LoadedFile:
     """A file that a model came from, with what saving keeps of it.
 
-    Attributes
-    ----------
-    path
-        The file.
-    encoding
-        Encoding that it declares.
-    roots
-        Root objects of the file in its order: of a model, or parts of one.
+    ``roots`` are the root objects of the file in its order: of a model, or parts of one.
     """
 
     path: Path
@@ -155,10 +148,8 @@ def load_specification(path: Path) -> LoadedModels:
 def inspect_folder(folder: Path) -> Inspection:
     """Load a mission folder and return everything that was found on the way, mission first.
 
-    Notes
-    -----
-    Constraints of sense are checked on a file whose structure is sound: what they would say
-    about missing parts helps nobody.
+    Constraints of sense are checked on a file whose structure is sound: what they would say about
+    missing parts helps nobody.
     """
     faults_path = folder / FAULTS_XMI
     return _Loading().inspect(folder / MISSION_XMI, faults_path if _is_there(faults_path) else None)

@@ -45,17 +45,7 @@ def dumps(sources: Mapping[str, str], files: Mapping[str, tuple[FileRecord, ...]
 def loads(text: str, name: str) -> dict[str, tuple[FileRecord, ...]]:
     """Return the files that a manifest remembers, as ``dumps`` takes them.
 
-    Parameters
-    ----------
-    text
-        JSON as ``dumps`` writes it.
-    name
-        Path for messages.
-
-    Raises
-    ------
-    GenerationError
-        If the text is no manifest, or one of a newer mrsfi.
+    What is no manifest, or one of a newer mrsfi, raises a ``GenerationError`` about ``name``.
     """
     try:
         document = json.loads(text)
@@ -79,22 +69,12 @@ def _entry(record: FileRecord) -> dict[str, Any]:
 
 def _records(entry: Any) -> tuple[FileRecord, ...]:
     return tuple(
-        FileRecord(_text(each["skeleton"]), _texts(each["regions"]))
+        FileRecord(str(each["skeleton"]), dict(each["regions"].items()))
         for each in (entry if isinstance(entry, list) else [entry])
     )
-
-
-def _texts(value: Any) -> dict[str, str]:
-    return {_text(key): _text(entry) for key, entry in value.items()}
 
 
 def _file_name(name: str) -> str:
     if name != PurePath(name).name:
         raise ValueError(f"found {name!r} where a file name was expected")
     return name
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError(f"found {value!r} where a text was expected")
-    return value

@@ -16,15 +16,7 @@ from m2t.read.nodes import Node
 
 
 class ModelLoader:
-    """Loads a mission and its faults into one set of resources.
-
-    Attributes
-    ----------
-    nodes
-        Node of every object loaded so far.
-    objects
-        Object of every node.
-    """
+    """Loads a mission and its faults as resources of one set; knows the node of every object."""
 
     def __init__(self) -> None:
         self.nodes: dict[Any, Node] = {}
@@ -33,13 +25,7 @@ class ModelLoader:
         self._resources.resource_factory["xmi"] = _CheckedResource
 
     def load(self, tree: ModelTree) -> Any:
-        """Return the root object of a model.
-
-        Parameters
-        ----------
-        tree
-            The model, sound in structure; the model that it refers to is loaded before it.
-        """
+        """Return the root object of a sound model; what it refers to is loaded before it."""
         uri = URI(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi")
         return self._resources.get_resource(uri, tree=tree, loader=self).contents[0]
 

@@ -71,14 +71,7 @@ def addresses(
 ) -> Mapping[Any, str]:
     """Return the relative address of every file of loaded models, by its root objects.
 
-    Parameters
-    ----------
-    models
-        The models.
-    folder
-        Folder of the file that refers to them.
-    without
-        File to leave out: the one that refers.
+    ``folder`` is that of the file that refers, and ``without`` the one that is left out: itself.
     """
     here = folder.resolve()
     return {

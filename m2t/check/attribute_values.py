@@ -70,20 +70,7 @@ RANGES: Mapping[str, Range] = MappingProxyType(
 
 
 def require_value(slot: Slot, text: str) -> None:
-    """Refuse a text that is no value of an attribute.
-
-    Parameters
-    ----------
-    slot
-        The attribute of the metamodel.
-    text
-        Its text in the model.
-
-    Raises
-    ------
-    Defect
-        If the text is no such value, or one outside the feature's range.
-    """
+    """Refuse, by a ``Defect``, a text that is no value of an attribute or outside its range."""
     if slot.type.name == "EString":
         _require_length(slot, text)
         return

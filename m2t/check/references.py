@@ -24,16 +24,9 @@ def referred_files(tree: ModelTree) -> Iterator[tuple[Reference, str]]:
 
 
 def resolve(tree: ModelTree, mission: ReadModel | None, report: Report) -> None:
-    """Find the nodes that all references of a model lead to.
+    """Find the nodes that all references of a model lead to; the model takes them.
 
-    Parameters
-    ----------
-    tree
-        The model; takes the resolved references.
-    mission
-        The mission, if the model may refer to it.
-    report
-        Takes the diagnostics.
+    ``mission`` is the mission, if the model may refer to it.
     """
     resolver = _Resolver(tree, mission, report)
     for reference in tree.references:

@@ -15,28 +15,11 @@ from m2t.read.nodes import Node
 
 
 def find_part(child: Node, declared: Any, package: Any, files: ModelFiles) -> tuple[Node, Any]:
-    """Return the root of another file that an element with an href stands for.
+    """Return the root of another file that an element with an href stands for, and its class.
 
-    Parameters
-    ----------
-    child
-        The element with the href.
-    declared
-        Class of the containment that it is given for.
-    package
-        The metamodel.
-    files
-        All files read so far; takes the file of the part.
-
-    Returns
-    -------
-    tuple of Node and metaclass
-        The root, which takes the element's tag and parent, and its class.
-
-    Raises
-    ------
-    Defect
-        If the element stands for no such root, or for one that something else contains.
+    The root takes the element's tag and parent, and has to fit the ``declared`` class of the
+    containment. ``files`` takes its file. An element that stands for no such root, or for one that
+    something else contains, raises a ``Defect``.
     """
     if set(child.attributes) != {"href"} or child.children or child.text.strip():
         raise Defect(

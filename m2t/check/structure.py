@@ -50,16 +50,9 @@ class ModelTree:
 
 @dataclass(slots=True)
 class ReadModel:
-    """A model on its way.
+    """A model on its way: the file that it begins in, its nodes, and its root object once made.
 
-    Attributes
-    ----------
-    path
-        File that it begins in.
-    tree
-        Its nodes; ``None`` if they cannot be used.
-    root
-        Its root object, once that is made.
+    ``tree`` is ``None`` if the nodes cannot be used.
     """
 
     path: Path
@@ -70,23 +63,10 @@ class ReadModel:
 def check_structure(
     file: ModelFile, metaclass: Any, files: ModelFiles, report: Report
 ) -> ModelTree | None:
-    """Check the nodes of a model and give each its metaclass.
+    """Check the nodes of the model that begins in a file, and give each its metaclass.
 
-    Parameters
-    ----------
-    file
-        File that the model begins in; files with its parts are read on the way.
-    metaclass
-        Class that the root has to have.
-    files
-        All files read so far.
-    report
-        Takes the diagnostics.
-
-    Returns
-    -------
-    ModelTree or None
-        What is known of the model; ``None`` if the file has no root of that class.
+    Files with its parts are read on the way. Return what is known of the model; ``None`` if the
+    file has no root of the class.
     """
     roots = file.roots_of(metaclass)
     if not roots:

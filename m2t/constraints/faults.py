@@ -21,17 +21,7 @@ Pairs: TypeAlias = list[tuple[str, str]]
 
 
 def check_faults(specification: Any, duration: int, findings: Findings) -> None:
-    """Check a fault specification whose structure is sound.
-
-    Parameters
-    ----------
-    specification
-        Root of the fault model.
-    duration
-        Duration of the mission in ticks.
-    findings
-        Takes the diagnostics.
-    """
+    """Check a fault specification whose structure is sound, for a mission's duration in ticks."""
     for fault in specification.faults:
         _check_window(fault, duration, findings)
         kinds = fault_types(fault)

@@ -14,15 +14,8 @@ _SYNTAX = re.compile(r"[A-Za-z][A-Za-z0-9_. -]*", re.ASCII)
 def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> None:
     """Check the IDs of one file.
 
-    Parameters
-    ----------
-    tree
-        The model.
-    report
-        Takes the diagnostics.
-    become_names
-        Whether the IDs become names in Python, as those of a mission do and those of faults
-        do not.
+    ``become_names`` says whether they become names in Python, as those of a mission do and those of
+    faults do not.
     """
     named: dict[str, Node] = {}
     for text, node in tree.by_id.items():

@@ -23,15 +23,7 @@ FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
 
 
 def check_mission(mission: Any, findings: Findings) -> None:
-    """Check a mission whose structure is sound.
-
-    Parameters
-    ----------
-    mission
-        Root of the mission model.
-    findings
-        Takes the diagnostics.
-    """
+    """Check a mission whose structure is sound."""
     for robot in mission.robots:
         _check_robot(mission, robot, findings)
     for station in (*mission.robots, *mission.servers):

@@ -19,19 +19,10 @@ _PROJECT = ".project"
 
 
 def local_path(folder: Path, address: str) -> Path | None:
-    """Return the path that the file part of a reference means.
+    """Return the path that the file part of a reference from a folder means.
 
-    Parameters
-    ----------
-    folder
-        Folder of the file that refers.
-    address
-        What stands before the ``#``: a relative address, or ``platform:/resource/NAME/...``.
-
-    Returns
-    -------
-    Path or None
-        The path; ``None`` if the address is absolute, remote, or of an unknown project.
+    It is what stands before the ``#``: a relative address, or ``platform:/resource/NAME/...``; an
+    address that is absolute, remote, or of an unknown project means none.
     """
     try:
         parts = urlsplit(address)
@@ -50,14 +41,7 @@ def local_path(folder: Path, address: str) -> Path | None:
 def contained_path(folder: Path, first: Path, address: str) -> Path | None:
     """Return the path of a part of a model; ``None`` if it lies outside the model's project.
 
-    Parameters
-    ----------
-    folder
-        Folder of the file that refers.
-    first
-        Folder of the file that the model begins in.
-    address
-        As for ``local_path``.
+    ``folder`` is that of the file that refers, ``first`` that of the file that the model begins in.
     """
     path = local_path(folder, address)
     if path is None:

@@ -112,17 +112,7 @@ class ModelFiles:
     def read(self, path: Path, owners: tuple[ModelFile, ...] = ()) -> ModelFile | None:
         """Read a file, unless that has been done; report what is wrong with it.
 
-        Parameters
-        ----------
-        path
-            The file.
-        owners
-            Files that lead to it by containment.
-
-        Returns
-        -------
-        ModelFile or None
-            The file; ``None`` if it cannot be used.
+        ``owners`` are the files that lead to it by containment. ``None`` if it cannot be used.
         """
         key = resolved_path(path)
         if key not in self._files:
@@ -135,7 +125,8 @@ class ModelFiles:
             return None
         self._n_bytes += xml.n_bytes
         self._n_elements += xml.n_elements
-        if self._breaks_limits():
+        is_large = self._n_bytes > MAX_BYTES or self._n_elements > MAX_ELEMENTS
+        if is_large or len(self._files) >= MAX_FILES:
             self._report.add_file(
                 path,
                 1,
@@ -149,10 +140,6 @@ class ModelFiles:
         file = ModelFile(path, xml.encoding, self._roots(xml.root), owners=owners)
         self._by_name[path] = file
         return file
-
-    def _breaks_limits(self) -> bool:
-        too_large = self._n_bytes > MAX_BYTES or self._n_elements > MAX_ELEMENTS
-        return too_large or len(self._files) >= MAX_FILES
 
     def _roots(self, root: Node) -> tuple[Node, ...]:
         """Return the root elements, and report what the element around several of them holds."""

@@ -90,14 +90,8 @@ Children: TypeAlias = Callable[[Node, str], Sequence[Node]]
 def follow(node: Node | None, path: str, below: Children = Node.tagged) -> Node | None:
     """Return the node that a path of Eclipse leads to; ``None`` if it leads nowhere.
 
-    Parameters
-    ----------
-    node
-        Where it begins.
-    path
-        Steps such as ``@goals.0/@messages.1``; empty for the node itself.
-    below
-        Gives the elements of a tag that a step chooses from.
+    The path has steps such as ``@goals.0/@messages.1``; ``below`` gives the elements of a tag that
+    a step chooses from.
     """
     for step in path.split("/") if path.strip("/") else ():
         name, dot, index = step.removeprefix("@").partition(".")
@@ -116,14 +110,7 @@ def at(nodes: Sequence[Node], position: str) -> Node | None:
 class XmlFile:
     """A file being read: handlers of the parser build its nodes and enforce the limits.
 
-    Attributes
-    ----------
-    root
-        Its root element.
-    encoding
-        Encoding that it declares, else that of its byte order mark.
-    n_bytes, n_elements
-        Its size.
+    Without a declared ``encoding``, its byte order mark tells it.
     """
 
     def __init__(self, path: Path) -> None:
@@ -203,20 +190,7 @@ class XmlFile:
 
 
 def read_xml(path: Path, report: Report) -> XmlFile | None:
-    """Read an XML file; report what is wrong with it.
-
-    Parameters
-    ----------
-    path
-        The file.
-    report
-        Takes the diagnostics.
-
-    Returns
-    -------
-    XmlFile or None
-        Its root element with all below it; ``None`` if the file cannot be used.
-    """
+    """Read an XML file; report what is wrong with it. ``None`` if it cannot be used."""
     xml = XmlFile(path)
     try:
         xml.parse(_content(path))
@@ -243,13 +217,7 @@ def read_xml(path: Path, report: Report) -> XmlFile | None:
 
 
 def read_root(path: Path, report: Report) -> Node:
-    """Return the root element of an XML file.
-
-    Raises
-    ------
-    ModelError
-        If the file cannot be used.
-    """
+    """Return the root element of an XML file; raise a ``ModelError`` if it cannot be used."""
     xml = read_xml(path, report)
     if xml is None:
         raise report.error()

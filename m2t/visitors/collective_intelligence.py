@@ -34,10 +34,7 @@ class GoalView:
 def visit(models: LoadedModels) -> Mapping[str, Any]:
     """Collect the goals of the mission, and constants for what their code refers to.
 
-    Raises
-    ------
-    ModelError
-        If something that a team added cannot be a constant.
+    What a team added and cannot be a constant raises a ``ModelError``.
     """
     mission = models.mission
     indices = _indices(mission)

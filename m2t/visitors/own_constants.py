@@ -44,12 +44,8 @@ Found: TypeAlias = Iterator[tuple[Any, Constant]]
 class OwnFeatures:
     """Finds what elements hold in features that code does not read.
 
-    Attributes
-    ----------
-    indices
-        Index by which code knows an element that others refer to.
-    nodes
-        Element of the file, with its line, of every object.
+    ``indices`` are those by which code knows elements that others refer to; ``nodes`` have their
+    lines.
     """
 
     indices: Mapping[Any, int]
@@ -58,10 +54,7 @@ class OwnFeatures:
     def of(self, element: Any, prefix: str) -> Found:
         """Yield the constants of an element that code reads, and of all that it contains.
 
-        Raises
-        ------
-        ModelError
-            If a value cannot be a constant.
+        A value that cannot be a constant raises a ``ModelError``.
         """
         metaclass = base_class(element.eClass)
         for slot in slots(element.eClass).values():

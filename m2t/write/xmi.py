@@ -100,15 +100,7 @@ def _lacks(encoding: str, character: str) -> bool:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Replace a file as a whole: after a crash it has either its old or its new content.
-
-    Parameters
-    ----------
-    path
-        The file; its folder exists.
-    content
-        The new content.
-    """
+    """Replace a file as a whole: after a crash it has either its old or its new content."""
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     temporary = Path(name)
     try:
