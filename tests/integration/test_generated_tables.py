@@ -5,7 +5,8 @@ from pathlib import Path
 from m2t.generate import diff, generate
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
-from tests.support.models.generation import copy_models, edit
+from tests.support.models.copies import edit
+from tests.support.models.generation import copy_models
 
 ROBOT = """  <robots ID="r4" name="MEL" speed="4.0">
     <position x="-250.0" y="-250.0" z="1.0"/>

@@ -29,6 +29,7 @@ from mrsfi_runtime.model.mission import (
     StringProperty,
 )
 from mrsfi_runtime.transport.local_bus import LocalBus
+from tests.support.models.copies import edit
 from tests.support.models.generation import (
     ALL_TASKS,
     BARE,
@@ -37,7 +38,6 @@ from tests.support.models.generation import (
     ROOT,
     contents,
     copy_models,
-    edit,
     run_module,
     write_mission,
 )

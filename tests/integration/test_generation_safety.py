@@ -9,7 +9,8 @@ import pytest
 from m2t.generate import generate, stale
 from mrsfi_runtime.errors import GenerationError, ModelError, ProtectedRegionError
 from mrsfi_runtime.mission import load_code
-from tests.support.models.generation import FILES, ROOT, contents, copy_models, edit, run_module
+from tests.support.models.copies import edit
+from tests.support.models.generation import FILES, ROOT, contents, copy_models, run_module
 
 CODE = "    # written by hand\n    return ci.mission.tick > 3\n"
 COLLECTIVE = "collective_intelligence.py"

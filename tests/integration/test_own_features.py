@@ -4,7 +4,8 @@ import pytest
 
 from m2t.generate import generate
 from mrsfi_runtime.errors import ModelError
-from tests.support.models.generation import GENERATED, edit, run_module
+from tests.support.models.copies import edit
+from tests.support.models.generation import GENERATED, run_module
 from tests.support.models.loiter import write_loiter
 from tests.support.own_metamodels import a_class, an_enumeration, attribute, many, part, reference
 from tests.support.tree import ROOT

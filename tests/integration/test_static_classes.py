@@ -22,7 +22,8 @@ from m2t.typed import with_classes
 from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import ModelError
 from tests.integration.metamodels import HOSTILE, load_generated, metaclass, odd_package, package
-from tests.support.models.generation import MODELS, ROOT, contents, copy_models, edit, run_module
+from tests.support.models.copies import edit
+from tests.support.models.generation import MODELS, ROOT, contents, copy_models, run_module
 from tests.support.models.random_models import draw
 
 STATIC = ROOT / "generated" / "metamodel"

@@ -14,10 +14,13 @@ from tests.recipes.tree import ENGINES
 from tests.support.rosbridge import FLIGHT_SEED, code_of, specification
 from tests.support.two_sides import TwoSides
 
+N_TICKS = 40
+"""As many as a bus without threads can answer within one call."""
+
 
 def digests(mission: str, transport: str) -> Iterator[tuple[str, str]]:
     """Yield the names of engines and of the transport with the digest of a flight on each."""
-    code = code_of(mission)
+    code = code_of(mission, N_TICKS)
     faults = specification(code, FLIGHT_SEED)
 
     def digest(engine: Engine) -> str:

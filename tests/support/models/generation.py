@@ -40,13 +40,6 @@ def write_mission(folder: Path, name: str, mission: str) -> Path:
     return models
 
 
-def edit(path: Path, old: str, new: str) -> None:
-    """Replace a text that stands in a file exactly once."""
-    text = path.read_text()
-    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in {path}"
-    path.write_text(text.replace(old, new))
-
-
 def contents(folder: Path) -> dict[str, str]:
     """Return the texts of all files of a folder by name."""
     return {path.name: path.read_text() for path in sorted(folder.iterdir()) if path.is_file()}

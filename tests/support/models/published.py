@@ -4,15 +4,12 @@ The writer goes by the description of that format and shares nothing with the im
 """
 
 from typing import Any
-from xml.sax.saxutils import quoteattr
+
+from lxml import etree
 
 from m2t.load import LoadedModels
 
-_HEAD = (
-    '<?xml version="1.0" encoding="ASCII"?>\n'
-    '<setup:Setup xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
-    'xmlns:setup="acs_project_setup" xmi:id="_setup">\n'
-)
+_XMI = "{http://www.omg.org/XMI}"
 _PROPERTIES = ("intProperties", "stringProperties", "doubleProperties")
 _COMPONENTS = {
     "sensors": ("energyPerSample", "samplesPerSecond", "type"),
@@ -28,11 +25,16 @@ _AFFECTED = ("affectedMessage", "affectedRobot", "affectedSensor", "affectedObst
 
 def published(models: LoadedModels) -> str:
     """Return a mission and its faults as the text of a published file."""
-    writer = _Published()
-    writer.mission(models.mission)
+    namespaces = {"xmi": _XMI[1:-1], "setup": "acs_project_setup"}
+    root = etree.Element("{acs_project_setup}Setup", nsmap=namespaces)
+    root.attrib.update({f"{_XMI}version": "2.0", f"{_XMI}id": "_setup"})
+    _add_mission(root, models.mission)
     if models.faults is not None:
-        writer.specification(models.faults)
-    return _HEAD + "".join(writer.lines) + "</setup:Setup>\n"
+        specification = _add(root, "specification", ID=models.faults.ID)
+        for fault in models.faults.faults:
+            _add_fault_type(_add(specification, "faults", name=fault.name), fault)
+    etree.indent(root)
+    return etree.tostring(root, encoding="ASCII", xml_declaration=True).decode("ascii")
 
 
 def xmi_id(element: Any) -> str:
@@ -40,146 +42,103 @@ def xmi_id(element: Any) -> str:
     return f"_x{element.ID.encode('ascii').hex()}Q"
 
 
-class _Published:
-    def __init__(self) -> None:
-        self.lines: list[str] = []
-        self._depth = 1
-        self._n_anonymous = 0
+def _add(parent: Any, tag: str, element: Any = None, **given: Any) -> Any:
+    """Add an element with what is given of its attributes."""
+    n_before = sum(1 for _ in parent.getroottree().iter())
+    identity = f"_a{n_before}Q" if element is None else xmi_id(element)
+    texts = {name: str(value) for name, value in given.items() if value is not None}
+    return etree.SubElement(parent, tag, {f"{_XMI}id": identity, **texts})
 
-    def mission(self, mission: Any) -> None:
-        duration = f"{mission.duration}.0"
-        self._open("mission", None, name=mission.name, duration=duration)
-        for robot in mission.robots:
-            self._robot(robot)
-        for server in mission.servers:
-            self._open("servers", server, name=server.name, ID=server.ID)
-            self._properties(server)
-            self._close("servers")
-        for goal in mission.goals:
-            self._goal(goal)
-        for obstacle in mission.obstacles:
-            self._open("obstacles", obstacle, ID=obstacle.ID)
-            self._area("area", obstacle.area)
-            self._close("obstacles")
-        self._area("missionArea", mission.missionArea)
-        self._close("mission")
 
-    def specification(self, faults: Any) -> None:
-        self._open("specification", None, ID=faults.ID)
-        for fault in faults.faults:
-            self._open("faults", None, name=fault.name)
-            self._fault_type(fault)
-            self._close("faults")
-        self._close("specification")
+def _add_mission(root: Any, mission: Any) -> None:
+    added = _add(root, "mission", name=mission.name, duration=f"{mission.duration}.0")
+    for robot in mission.robots:
+        _add_robot(added, robot)
+    for server in mission.servers:
+        _add_properties(_add(added, "servers", server, name=server.name, ID=server.ID), server)
+    for goal in mission.goals:
+        _add_goal(added, goal)
+    for obstacle in mission.obstacles:
+        _add_area(_add(added, "obstacles", obstacle, ID=obstacle.ID), "area", obstacle.area)
+    _add_area(added, "missionArea", mission.missionArea)
 
-    def _robot(self, robot: Any) -> None:
-        self._open("robots", robot, name=robot.name, ID=robot.ID, speed=robot.speed)
-        self._point("position", robot.position)
-        self._properties(robot)
-        for tag, names in _COMPONENTS.items():
-            for part in robot.eGet(tag):
-                given = {name: part.eGet(name) for name in names}
-                if "type" in given:
-                    kind = given["type"].name
-                    given["type"] = None if kind == "GPS_POSITION" else kind
-                self._leaf(tag, part, name=part.name, ID=part.ID, parentID=robot.ID, **given)
-        self._close("robots")
 
-    def _goal(self, goal: Any) -> None:
-        self._open("goals", goal, ID=goal.ID, name=goal.name)
-        self._leaf("members", None, goalMembers=_references(goal.members))
-        if goal.dependentGoals:
-            self._leaf("dependentGoals", None, dependencies=_references(goal.dependentGoals))
-        if goal.area is not None:
-            self._open("area", None)
-            self._area("goalArea", goal.area)
-            self._close("area")
-        self._open("task", None)
-        self._task(goal.task)
-        self._close("task")
-        for message in goal.messages:
-            self._open(
-                "messages",
-                message,
-                ID=message.ID,
-                goal_ID=goal.ID,
-                header=message.header,
-                **{"from": xmi_id(message.sender), "to": xmi_id(message.receiver)},
-            )
-            for entry in message.body:
-                self._leaf("body", None, name=entry.name, type=entry.type)
-            self._close("messages")
-        self._close("goals")
+def _add_robot(parent: Any, robot: Any) -> None:
+    added = _add(parent, "robots", robot, name=robot.name, ID=robot.ID, speed=robot.speed)
+    _add_point(added, "position", robot.position)
+    _add_properties(added, robot)
+    for tag, names in _COMPONENTS.items():
+        for part in robot.eGet(tag):
+            given = {name: part.eGet(name) for name in names}
+            if "type" in given:
+                kind = given["type"].name
+                given["type"] = None if kind == "GPS_POSITION" else kind
+            _add(added, tag, part, name=part.name, ID=part.ID, parentID=robot.ID, **given)
 
-    def _task(self, task: Any) -> None:
-        name = task.eClass.name
-        tag = name[0].lower() + name[1:]
-        if name == "AvoidCollision":
-            robots, obstacles = _references(task.robots), _references(task.obstacles)
-            self._leaf(tag, None, robots=robots, obstacles=obstacles)
-        elif name == "GatherSamples":
-            number, sensor = task.targetSampleNumber, xmi_id(task.sensor)
-            self._leaf(tag, None, targetSampleNumber=number, sensor=sensor)
-        elif name == "FixedDistanceBetweenRobots":
-            self._leaf(tag, None, fixedDistance=task.fixedDistance)
-        else:
-            self._open(tag, None)
-            if name in ("Patrol", "Stay"):
-                self._area("area", task.area)
-            if name == "Visit":
-                self._point("coordinates", task.coordinates)
-            for point in task.trajectory if name == "Track" else ():
-                self._point("trajectory", point)
-            self._close(tag)
 
-    def _fault_type(self, fault: Any) -> None:
-        for feature in fault.eClass.eStructuralFeatures:
-            kind = fault.eGet(feature)
-            if not feature.eType.name[0].isupper() or not hasattr(kind, "eClass"):
-                continue
-            given: dict[str, Any] = {}
-            for name in (*_PARAMETERS, *_AFFECTED):
-                if kind.eClass.findEStructuralFeature(name) is not None:
-                    value = kind.eGet(name)
-                    given[name] = xmi_id(value) if name in _AFFECTED else value
-            self._leaf(feature.name, None, **given)
+def _add_goal(parent: Any, goal: Any) -> None:
+    added = _add(parent, "goals", goal, ID=goal.ID, name=goal.name)
+    _add(added, "members", goalMembers=_references(goal.members))
+    if goal.dependentGoals:
+        _add(added, "dependentGoals", dependencies=_references(goal.dependentGoals))
+    if goal.area is not None:
+        _add_area(_add(added, "area"), "goalArea", goal.area)
+    _add_task(_add(added, "task"), goal.task)
+    for message in goal.messages:
+        ends = {"from": xmi_id(message.sender), "to": xmi_id(message.receiver)}
+        given = {"ID": message.ID, "goal_ID": goal.ID, "header": message.header, **ends}
+        sent = _add(added, "messages", message, **given)
+        for entry in message.body:
+            _add(sent, "body", name=entry.name, type=entry.type)
 
-    def _properties(self, station: Any) -> None:
-        for name in _PROPERTIES:
-            for entry in station.eGet(name):
-                self._leaf(name, None, name=entry.name, value=entry.value)
 
-    def _area(self, tag: str, area: Any) -> None:
-        self._open(tag, area, ID=area.ID, radius=area.radius)
-        self._point("center", area.center)
-        self._close(tag)
+def _add_task(parent: Any, task: Any) -> None:
+    name = task.eClass.name
+    given: dict[str, Any] = {}
+    if name == "AvoidCollision":
+        given = {"robots": _references(task.robots), "obstacles": _references(task.obstacles)}
+    elif name == "GatherSamples":
+        number, sensor = task.targetSampleNumber, xmi_id(task.sensor)
+        given = {"targetSampleNumber": number, "sensor": sensor}
+    elif name == "FixedDistanceBetweenRobots":
+        given = {"fixedDistance": task.fixedDistance}
+    added = _add(parent, name[0].lower() + name[1:], **given)
+    if name in ("Patrol", "Stay"):
+        _add_area(added, "area", task.area)
+    if name == "Visit":
+        _add_point(added, "coordinates", task.coordinates)
+    for point in task.trajectory if name == "Track" else ():
+        _add_point(added, "trajectory", point)
+    if not given and not len(added):
+        added.text = ""  # an end tag of its own
 
-    def _point(self, tag: str, point: Any) -> None:
-        if point is not None:
-            given = {axis: point.eGet(axis) for axis in "xyz" if point.eGet(axis)}
-            self._leaf(tag, None, **given)
 
-    def _open(self, tag: str, element: Any, **given: Any) -> None:
-        self._write(tag, element, given, ">")
-        self._depth += 1
+def _add_fault_type(parent: Any, fault: Any) -> None:
+    for feature in fault.eClass.eStructuralFeatures:
+        kind = fault.eGet(feature)
+        if not feature.eType.name[0].isupper() or not hasattr(kind, "eClass"):
+            continue
+        given: dict[str, Any] = {}
+        for name in (*_PARAMETERS, *_AFFECTED):
+            if kind.eClass.findEStructuralFeature(name) is not None:
+                value = kind.eGet(name)
+                given[name] = xmi_id(value) if name in _AFFECTED else value
+        _add(parent, feature.name, **given)
 
-    def _close(self, tag: str) -> None:
-        self._depth -= 1
-        self.lines.append(f"{'  ' * self._depth}</{tag}>\n")
 
-    def _leaf(self, tag: str, element: Any, **given: Any) -> None:
-        self._write(tag, element, given, "/>")
+def _add_properties(parent: Any, station: Any) -> None:
+    for name in _PROPERTIES:
+        for entry in station.eGet(name):
+            _add(parent, name, name=entry.name, value=entry.value)
 
-    def _write(self, tag: str, element: Any, given: dict[str, Any], end: str) -> None:
-        self._n_anonymous += 1
-        identity = f"_a{self._n_anonymous}Q" if element is None else xmi_id(element)
-        attributes = {"xmi:id": identity, **given}
-        text = "".join(
-            f" {name}={quoteattr(str(value))}"
-            for name, value in attributes.items()
-            if value is not None
-        )
-        self.lines.append(f"{'  ' * self._depth}<{tag}{text}{end}\n")
+
+def _add_area(parent: Any, tag: str, area: Any) -> None:
+    _add_point(_add(parent, tag, area, ID=area.ID, radius=area.radius), "center", area.center)
+
+
+def _add_point(parent: Any, tag: str, point: Any) -> None:
+    if point is not None:
+        _add(parent, tag, **{axis: point.eGet(axis) for axis in "xyz" if point.eGet(axis)})
 
 
 def _references(elements: Any) -> str:
