@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.cli import MISSION, SMALL, mrsfi, workspace
+from tests.support.mutilation import installed  # noqa: F401 - a fixture
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
 
 

@@ -3,7 +3,6 @@
 import random
 import re
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,14 +12,8 @@ from mrsfi_runtime.cli.main import main
 from mrsfi_runtime.errors import ModelError
 from tests.support.cli import ROOT, mrsfi_process
 from tests.support.models.copies import MISSION, copy_models
-from tests.support.mutilation import MUTILATIONS, content, installation
+from tests.support.mutilation import MUTILATIONS, content
 from tests.tiers import seeds
-
-
-@pytest.fixture
-def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    with installation(tmp_path, monkeypatch) as folder:
-        yield folder
 
 
 def _is_broken(folder: Path) -> bool:

@@ -7,14 +7,14 @@ import signal
 import sqlite3
 import time
 from contextlib import closing
-from pathlib import Path
 
 import pytest
 
 from mrsfi_runtime.record.campaign import CampaignStore
 from tests.support.cli import MISSION, SMALL, edit, mrsfi, mrsfi_json, mrsfi_process, workspace
 from tests.support.interrupted import MISSION as QUICK
-from tests.support.rosbridge import is_running, process
+from tests.support.processes import children, is_running
+from tests.support.rosbridge import process
 from tests.tiers import slow
 
 ROSBRIDGE = ("--engine", "rosbridge")
@@ -39,29 +39,6 @@ def url():
     """Address of a server in a process of its own."""
     with process("bridge", "--port", "0") as server:
         yield re.search(r"ws://\S+", server.stdout.readline())[0]
-
-
-def children(pid):
-    """Return the processes that a process has started."""
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            parent = stat.read_text(errors="replace").rpartition(")")[2].split()[1]
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        if int(parent) == pid:
-            found.append(int(stat.parent.name))
-    return found
-
-
-def simulation_of(pid):
-    """Return the simulation among the processes that a process has started."""
-    (found,) = (
-        child
-        for child in children(pid)
-        if b"simulation_process" in Path(f"/proc/{child}/cmdline").read_bytes()
-    )
-    return found
 
 
 def wait_for(condition):
@@ -193,7 +170,8 @@ def test_a_campaign_that_loses_its_simulation_goes_on_to_the_same_end(place):
     words = ("evolve", MISSION, *SMALL, *ROSBRIDGE, "--out", "runs/cut")
     with process(*words, cwd=place) as campaign:
         wait_for(lambda: n_evaluations(place / "runs" / "cut") >= 2)
-        os.kill(simulation_of(campaign.pid), signal.SIGKILL)
+        (simulation,) = children(campaign.pid, b"simulation_process")
+        os.kill(simulation, signal.SIGKILL)
         code, told = ended(campaign)
     kept = n_evaluations(place / "runs" / "cut")
 

@@ -201,13 +201,6 @@ def wait_for_tick(url: str, run: int, tick: int) -> None:
                 return
 
 
-def child_of(process: subprocess.Popen[str]) -> int:
-    """Return the one process that a process has started."""
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    (child,) = children.read_text(encoding="ascii").split()
-    return int(child)
-
-
 def dropped(server: Server) -> int:
     """End a server and return how many operations it says it has dropped."""
     server.process.terminate()

@@ -10,7 +10,7 @@ from time import monotonic
 import pytest
 
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.integration.network import Witness, bridge, child_of, wait_for_tick
+from tests.integration.network import Witness, bridge, wait_for_tick
 from tests.support.cli import ROOT, mrsfi
 from tests.support.interrupted import (
     MISSION,
@@ -21,6 +21,7 @@ from tests.support.interrupted import (
     evaluations,
     finished,
 )
+from tests.support.processes import children
 from tests.support.rosbridge import process
 from tests.tiers import slow
 
@@ -91,7 +92,7 @@ def test_a_killed_side_ends_the_other_with_8_and_the_server_goes_on(side, silent
 def test_a_killed_command_leaves_no_simulation_behind():
     with bridge() as server, process(*FLIGHT, "--url", server.url) as command:
         wait_for_tick(server.url, 1, 100)
-        simulation = child_of(command)
+        (simulation,) = children(command.pid)
         command.kill()
 
         assert are_gone([simulation], within=WITHIN)

@@ -25,8 +25,8 @@ from tests.support.interrupted import (
     finished,
     killed_after,
     running,
-    workers_of,
 )
+from tests.support.processes import children
 from tests.tiers import slow
 
 SETTINGS = CampaignSettings(population=8, generations=8, seed=3)
@@ -110,9 +110,9 @@ def test_workers_end_with_their_killed_campaign(place):
 
 def started_workers(process: subprocess.Popen[str]) -> list[int]:
     limit = monotonic() + 20
-    while len(workers_of(process.pid)) < 2 and monotonic() < limit:
+    while len(found := children(process.pid, b"spawn_main")) < 2 and monotonic() < limit:
         sleep(0.01)
-    return workers_of(process.pid)
+    return found
 
 
 def test_a_killed_worker_ends_the_run_and_the_campaign_goes_on(place, whole):

@@ -17,13 +17,13 @@ from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout, UsageError
 from mrsfi_runtime.hosting.waiting import Patience
+from tests.support.processes import is_running
 from tests.support.rosbridge import (
     FLIGHT_SEED,
     Relay,
     code_of,
     digests,
     digests_apart,
-    is_running,
     nth,
     numbers,
     reference_digests,

@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.models.copies import copy_models
+from tests.support.mutilation import installed  # noqa: F401 - a fixture
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ What a mutilation leaves valid is drawn as well, and counts for nothing.
 import random
 import re
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -15,7 +15,7 @@ from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels
 from mrsfi_runtime.cli.main import main
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, copy_models
-from tests.support.mutilation import MUTILATIONS, content, installation
+from tests.support.mutilation import MUTILATIONS, content
 from tests.tiers import slow
 
 N_MODELS_EACH = (3, pytest.param(33, marks=slow))
@@ -26,12 +26,6 @@ MAX_DRAWS = 1_000
 MAX_SECONDS = 5.0
 
 _PLACE = re.compile(r"^(?P<path>.+?):(?P<line>[1-9][0-9]*): .+")
-
-
-@pytest.fixture
-def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    with installation(tmp_path, monkeypatch) as folder:
-        yield folder
 
 
 def _validate(models: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> int:

@@ -13,7 +13,7 @@ from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.rosbridge import is_running
+from tests.support.processes import is_running
 
 MISSION = "tight_margins"
 """The mission of 200 ticks: an evaluation takes some ten milliseconds."""
@@ -129,16 +129,6 @@ def finished(script: str, *arguments: str | Path) -> int:
     )
     assert done.returncode == 0, done.stderr
     return int(done.stdout.split()[-1])
-
-
-def workers_of(process: int) -> list[int]:
-    """Return the worker processes of a process."""
-    children = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="ascii")
-    return [
-        int(child)
-        for child in children.split()
-        if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()
-    ]
 
 
 def are_gone(processes: list[int], *, within: float) -> bool:

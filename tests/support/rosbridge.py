@@ -233,15 +233,6 @@ def process(*words: str | Path, cwd: Path = ROOT) -> Iterator[subprocess.Popen[s
         running.communicate()
 
 
-def is_running(pid: int) -> bool:
-    """Return whether a process runs; one that waits to be collected does not."""
-    try:
-        stat = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return stat.rpartition(")")[2].split()[0] != "Z"
-
-
 def main() -> None:
     """Print the digests of flights over rosbridge as JSON."""
     client, form, mission, duration, url, *seeds = sys.argv[1:]
