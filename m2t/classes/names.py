@@ -13,17 +13,8 @@ _BODY_NAMES = frozenset(
 """What the body of a class or of its stub refers to, and no feature may hide."""
 
 _HELPERS = frozenset(
-    {
-        "Any",
-        "EEnumLiteral",
-        "Element",
-        "described",
-        "elements",
-        "enumeration",
-        "partial",
-        "setattr",
-        "Values",
-    }
+    {"Any", "EEnumLiteral", "Element", "Values", "described", "elements"}
+    | {"enumeration", "partial", "setattr"}
 )
 _PACKAGE_NAMES = frozenset(
     {"eClass", "eClassifiers", "eSubpackages", "eSuperPackage", "getEClassifier"}

@@ -186,14 +186,16 @@ class PublishedReader:
 
     def _task(self, goal: Any, slot: Slot, given: _Given) -> None:
         """Take the one of nine containments that the old format has in place of a class."""
-        tasks = []
         known = concrete_classes(slot.type.ePackage, slot.type)
-        for node in given.take_children(slot.name):
-            wrapper = _Given(node)
-            for tag in list(wrapper.children):
-                metaclass = known.get(tag[:1].upper() + tag[1:])
-                if metaclass is not None:
-                    tasks += [(child, metaclass) for child in wrapper.take_children(tag)]
+        wrappers = [_Given(node) for node in given.take_children(slot.name)]
+        tasks = [
+            (child, known[name])
+            for wrapper in wrappers
+            for tag in list(wrapper.children)
+            if (name := tag[:1].upper() + tag[1:]) in known
+            for child in wrapper.take_children(tag)
+        ]
+        for wrapper in wrappers:
             self._drop(wrapper, "")
         if len(tasks) > 1:
             listed = ", ".join(child.tag for child, _ in tasks)
@@ -218,8 +220,7 @@ class PublishedReader:
 
     def _attribute(self, instance: Any, slot: Slot, given: _Given) -> None:
         text = given.take_text(slot.name)
-        if text is None:
-            text = self._default(instance, slot, given.node)
+        text = self._default(instance, slot, given.node) if text is None else text
         if text is None:
             return
         text = _whole(text) if slot.type.name == "EInt" else text
