@@ -175,18 +175,18 @@ def _bases_first(metaclasses: Iterable[Any]) -> tuple[Any, ...]:
     return tuple(entry for entry in ordered if entry in wanted)
 
 
-def _other_packages(package: Any, metaclasses: Iterable[Any]) -> Imports:
+def _other_packages(package: Any, metaclasses: tuple[Any, ...]) -> Imports:
     """Return the classes of other packages that this one refers to, by module."""
     own = {entry.name for entry in package.eClassifiers}
+    types = [slot.type for metaclass in metaclasses for slot in slots(metaclass).values()]
+    types += [known for metaclass in metaclasses for known in lineage(metaclass)]
     names: dict[str, set[str]] = {}
-    for metaclass in metaclasses:
-        types = (slot.type for slot in slots(metaclass).values())
-        for known in (*lineage(metaclass), *types):
-            if known.ePackage is package or known.ePackage.name == "ecore":
-                continue
-            if known.name in own:
-                raise reserved(f"'{known.name}' of package '{known.ePackage.name}', and also here,")
-            names.setdefault(f".{global_name(known.ePackage)}", set()).add(global_name(known))
+    for known in types:
+        if known.ePackage is package or known.ePackage.name == "ecore":
+            continue
+        if known.name in own:
+            raise reserved(f"'{known.name}' of package '{known.ePackage.name}', and also here,")
+        names.setdefault(f".{global_name(known.ePackage)}", set()).add(global_name(known))
     return tuple((module, tuple(sorted(names[module]))) for module in sorted(names))
 
 
