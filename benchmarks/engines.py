@@ -11,17 +11,14 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from random import Random
 
+from benchmarks.measuring import drawn
 from mrsfi_runtime.engine.cluster.address import LOCAL
 from mrsfi_runtime.engine.cluster.connection import Cluster
 from mrsfi_runtime.engine.cluster.pool import ClusterPool
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import COMPILED, REFERENCE, EngineSettings
 from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
 
 MISSION = Path("generated/uuv_sampling")
 ENGINES = (
@@ -42,13 +39,6 @@ def seconds(function: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def drawn(n: int, n_faults: int) -> list[Specification]:
-    """Return random specifications of the mission's pool."""
-    code = load_code(MISSION)
-    space = SearchSpace.of(code.mission, code.pool)
-    return [random_specification(space, n_faults, Random(seed)) for seed in range(n)]
-
-
 def opened(stack: ExitStack, name: str, workers: int, *, on_dask: bool) -> WorkerPool | ClusterPool:
     """Return what evaluates, until the stack is closed."""
     settings = EngineSettings(name)
@@ -65,7 +55,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--faults", type=int, default=20, help="timed faults of a specification")
     arguments = parser.parse_args()
-    specifications = drawn(max(n for *_, n in ENGINES), arguments.faults)
+    specifications = drawn(load_code(MISSION), max(n for *_, n in ENGINES), arguments.faults)
     rates: dict[str, list[float]] = {label: [] for label, *_ in ENGINES}
     with ExitStack() as stack:
         pools = []

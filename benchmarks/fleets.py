@@ -19,17 +19,24 @@ _HEAD = (
 
 
 def fleet(folder: Path, n_robots: int, duration: int) -> MissionCode:
-    """Return the code of a mission in which robots keep apart, inside, and within their energy.
+    """Return the code of a fleet, with faults of its first robots.
 
-    The pool delays the position of the first robots by a tick, which changes little of what a
-    robot does: the share of robots with a fault falls as the fleet grows.
+    The share of robots with a fault falls as the fleet grows.
     """
-    models = folder / "fleet"
-    models.mkdir(parents=True)
-    (models / "mission.xmi").write_text("".join(_mission(n_robots, duration)), encoding="ascii")
-    (models / "faults.xmi").write_text("".join(_faults(n_robots)), encoding="ascii")
-    generate(models, folder / "generated")
+    write_fleet(folder / "fleet", n_robots, duration, min(n_robots, _MOST_FAULTS))
+    generate(folder / "fleet", folder / "generated")
     return load_code(folder / "generated")
+
+
+def write_fleet(models: Path, n_robots: int, duration: int, n_faults: int) -> None:
+    """Write models of a mission in which robots keep apart, inside, and within their energy.
+
+    The pool delays the positions of robots by a tick, which changes little of what a robot does.
+    """
+    models.mkdir(parents=True)
+    mission, faults = _mission(n_robots, duration), _faults(n_robots, n_faults)
+    (models / "mission.xmi").write_text("".join(mission), encoding="ascii")
+    (models / "faults.xmi").write_text("".join(faults), encoding="ascii")
 
 
 def _mission(n_robots: int, duration: int) -> Iterator[str]:
@@ -78,11 +85,11 @@ def _goal(identifier: str, robots: str, task: str, n_messages: int) -> Iterator[
     yield "  </goals>\n"
 
 
-def _faults(n_robots: int) -> Iterator[str]:
+def _faults(n_robots: int, n_faults: int) -> Iterator[str]:
     yield _HEAD.format(package="faults", root="FaultSpecification", attributes='ID="pool"')
-    for n in range(min(n_robots, _MOST_FAULTS)):
+    for n in range(n_faults):
         yield (
             f'  <faults ID="f{n}" name="delay of {n}"><delayMessage DELAY="1.0">'
-            f'<affectedMessage href="mission.xmi#m{n}"/></delayMessage></faults>\n'
+            f'<affectedMessage href="mission.xmi#m{n % n_robots}"/></delayMessage></faults>\n'
         )
     yield "</faults:FaultSpecification>\n"

@@ -17,20 +17,16 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from random import Random
 from types import MappingProxyType
 
 from benchmarks.fleets import fleet
-from benchmarks.measuring import MEBI, Aims, exponent, run
+from benchmarks.measuring import MEBI, Aims, drawn, exponent, run
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.mission import MissionCode, load_code
-from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
 
 MISSION = Path("generated") / "uuv_sampling"
 N_FAULTS, N_TICKS = 20, 1_000
@@ -65,16 +61,10 @@ class Growth:
 
 def evaluation_ms(code: MissionCode, n_faults: int, n_specifications: int) -> float:
     """Return the least milliseconds of one evaluation among several rounds."""
-    specifications = drawn(code, n_faults, n_specifications)
+    specifications = drawn(code, n_specifications, n_faults)
     with CompiledEngine(code, 1) as engine:
         list(engine.evaluate_many(specifications[:2]))  # compiles, and compares with the reference
         return repeated(lambda: list(engine.evaluate_many(specifications))) / n_specifications
-
-
-def drawn(code: MissionCode, n_faults: int, n: int) -> list[Specification]:
-    """Return random specifications."""
-    space = SearchSpace.of(code.mission, code.pool)
-    return [random_specification(space, n_faults, Random(seed)) for seed in range(n)]
 
 
 def repeated(work: Callable[[], object]) -> float:
@@ -111,7 +101,7 @@ def of_population(n_individuals: int) -> float:
     code = load_code(MISSION)
     settings = CampaignSettings(population=n_individuals, generations=1)
     with CompiledEngine(code, settings.mission_seed) as engine:
-        list(engine.evaluate_many(drawn(code, N_FAULTS, 2)))
+        list(engine.evaluate_many(drawn(code, 2)))
 
         def searched() -> None:
             with (

@@ -27,15 +27,12 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from random import Random
 from typing import Any
 
-from benchmarks.measuring import Others
+from benchmarks.measuring import Others, drawn, run
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
 
 GENERATED = Path("generated") / "uuv_sampling"
 CLIENTS = ("asyncio", "twisted")
@@ -48,6 +45,16 @@ AIMS = {
     ("twisted", "separate"): 600,
 }
 """Ticks a second that the bridge is to reach."""
+BRIDGE = ("mrsfi_runtime.cli.main", "bridge", "--port", "0")
+SIDES = ("benchmarks.lockstep_sides",)
+SERVERS = {
+    ("alone", "prepared"): (*SIDES, "prepared"),
+    ("embedded", "bridge"): (*SIDES, "embedded"),
+    ("embedded", "relay"): (*SIDES, "embedded-relay"),
+    ("separate", "bridge"): BRIDGE,
+    ("separate", "relay"): (*SIDES, "relay"),
+}
+"""Module and arguments of what the CI is a client of, by place and server."""
 AIM_SECONDS = 1.0
 """What an evaluation over the embedded server is to take at most."""
 
@@ -87,29 +94,12 @@ def child(*words: str) -> Iterator[tuple[str, int]]:
 
 def rate(case: Case, seconds: float) -> float:
     """Return the ticks a second of one run."""
-    sides = ("-m", "benchmarks.lockstep_sides")
     with ExitStack() as stack:
-        if case.place == "alone":
-            url, _ = stack.enter_context(child(*sides, "prepared", "-", "-", "0"))
-        elif case.place == "embedded":
-            side = "embedded" if case.server == "bridge" else "embedded-relay"
-            url, _ = stack.enter_context(child(*sides, side, "-", "-", "0"))
-        else:
-            server = (
-                ("-m", "mrsfi_runtime.cli.main", "bridge", "--port", "0")
-                if case.server == "bridge"
-                else (*sides, "relay", "-", "-", "0")
-            )
-            url, _ = stack.enter_context(child(*server))
-            stack.enter_context(child(*sides, "simulation", url, case.client, "0"))
-        done = subprocess.run(
-            [sys.executable, *sides, "ci", url, case.client, str(seconds)],
-            check=True,
-            stdout=subprocess.PIPE,
-            encoding="utf-8",
-            timeout=60 + 10 * seconds,
-        )
-    return float(json.loads(done.stdout)["rate"])
+        url, _ = stack.enter_context(child("-m", *SERVERS[case.place, case.server]))
+        if case.place == "separate":
+            stack.enter_context(child("-m", *SIDES, "simulation", url, case.client))
+        found = run(*SIDES, "ci", url, case.client, str(seconds)).found()
+    return float(found["rate"])
 
 
 def measured_rates(n_rounds: int, seconds: float) -> dict[Case, list[float]]:
@@ -130,9 +120,6 @@ def evaluation_seconds(
 ) -> tuple[list[float], list[str]]:
     """Return the seconds and digests of some evaluations; the first, unmeasured, warms up."""
     code = load_code(GENERATED)
-    rng = Random(1)
-    space = SearchSpace.of(code.mission, code.pool)
-    specifications = [random_specification(space, 20, rng) for _ in range(n + 1)]
     seconds, digests = [], []
     opened = (
         ReferenceEngine(code, 1)
@@ -146,7 +133,7 @@ def evaluation_seconds(
         )
     )
     with opened:
-        for specification in specifications:
+        for specification in drawn(code, n + 1):
             start = time.perf_counter()
             digests.append(opened.evaluate(specification).digest)
             seconds.append(time.perf_counter() - start)
@@ -224,21 +211,13 @@ def measured_evaluations(n_rounds: int, n: int) -> tuple[dict[str, list[float]],
 
 def _in_child(engine: str, place: str = "", form: str = "", *, n: int) -> dict[str, Any]:
     """Evaluate in a process of its own: one has one kind of roslibpy client."""
+    words = ["benchmarks.lockstep", "--evaluate", engine, "--count", str(n)]
     with ExitStack() as stack:
-        words = ["-m", "benchmarks.lockstep", "--evaluate", engine, "--count", str(n)]
         if form == "bundles":
             words.append("--bundle")
         if place == "separate":
-            bridge = child("-m", "mrsfi_runtime.cli.main", "bridge", "--port", "0")
-            words += ["--url", stack.enter_context(bridge)[0]]
-        done = subprocess.run(
-            [sys.executable, *words],
-            check=True,
-            stdout=subprocess.PIPE,
-            encoding="utf-8",
-            timeout=600,
-        )
-    found: dict[str, Any] = json.loads(done.stdout)
+            words += ["--url", stack.enter_context(child("-m", *BRIDGE))[0]]
+        found: dict[str, Any] = run(*words).found()
     return found
 
 

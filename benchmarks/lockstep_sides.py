@@ -3,7 +3,7 @@
 Fifteen topics a tick as three robots with two sensors each publish them, then one reply. Every
 message carries its tick; one that is lost, doubled or out of order ends the run.
 
-Run as ``python -m benchmarks.lockstep_sides SIDE [URL] CLIENT SECONDS`` by ``lockstep.py``.
+Run as ``python -m benchmarks.lockstep_sides SIDE [URL CLIENT [SECONDS]]`` by ``lockstep.py``.
 """
 
 import json
@@ -11,6 +11,7 @@ import os
 import sys
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from functools import partial
 from threading import Event
 from typing import Any, Protocol
@@ -173,47 +174,42 @@ def _say(**said: str | float) -> None:
     print(json.dumps(said), flush=True)
 
 
-def _wait_for_parent() -> None:
-    sys.stdin.read()
+def _joined(bridge: EmbeddedBridge) -> EmbeddedBridge:
+    """Let the simulation join a bridge in the thread of it."""
+    is_joined = Event()
+
+    def join() -> None:
+        Simulation(BridgeBus(bridge.local_client()))
+        is_joined.set()
+
+    bridge.call_soon(join)
+    is_joined.wait()
+    return bridge
 
 
-def main(side: str, url: str, client: str, seconds: float) -> None:
+def main(side: str, url: str = "", client: str = "", seconds: str = "0") -> None:
     """Be one side until the measurement or the parent's patience ends."""
     if side == "ci":
-        intelligence = Intelligence(RoslibpyBus(url, client), seconds)
+        intelligence = Intelligence(RoslibpyBus(url, client), float(seconds))
         intelligence.greet()
         intelligence.ended.wait()
         _say(rate=intelligence.rate)
-    elif side == "simulation":
-        Simulation(RoslibpyBus(url, client))
+        return
+    with ExitStack() as stack:
+        if side == "simulation":
+            Simulation(RoslibpyBus(url, client))
+        elif side == "prepared":
+            url = stack.enter_context(PreparedTicks(messages, N_PREPARED)).url
+        elif side == "embedded":
+            url = _joined(stack.enter_context(EmbeddedBridge())).url
+        else:
+            relay = stack.enter_context(Relay())
+            url = relay.url
+            if side == "embedded-relay":
+                Simulation(relay)
         _say(url=url)
-        _wait_for_parent()
-    elif side == "relay":
-        with Relay() as relay:
-            _say(url=relay.url)
-            _wait_for_parent()
-    elif side == "prepared":
-        with PreparedTicks(messages, N_PREPARED) as prepared:
-            _say(url=prepared.url)
-            _wait_for_parent()
-    elif side == "embedded-relay":
-        with Relay() as relay:
-            Simulation(relay)
-            _say(url=relay.url)
-            _wait_for_parent()
-    else:
-        with EmbeddedBridge() as bridge:
-            is_joined = Event()
-
-            def join() -> None:
-                Simulation(BridgeBus(bridge.local_client()))
-                is_joined.set()
-
-            bridge.call_soon(join)
-            is_joined.wait()
-            _say(url=bridge.url)
-            _wait_for_parent()
+        sys.stdin.read()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2], sys.argv[3], float(sys.argv[4]))
+    main(*sys.argv[1:])

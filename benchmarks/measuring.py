@@ -1,4 +1,4 @@
-"""What benchmarks share: child processes, growth, other programs, and the verdict on aims."""
+"""What benchmarks share: specifications, child processes, growth, other programs, aims."""
 
 import json
 import math
@@ -9,8 +9,14 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from random import Random
 from statistics import linear_regression
 from typing import Any
+
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import random_specification
 
 MEBI = 1 << 20
 _STAT = Path("/proc/stat")
@@ -69,6 +75,12 @@ def run(*words: str, environment: dict[str, str] | None = None) -> Run:
         message = f"{' '.join(words)} failed:\n{told}"
         raise SystemExit(message)
     return Run(seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024, output)
+
+
+def drawn(code: MissionCode, n: int, n_faults: int = 20) -> list[Specification]:
+    """Return random specifications, the same for the same code."""
+    space = SearchSpace.of(code.mission, code.pool)
+    return [random_specification(space, n_faults, Random(seed)) for seed in range(n)]
 
 
 def exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:

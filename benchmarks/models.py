@@ -1,6 +1,6 @@
 """How long missions take to load, validate, save, mend and generate: seconds, growth, memory.
 
-Run as ``python benchmarks/models.py [LARGEST]``, where ``LARGEST`` is the greatest number of
+Run as ``python -m benchmarks.models [LARGEST]``, where ``LARGEST`` is the greatest number of
 robots; there are ten faults to a robot. To be mended is a copy in which every fault finishes before
 it starts. Seconds are the processor's. Growth compares the seconds for one robot with those of the
 line above: 1.0 is linear.
@@ -11,10 +11,11 @@ import sys
 import tempfile
 import time
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from benchmarks.fleets import write_fleet
 from m2t.fixes import mend
 from m2t.generate import plan
 from m2t.load import inspect_folder, load_mission_folder
@@ -22,63 +23,15 @@ from m2t.saving import saved
 
 SIZES = (10, 30, 100, 300, 1_000, 2_000)
 FAULTS_PER_ROBOT = 10
-
-_HEAD = (
-    '<?xml version="1.0" encoding="ASCII"?>\n<{package}:{root} xmi:version="2.0" '
-    'xmlns:xmi="http://www.omg.org/XMI" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" '
-    'xmlns:{package}="http://mrsfi.org/{package}/1.0" {attributes}>\n'
-)
-
-
-def write_mission(folder: Path, n_robots: int) -> None:
-    """Write a mission in which every robot keeps within the area and reports its speed."""
-    folder.mkdir()
-    (folder / "mission.xmi").write_text("".join(_mission(n_robots)), encoding="ascii")
-    (folder / "faults.xmi").write_text("".join(_faults(n_robots)), encoding="ascii")
-
-
-def _mission(n_robots: int) -> Iterator[str]:
-    yield _HEAD.format(
-        package="mission", root="Mission", attributes='name="benchmark" duration="100"'
-    )
-    yield '  <missionArea ID="area" radius="1000000.0"/>\n'
-    for robot in range(n_robots):
-        yield (
-            f'  <robots ID="r{robot}" name="robot {robot}" speed="1.0">\n'
-            f'    <position x="{robot * 10}.0"/>\n'
-            f'    <sensors ID="s{robot}" name="GPS" type="GPS_POSITION" energyPerSample="1.0" '
-            f'samplesPerSecond="1"/>\n'
-            f'    <batteries ID="b{robot}" name="battery" totalEnergy="100.0"/>\n'
-            "  </robots>\n"
-        )
-    members = " ".join(f"r{robot}" for robot in range(n_robots))
-    yield f'  <servers ID="sv" name="server"/>\n  <goals ID="g" name="stay" members="{members}">\n'
-    yield '    <task xsi:type="mission:StayWithinMissionArea"/>\n'
-    for robot in range(n_robots):
-        yield (
-            f'    <messages ID="m{robot}" sender="r{robot}" receiver="sv">\n'
-            '      <body name="SPEED" type="Int"/>\n    </messages>\n'
-        )
-    yield "  </goals>\n</mission:Mission>\n"
-
-
-def _faults(n_robots: int) -> Iterator[str]:
-    yield _HEAD.format(package="faults", root="FaultSpecification", attributes='ID="pool"')
-    for fault in range(n_robots * FAULTS_PER_ROBOT):
-        yield (
-            f'  <faults ID="f{fault}" name="fault {fault}">\n    <zeroSpeed>\n'
-            f'      <affectedMessage href="mission.xmi#m{fault % n_robots}"/>\n'
-            "    </zeroSpeed>\n  </faults>\n"
-        )
-    yield "</faults:FaultSpecification>\n"
+DURATION = 100
 
 
 def _write_broken(folder: Path, n_robots: int) -> None:
     """Write the mission with a defect in each of its faults."""
-    write_mission(folder, n_robots)
+    write_fleet(folder, n_robots, DURATION, FAULTS_PER_ROBOT * n_robots)
     faults = folder / "faults.xmi"
     text = faults.read_text(encoding="ascii")
-    broken = text.replace('" name="fault ', '" start="9" finish="8" name="fault ')
+    broken = text.replace('" name="', '" start="9" finish="8" name="')
     faults.write_text(broken, encoding="ascii")
 
 
@@ -107,11 +60,11 @@ def main() -> None:
     )
     before = None
     with tempfile.TemporaryDirectory() as name:
-        write_mission(Path(name) / "warm", 1)
+        write_fleet(Path(name) / "warm", 1, DURATION, 1)
         load_mission_folder(Path(name) / "warm")
         for n_robots in (size for size in SIZES if size <= largest):
             folder = Path(name) / str(n_robots)
-            write_mission(folder, n_robots)
+            write_fleet(folder, n_robots, DURATION, FAULTS_PER_ROBOT * n_robots)
             load, models = _measured(lambda folder=folder: load_mission_folder(folder))
             validate, found = _measured(lambda folder=folder: inspect_folder(folder).diagnostics)
             save, contents = _measured(lambda models=models: saved(models))
