@@ -93,13 +93,6 @@ class Client:
         """Return the next operation that comes."""
         return json.loads(self._connection.recv(timeout))
 
-    def receive_op(self, op: str) -> Any:
-        """Return the next operation of a kind; others are passed over."""
-        while True:
-            operation = self.receive()
-            if operation["op"] == op:
-                return operation
-
     def settle(self) -> None:
         """Wait until the server has carried out everything sent before."""
         self.send("call_service", service="/rosapi/get_time", id="settle")

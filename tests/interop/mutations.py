@@ -155,49 +155,37 @@ def _one_of(*changes: Change) -> Change:
     return change
 
 
-def _lower(models: Models, feature: Any) -> bool:
-    return _set(models, feature, ("-1", "-7", "0"))
+def _given(values: Callable[[Models, Any], Sequence[str]]) -> Change:
+    """Return a change that gives an attribute one of some values."""
+    return lambda models, feature: _set(models, feature, values(models, feature))
 
 
-def _exceed(models: Models, feature: Any) -> bool:
-    is_integer = feature.eType.name == "EInt"
-    return _set(models, feature, ("2147483647",) if is_integer else ("NaN", "-Infinity", "1.0E13"))
+def _spelt_otherwise(spell: Callable[[str], str]) -> Change:
+    """Return a change that gives an attribute the value of another element, spelt otherwise."""
+    return _given(
+        lambda models, feature: [
+            spell(part.element.get(feature.name, "")) for part in models.having(feature)
+        ]
+    )
+
+
+def _beyond(_: Models, feature: Any) -> Sequence[str]:
+    return ("2147483647",) if feature.eType.name == "EInt" else ("NaN", "-Infinity", "1.0E13")
 
 
 def _halve(models: Models, feature: Any) -> bool:
     return feature.eType.name == "EDouble" and _set(models, feature, ("0.5", "2.5"))
 
 
-def _choose(models: Models, feature: Any) -> bool:
-    return _set(models, feature, [literal.name for literal in feature.eType.eLiterals])
-
-
-def _reword(models: Models, feature: Any) -> bool:
-    return _set(models, feature, _ODD_TEXTS)
-
-
-def _reserve(models: Models, feature: Any) -> bool:
-    return _set(models, feature, keyword.kwlist)
-
-
-def _lengthen(models: Models, feature: Any) -> bool:
-    return _set(models, feature, ["x" * 201, "x" * 2001, "\U0001f916" * 150])
-
-
-def _borrow(models: Models, feature: Any) -> bool:
-    """Take the value of another attribute of the same type."""
-    return _set(models, feature, models.values(feature))
-
-
-def _respell(models: Models, feature: Any) -> bool:
-    """Take the value of another element in other letters."""
-    values = [part.element.get(feature.name, "") for part in models.having(feature)]
-    return _set(models, feature, [text.swapcase() for text in values])
-
-
-def _space(models: Models, feature: Any) -> bool:
-    values = [part.element.get(feature.name, "") for part in models.having(feature)]
-    return _set(models, feature, [f"{text} 2" for text in values])
+_lower = _given(lambda *_: ("-1", "-7", "0"))
+_exceed = _given(_beyond)
+_choose = _given(lambda _, feature: [literal.name for literal in feature.eType.eLiterals])
+_reword = _given(lambda *_: _ODD_TEXTS)
+_reserve = _given(lambda *_: keyword.kwlist)
+_lengthen = _given(lambda *_: ("x" * 201, "x" * 2001, "\U0001f916" * 150))
+_borrow = _given(Models.values)
+_respell = _spelt_otherwise(str.swapcase)
+_space = _spelt_otherwise("{} 2".format)
 
 
 def _set(models: Models, feature: Any, values: Sequence[str]) -> bool:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from random import Random
+from typing import Any
 
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.state import State
@@ -90,13 +91,6 @@ def mission(
     )
 
 
-def state(
-    *tasks: GoalTask,
-    robots: tuple[Robot, ...] | None = None,
-    obstacles: tuple[Obstacle, ...] = (),
-    duration: int = 100,
-    area: Area | None = None,
-) -> State:
+def state(*tasks: GoalTask, **layout: Any) -> State:
     """Return the state of such a mission before its first tick."""
-    flown = mission(*tasks, robots=robots, obstacles=obstacles, duration=duration, area=area)
-    return initial_state(flown, seed=1)
+    return initial_state(mission(*tasks, **layout), seed=1)
