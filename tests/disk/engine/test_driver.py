@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+from mrsfi_runtime.engine.compiled import driver
 from mrsfi_runtime.engine.compiled.driver import N_KEPT, load_driver
 
 
@@ -12,9 +13,8 @@ def test_a_new_mission_takes_the_place_of_the_oldest_only_where_the_cache_is_ful
     tmp_path, monkeypatch, n_before
 ):
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
-    new = f"new_{n_before}"
-    load_driver(new, "ANSWER = 42")
-    (made,) = tmp_path.rglob(f"{new}/flight.py")
+    monkeypatch.setattr(driver, "load_module", lambda _, path: path)
+    made = load_driver("ci", "own", ["first"])
     cache = made.parents[1]
     os.utime(made, (0, 0))
     for k in range(n_before):
@@ -23,8 +23,8 @@ def test_a_new_mission_takes_the_place_of_the_oldest_only_where_the_cache_is_ful
         path.touch()
         os.utime(path, (k + 1, k + 1))
 
-    load_driver(f"last_{n_before}", "ANSWER = 43")
+    new = load_driver("ci", "own", ["last"])
 
-    before = [new, *(f"mission_{k}" for k in range(n_before))]
+    before = [made.parent.name, *(f"mission_{k}" for k in range(n_before))]
     kept = {path.name for path in cache.iterdir()}
-    assert kept == {*before[-(N_KEPT - 1) :], f"last_{n_before}"}
+    assert kept == {*before[-(N_KEPT - 1) :], new.parent.name}
