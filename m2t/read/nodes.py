@@ -234,14 +234,14 @@ def _content(path: Path) -> bytes:
     """Return the content of a file unless it is missing or too large."""
     try:
         _require_file(path)
-        with path.open("rb") as stream:
-            content = stream.read(MAX_BYTES + 1)
+        n_bytes = path.stat().st_size
+        content = path.read_bytes() if n_bytes <= MAX_BYTES else b""
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", str(error)) or type(error).__name__
         raise Defect(
             "ReadableFile", f"cannot be read: {reason}; expected a model file at this path"
         ) from error
-    if len(content) > MAX_BYTES:
+    if n_bytes > MAX_BYTES:
         raise Defect(
             "FileSize", f"has more than {MAX_BYTES:,} bytes; a model is far smaller; split it"
         )
