@@ -57,7 +57,7 @@ class _Aligned(SequenceMatcher[str]):
     def __init__(self, old: Sequence[str], new: Sequence[str]) -> None:
         super().__init__(None, (), ())
         self._end = (len(old), len(new), 0)
-        self._pairs = _pairs(old, new)
+        self._pairs = [*_pairs(old, new)]
 
     def get_matching_blocks(self) -> list[tuple[int, int, int]]:  # type: ignore[override]
         """Return runs of equal lines: where they begin in both files, and how long they are."""
