@@ -1,7 +1,7 @@
 """The command ``mrsfi compare``, and the tables that it prints."""
 
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple
 from itertools import groupby
 from math import isinf
 from pathlib import Path
@@ -31,9 +31,8 @@ from mrsfi_runtime.search.campaign import require_settings
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.study.comparison import Comparison, as_json, compare
 from mrsfi_runtime.study.folder import ComparisonFolder
-from mrsfi_runtime.study.run_results import MOST_OBJECTIVES
+from mrsfi_runtime.study.run_results import MOST_OBJECTIVES, RunResult
 from mrsfi_runtime.study.runs import (
-    FinishedRun,
     common_settings,
     only_comparison,
     runs_of,
@@ -57,28 +56,6 @@ A comparison that was ended goes on with the same command; a run that is finishe
 again, also when algorithms or seeds are added. Any run can be had by itself, with the same
 digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
 """
-
-
-@dataclass(slots=True)
-class _Teller:
-    """Tells of each run, and how long the rest may take."""
-
-    _began: float = field(default_factory=monotonic)
-    _n_new: int = 0
-
-    def __call__(self, finished: FinishedRun) -> None:
-        run = finished.result
-        place = f"run {finished.number}/{finished.n_runs}  {run.algorithm} seed {run.seed}"
-        if not finished.is_new:
-            tell(f"{place}  was finished already")
-            return
-        self._n_new += 1
-        rest = finished.n_runs - finished.number
-        left = round((monotonic() - self._began) / self._n_new * rest)
-        tell(
-            f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
-            f"{run.seconds:.1f} s  left {left // 60}:{left % 60:02d}"
-        )
 
 
 @click.command(name="compare", help=_HELP)
@@ -182,9 +159,12 @@ def _compared(
     engine: EngineSettings,
     workers: WorkerOptions,
 ) -> Comparison:
+    """Make the runs that are missing; tell of each, and how long the rest may take."""
     code = load_code(CampaignFolder(folder.path).generated)
     mission_seeds = next(iter(settings.values())).mission_seeds
     n_runs = len(settings) * n_seeds
+    runs: list[RunResult] = []
+    n_new = 0
     try:
         with workers.evaluators(
             code,
@@ -194,7 +174,19 @@ def _compared(
                 f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, {who}"
             ),
         ) as evaluators:
-            runs = runs_of(folder, settings, n_seeds, code, evaluators, _Teller())
+            began = monotonic()
+            for run, is_new in runs_of(folder, settings, n_seeds, code, evaluators):
+                runs.append(run)
+                place = f"run {len(runs)}/{n_runs}  {run.algorithm} seed {run.seed}"
+                if not is_new:
+                    tell(f"{place}  was finished already")
+                    continue
+                n_new += 1
+                left = round((monotonic() - began) / n_new * (n_runs - len(runs)))
+                tell(
+                    f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
+                    f"{run.seconds:.1f} s  left {left // 60}:{left % 60:02d}"
+                )
     except (KeyboardInterrupt, TransportError):
         tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")
         raise

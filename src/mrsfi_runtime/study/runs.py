@@ -2,9 +2,9 @@
 
 import hashlib
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -24,16 +24,6 @@ from mrsfi_runtime.study.run_results import RunResult, measure_run
 _VARIED = ("algorithm", "seed")
 _DECISIVE = ("model", "kernel", "hosting", "record", "search")
 """Rooms of mrsfi whose source decides what a search finds."""
-
-
-@dataclass(frozen=True, slots=True)
-class FinishedRun:
-    """A run, and which of how many; it was finished just now or before."""
-
-    number: int
-    n_runs: int
-    result: RunResult
-    is_new: bool
 
 
 @contextmanager
@@ -117,9 +107,8 @@ def runs_of(
     n_seeds: int,
     code: MissionCode,
     evaluators: Sequence[EvaluateMany],
-    on_run: Callable[[FinishedRun], None],
-) -> list[RunResult]:
-    """Return the result of every algorithm with every seed; make and keep those that are missing.
+) -> Iterator[tuple[RunResult, bool]]:
+    """Yield the result of every algorithm with every seed; make and keep those that are missing.
 
     Parameters
     ----------
@@ -129,8 +118,11 @@ def runs_of(
         Seeds are 1 to this number; all algorithms have their turn with a seed before the next.
     evaluators
         One for each of the mission seeds over which fitness is averaged.
-    on_run
-        Called after each run.
+
+    Yields
+    ------
+    tuple[RunResult, bool]
+        A run, and whether it was made just now.
 
     Raises
     ------
@@ -139,8 +131,6 @@ def runs_of(
     EvaluationError
         If too many evaluations of a run failed.
     """
-    found: list[RunResult] = []
-    n_runs = n_seeds * len(settings)
     subjects = {name: _subject(one) for name, one in settings.items()}
     for seed in range(1, n_seeds + 1):
         for name, one in settings.items():
@@ -149,9 +139,7 @@ def runs_of(
             if run is None:
                 run = _flown(folder, replace(one, seed=seed), code, evaluators)
                 folder.keep(run, subjects[name])
-            found.append(run)
-            on_run(FinishedRun(len(found), n_runs, run, is_new))
-    return found
+            yield run, is_new
 
 
 def _flown(
