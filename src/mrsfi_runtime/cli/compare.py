@@ -24,7 +24,6 @@ from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import BOTH
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import require_settings
@@ -160,7 +159,7 @@ def _compared(
     workers: WorkerOptions,
 ) -> Comparison:
     """Make the runs that are missing; tell of each, and how long the rest may take."""
-    code = load_code(CampaignFolder(folder.path).generated)
+    code = load_code(folder.generated)
     mission_seeds = next(iter(settings.values())).mission_seeds
     n_runs = len(settings) * n_seeds
     runs: list[RunResult] = []

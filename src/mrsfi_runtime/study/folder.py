@@ -17,6 +17,7 @@ from typing import Any
 from mrsfi_runtime.analysis.plots import rendered
 from mrsfi_runtime.analysis.tables import Rows, as_csv
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.study.comparison import Comparison, finite
 from mrsfi_runtime.study.plots import illustrate
 from mrsfi_runtime.study.run_results import RunResult
@@ -27,23 +28,20 @@ SCHEMA = 1
 _SCRATCH = "unfinished-"
 
 
-class ComparisonFolder:
-    """Layout of the folder.
+class ComparisonFolder(CampaignFolder):
+    """Layout of the folder, which has copies, lock and figures where a campaign's has them.
 
     Attributes
     ----------
     runs
         One file for each finished run.
-    figures
-        Plots as PNG and SVG.
     summary
         What a script reads.
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = path
+        super().__init__(path)
         self.runs = path / "runs"
-        self.figures = path / "figures"
         self.summary = path / "comparison.json"
 
     def run_file(self, algorithm: str, seed: int) -> Path:

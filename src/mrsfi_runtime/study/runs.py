@@ -13,7 +13,7 @@ import mrsfi_runtime
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder, hashes, only_writer
+from mrsfi_runtime.record.folder import hashes, only_writer
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
@@ -37,15 +37,15 @@ def only_comparison(path: Path, models: Path, generated: Path) -> Iterator[Compa
     RecordError
         If it is another mission's, holds something else, or is written by another process.
     """
-    folder, copies = ComparisonFolder(path), CampaignFolder(path)
+    folder = ComparisonFolder(path)
     if not folder.runs.is_dir():
-        copies = CampaignFolder.reserve(path)
-    with only_writer(copies):
+        ComparisonFolder.reserve(path)
+    with only_writer(folder):
         if not folder.runs.is_dir():
-            copies.fill(models, generated)
+            folder.fill(models, generated)
             folder.runs.mkdir()
-        _require_same_files(models, copies.model)
-        _require_same_files(generated, copies.generated)
+        _require_same_files(models, folder.model)
+        _require_same_files(generated, folder.generated)
         folder.tidy()
         yield folder
 
