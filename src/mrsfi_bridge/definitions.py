@@ -77,24 +77,37 @@ class Definition:
     constants: tuple[Constant, ...] = ()
 
 
-def parse_message(name: str, text: str, path: Path) -> Definition:
-    """Return the definition that a ``.msg`` text states.
+def parse_message(name: str, lines: list[str], path: Path, first_line: int = 1) -> Definition:
+    """Return the definition that the lines of a ``.msg`` file state.
 
     Parameters
     ----------
     name
         Full name of the type, ``package/Type``.
-    text
-        Content of the file.
-    path
-        The file, for messages to the user.
+    lines
+        Content of the file, or of a part of it.
+    path, first_line
+        The file, and where in it the lines begin, for messages to the user.
 
     Raises
     ------
     SettingsError
         If a line is neither field nor constant, or a field occurs twice.
     """
-    return _parse(name, text.splitlines(), path, first_line=1)
+    package = name.partition("/")[0]
+    fields: dict[str, Field] = {}
+    constants = []
+    for number, line in enumerate(lines, first_line):
+        if not line.partition("#")[0].strip():
+            continue
+        found = _parse_line(line, package, f"{path}:{number}")
+        if isinstance(found, Constant):
+            constants.append(found)
+        elif found.name in fields:
+            raise SettingsError(f"{path}:{number}: field '{found.name}' occurs twice; rename one")
+        else:
+            fields[found.name] = found
+    return Definition(name, tuple(fields.values()), tuple(constants))
 
 
 def parse_service(name: str, text: str, path: Path) -> tuple[Definition, Definition]:
@@ -113,26 +126,9 @@ def parse_service(name: str, text: str, path: Path) -> tuple[Definition, Definit
         )
     border = borders[0]
     return (
-        _parse(f"{name}Request", lines[:border], path, first_line=1),
-        _parse(f"{name}Response", lines[border + 1 :], path, first_line=border + 2),
+        parse_message(f"{name}Request", lines[:border], path),
+        parse_message(f"{name}Response", lines[border + 1 :], path, border + 2),
     )
-
-
-def _parse(name: str, lines: list[str], path: Path, first_line: int) -> Definition:
-    package = name.partition("/")[0]
-    fields: dict[str, Field] = {}
-    constants = []
-    for number, line in enumerate(lines, first_line):
-        if not line.partition("#")[0].strip():
-            continue
-        found = _parse_line(line, package, f"{path}:{number}")
-        if isinstance(found, Constant):
-            constants.append(found)
-        elif found.name in fields:
-            raise SettingsError(f"{path}:{number}: field '{found.name}' occurs twice; rename one")
-        else:
-            fields[found.name] = found
-    return Definition(name, tuple(fields.values()), tuple(constants))
 
 
 def _parse_line(line: str, package: str, place: str) -> Field | Constant:

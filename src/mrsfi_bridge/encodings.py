@@ -137,7 +137,13 @@ def text_frames(operation: dict[str, Any], encoding: Encoding = PLAIN) -> bytes:
     if size is None or len(text) <= size:
         return _frame(OP_TEXT, text.encode())
     size = max(size, math.ceil(len(text) / _MAX_FRAGMENTS))
-    return b"".join(_frame(OP_TEXT, part.encode()) for part in _fragments(text, size))
+    fragment = {"op": "fragment", "id": str(next(_fragment_ids))}
+    starts = range(0, len(text), size)
+    fragments = (
+        {**fragment, "data": text[start : start + size], "num": number, "total": len(starts)}
+        for number, start in enumerate(starts)
+    )
+    return b"".join(_frame(OP_TEXT, json_text(each).encode()) for each in fragments)
 
 
 def json_text(value: Any) -> str:
@@ -183,23 +189,6 @@ def _frame(opcode: Opcode, content: bytes) -> bytes:
     if len(content) < 1 << 16:
         return struct.pack("!BBH", 0x80 | opcode, 126, len(content)) + content
     return struct.pack("!BBQ", 0x80 | opcode, 127, len(content)) + content
-
-
-def _fragments(text: str, size: int) -> list[str]:
-    total = math.ceil(len(text) / size)
-    fragment_id = str(next(_fragment_ids))
-    return [
-        json_text(
-            {
-                "op": "fragment",
-                "id": fragment_id,
-                "data": text[number * size : (number + 1) * size],
-                "num": number,
-                "total": total,
-            }
-        )
-        for number in range(total)
-    ]
 
 
 def _finite(value: Any) -> Any:

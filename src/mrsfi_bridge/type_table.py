@@ -109,7 +109,7 @@ class TypeTable:
         path = self._find(name, "msg")
         self._open.append(name)
         try:
-            return Structure(parse_message(name, _text(path), path), self.message)
+            return Structure(parse_message(name, _text(path).splitlines(), path), self.message)
         finally:
             self._open.pop()
 

@@ -17,7 +17,6 @@ from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineS
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
@@ -290,17 +289,12 @@ def recorder(mission: Mission, log: Path | None, trace: Path | None) -> Iterator
             observers.append(SimulationLog(mission, files.enter_context(written_file(log))))
         if trace is not None:
             observers.append(TraceTable(mission, files.enter_context(written_file(trace))))
-        yield _all_of(observers) if observers else None
+
+        def observe(*tick: Any) -> None:
+            for observer in observers:
+                observer(*tick)
+
+        yield observe if observers else None
     for path in (log, trace):
         if path is not None:
             tell(f"written    {path}")
-
-
-def _all_of(observers: Sequence[Observer]) -> Observer:
-    def observe(
-        world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]
-    ) -> None:
-        for observer in observers:
-            observer(world, belief, true, believed)
-
-    return observe

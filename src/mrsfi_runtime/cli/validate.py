@@ -1,6 +1,6 @@
 """The command ``mrsfi validate``."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -165,18 +165,8 @@ def _counts(loaded: LoadedModels) -> str:
 
 def _of_code(folders: MissionFolders, *, is_sound: bool) -> tuple[tuple[Diagnostic, ...], str]:
     """Return what is wrong with the generated code, and what the models hold if they are sound."""
-    regions = tuple(_linted(folders))
-    if not is_sound:
-        return regions, ""
-    loaded = load_mission_folder(folders.models)
-    flown = () if _n_errors(regions) else _flown(folders, loaded)
-    return (*flown, *regions), _counts(loaded)
-
-
-def _linted(folders: MissionFolders) -> Iterator[Diagnostic]:
-    """Yield what is wrong with the regions of the generated code, or will be when compiled."""
-    for found in lint_regions(folders.generated):
-        yield Diagnostic(
+    regions = tuple(
+        Diagnostic(
             path=found.path,
             line=found.line,
             element=found.place,
@@ -184,6 +174,13 @@ def _linted(folders: MissionFolders) -> Iterator[Diagnostic]:
             severity="error" if found.is_error else "warning",
             message=f"{found.place}: {found.message}",
         )
+        for found in lint_regions(folders.generated)
+    )
+    if not is_sound:
+        return regions, ""
+    loaded = load_mission_folder(folders.models)
+    flown = () if _n_errors(regions) else _flown(folders, loaded)
+    return (*flown, *regions), _counts(loaded)
 
 
 def _flown(folders: MissionFolders, loaded: LoadedModels) -> tuple[Diagnostic, ...]:
