@@ -81,8 +81,6 @@ class AuditRow:
         Properties it touches, in words.
     outcome
         What the flight found; ``applied`` and ``changed`` have one entry.
-    differs
-        IDs of the goals with violations, believed or true.
     reason
         Why no goal changed; empty where one did.
     """
@@ -90,7 +88,6 @@ class AuditRow:
     fault: Fault
     touched: tuple[str, ...]
     outcome: Outcome
-    differs: tuple[str, ...]
     reason: str = ""
 
 
@@ -111,16 +108,10 @@ def audit(engine: Engine, start: int, finish: int) -> tuple[AuditRow, ...]:
         timed = TimedFault(fault.id, start, finish, fault.values)
         outcome = engine.evaluate((timed,), observer=reserves)
         targets = touched(mission, fault)
-        differs = tuple(
-            goal
-            for goal, believed, true in zip(
-                mission.goal_ids, outcome.believed, outcome.true, strict=True
-            )
-            if believed or true
-        )
-        reason = "" if differs else _reason(targets, outcome, reserves)
+        has_effect = any((*outcome.believed, *outcome.true))
+        reason = "" if has_effect else _reason(targets, outcome, reserves)
         words = tuple(describe(mission, target) for target in targets)
-        rows.append(AuditRow(fault, words, outcome, differs, reason))
+        rows.append(AuditRow(fault, words, outcome, reason))
     return tuple(rows)
 
 

@@ -299,7 +299,7 @@ def effects_page(
         )
         for row in rows
     )
-    silent = ", ".join(plain(row.fault.type) for row in rows if not row.differs)
+    silent = ", ".join(plain(row.fault.type) for row in rows if row.reason)
     return _PAGE.format(
         name=plain(name),
         duration=mission.duration,
@@ -308,7 +308,7 @@ def effects_page(
         start=window[0],
         finish=window[1],
         lines="\n".join(map(table_row, lines)),
-        n_effective=sum(1 for row in rows if row.differs),
+        n_effective=sum(1 for row in rows if not row.reason),
         silent=f" These change none, for the reasons given: {silent}." if silent else "",
     )
 

@@ -117,17 +117,16 @@ class GenerationalLoop:
             )
         offspring = []
         pending: list[Individual] = []
-        limit = self._settings.evaluations
         for individual in self._breed(self._population):
             if not individual.is_evaluated:
-                if limit is not None and self._n_asked + len(pending) >= limit:
+                if self._n_asked == self._settings.evaluations:
                     continue
-                individual.number = self._n_asked + len(pending)
+                individual.number = self._n_asked
+                self._n_asked += 1
                 pending.append(individual)
             offspring.append(individual)
         self._offspring = offspring
         self._pending = pending
-        self._n_asked += len(pending)
         self._is_idle = not pending
         return [individual.specification for individual in pending]
 
