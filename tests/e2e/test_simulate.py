@@ -16,6 +16,8 @@ def test_a_hand_written_specification_is_flown(place):
     assert (fault["type"], fault["start"], fault["finish"]) == ("StopRobot", 100, 900)
     assert fault["applied"] == 801
     assert any(goal["believed"] for goal in flight["goals"])
+    assert all({*VIOLATIONS} <= {*goal} for goal in flight["goals"])
+    assert all(goal["samples"] > 0 for goal in flight["goals"][3:])
 
 
 @pytest.mark.parametrize(
