@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
+from mrsfi_runtime.engine.compiled.layout import read_recorded
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
@@ -26,15 +26,6 @@ DIGESTS = {
 
 def test_every_fault_of_the_effects_pages_does_alone_what_was_recorded():
     assert dict(effects()) == json.loads(EFFECTS.read_text(encoding="utf-8"))
-
-
-def read_recorded(state, recorded):
-    """Bring a state up to what was recorded of one."""
-    for name in COLUMNS:
-        columns = recorded[name].dtype.names
-        for record, values in zip(getattr(state, name), recorded[name].tolist(), strict=True):
-            for column, value in zip(columns, values, strict=True):
-                setattr(record, column, value)
 
 
 @pytest.mark.parametrize("case", DIGESTS)

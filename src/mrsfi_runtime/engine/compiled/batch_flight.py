@@ -32,6 +32,8 @@ class Arrays(NamedTuple):
         Those of all specifications, and where each one's are; see ``Batch``.
     results
         A record a specification: verdicts, and the words of the last truth and belief.
+    moments
+        A record a tick, of those that are to be kept.
     at
         Receives the number of the specification that flies.
     """
@@ -45,6 +47,7 @@ class Arrays(NamedTuple):
     own: Records
     ends: npt.NDArray[np.int64]
     results: Records
+    moments: Records
     at: npt.NDArray[np.int64]
 
 
@@ -56,6 +59,7 @@ def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int)
     belief = states[1]
     inbox = states[2]
     plan = arrays.plans[0]
+    moments = arrays.moments
     for k in range(first, last):
         arrays.at[0] = k
         arrays.words[:] = arrays.fresh
@@ -66,8 +70,9 @@ def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int)
             move(world, tick)
             send(world, inbox)
             answer(functions, world, belief, inbox, world, plan, result, tick)
-        result.world[:] = arrays.words[0, : len(result.world)]
-        result.belief[:] = arrays.words[1, : len(result.belief)]
+            if tick < len(moments):
+                record(moments[tick], arrays.words, result)
+        record(result, arrays.words, result)
         first_tally = arrays.ends[k, 4]
         n_tallies = arrays.ends[k, 5] - first_tally
         arrays.tallies[first_tally : first_tally + n_tallies] = plan.tallies[:n_tallies]
@@ -89,3 +94,12 @@ def copy_injections(listed: Any, injections: Any, first: int, last: int) -> None
     """Fill a list of the plan, with a sentinel behind the last injection."""
     listed[: last - first] = injections[first:last]
     listed[last - first].start = NEVER
+
+
+@kernel
+def record(moment: Any, words: Any, verdicts: Any) -> None:
+    """Write down what is recorded of truth and belief, and which goals are violated."""
+    moment.world[:] = words[0, : len(moment.world)]
+    moment.belief[:] = words[1, : len(moment.belief)]
+    moment.is_true[:] = verdicts.is_true
+    moment.is_believed[:] = verdicts.is_believed

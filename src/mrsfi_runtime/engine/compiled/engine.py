@@ -17,7 +17,10 @@ from mrsfi_runtime.engine.compiled.batch_flight import Arrays
 from mrsfi_runtime.engine.compiled.compiling import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import (
     Records,
+    moment_type,
     plan_type,
+    read_recorded,
+    read_words,
     recorded_type,
     result_type,
     split,
@@ -63,8 +66,7 @@ class CompiledEngine(Engine):
 
     Notes
     -----
-    A flight that fails is repeated on the reference engine, which can tell where and why. One
-    that is observed flies there in the first place: to tell of every tick takes as long.
+    A flight that fails is repeated on the reference engine, which can tell where and why.
     """
 
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
@@ -72,6 +74,7 @@ class CompiledEngine(Engine):
         state = initial_state(code.mission, seed)
         state_layout = state_type(state)
         self._fresh = cache(partial(_fresh_states, code.mission, state_layout))
+        self._moment_type = moment_type(state)
         self._result_type = result_type(state)
         self._recorded_type = recorded_type(state)
         self._reference = ReferenceEngine(code, seed)
@@ -88,11 +91,13 @@ class CompiledEngine(Engine):
     def _evaluate(
         self, specification: Specification, seed: int, pool: FaultPool, observer: Observer | None
     ) -> Outcome:
-        if observer is None:
-            batch = self._batch([specification], pool)
-            if not self._fly(batch, self._fresh(seed), 0, 1):
-                return batch.outcome(0)
-        return self._reference.evaluate(specification, seed, pool=pool, observer=observer)
+        batch = self._batch([specification], pool)
+        moments = np.zeros(self.code.mission.duration if observer else 0, self._moment_type)
+        if self._fly(batch, self._fresh(seed), 0, 1, moments):
+            return self._reference.evaluate(specification, seed, pool=pool, observer=observer)
+        if observer is not None:
+            self._tell(observer, seed, moments)
+        return batch.outcome(0)
 
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
@@ -153,7 +158,9 @@ class CompiledEngine(Engine):
         plans = [plan_rows(mission, pool, specification) for specification in specifications]
         return Batch(plans, self._result_type, self._recorded_type)
 
-    def _fly(self, batch: Batch, fresh: Records, first: int, last: int) -> list[int]:
+    def _fly(
+        self, batch: Batch, fresh: Records, first: int, last: int, moments: Records | None = None
+    ) -> list[int]:
         """Fly some specifications of a batch, and return which of them failed.
 
         All have if one of them wrote to a table, as it may have misled those after it.
@@ -164,6 +171,7 @@ class CompiledEngine(Engine):
         states = fresh.copy()
         (fresh_words, fresh_tables), (words, tables) = split(fresh), split(states)
         plans = np.zeros(1, plan_type(batch.plan_size))
+        moments = np.zeros(0, self._moment_type) if moments is None else moments
         arrays = Arrays(
             fresh_words,
             words,
@@ -174,6 +182,7 @@ class CompiledEngine(Engine):
             batch.own,
             batch.ends,
             batch.results,
+            moments,
             at,
         )
         while first < last:
@@ -185,6 +194,19 @@ class CompiledEngine(Engine):
             else:
                 first = last
         return failed if np.array_equal(tables, fresh_tables) else everyone
+
+    def _tell(self, observer: Observer, seed: int, moments: Records) -> None:
+        """Let an observer see recorded ticks."""
+        world = initial_state(self.code.mission, seed)
+        belief = initial_state(self.code.mission, seed)
+        worlds = read_words(moments["world"], self._recorded_type)
+        beliefs = read_words(moments["belief"], self._recorded_type)
+        for tick, moment in enumerate(moments):
+            world.mission.tick = belief.mission.tick = tick
+            read_recorded(world, worlds[tick])
+            read_recorded(belief, beliefs[tick])
+            true, believed = moment["is_true"].tolist(), moment["is_believed"].tolist()
+            observer(world, belief, [*map(bool, true)], [*map(bool, believed)])
 
 
 def _fresh_states(mission: Mission, layout: np.dtype[Any], seed: int) -> Records:

@@ -128,20 +128,26 @@ def plan_type(room: PlanSize) -> np.dtype[Any]:
     )
 
 
-def result_type(state: State) -> np.dtype[Any]:
-    """Return the layout of what is left of a flight.
-
-    The last states as words of ``recorded_type``, and verdicts.
-    """
+def moment_type(state: State) -> np.dtype[Any]:
+    """Return the layout of a tick: states as words of ``recorded_type``, and verdicts."""
     words = (recorded_type(state).itemsize // 8,)
     goals = (len(state.goals),)
     return np.dtype(
         [
             ("world", "<i8", words),
             ("belief", "<i8", words),
-            *((name, "<i8", goals) for name in get_type_hints(Verdicts)),
+            ("is_true", "<i8", goals),
+            ("is_believed", "<i8", goals),
         ]
     )
+
+
+def result_type(state: State) -> np.dtype[Any]:
+    """Return the layout of what is left of a flight: the last moment, and the other verdicts."""
+    moment = moment_type(state)
+    counts = [name for name in get_type_hints(Verdicts) if name not in (moment.names or ())]
+    goals = (len(state.goals),)
+    return np.dtype([*moment.descr, *((name, "<i8", goals) for name in counts)])
 
 
 def read_words(values: Records, kind: np.dtype[Any]) -> Records:
@@ -163,3 +169,12 @@ def packed(states: Records) -> list[memoryview]:
     rows[:, end:] = memories
     rows += 0.0
     return [(row if row[end:].any() else row[:end]).data for row in rows]
+
+
+def read_recorded(state: State, recorded: Any) -> None:
+    """Bring a state up to what was recorded of one."""
+    for name in COLUMNS:
+        columns = recorded[name].dtype.names
+        for record, values in zip(getattr(state, name), recorded[name].tolist(), strict=True):
+            for column, value in zip(columns, values, strict=True):
+                setattr(record, column, value)
