@@ -95,11 +95,13 @@ class Kinds:
     ----------
     local
         Its arguments, and the names that it assigns to.
+    names
+        Kinds of what names hold.
     """
 
     def __init__(self, function: ast.FunctionDef, source: Source) -> None:
         self._imports = source.imports
-        self._names: dict[str, Kind] = {
+        self.names: dict[str, Kind] = {
             name: type(number)
             for name, value in source.constants.items()
             if (number := literal(value)) is not None
@@ -113,7 +115,7 @@ class Kinds:
                 kind = self.of(value)
                 if kind is not None or n:
                     kinds.setdefault(name, []).append(kind)
-            self._names |= {name: _common(found) for name, found in kinds.items()}
+            self.names |= {name: _common(found) for name, found in kinds.items()}
 
     def dotted(self, node: ast.AST) -> str:
         """Return the dotted name that an expression stands for; empty if it is none."""
@@ -131,10 +133,6 @@ class Kinds:
             return type(number)
         kind_of = _KIND_OF.get(type(node))
         return None if kind_of is None else kind_of(self, node)
-
-    def of_name(self, name: str) -> Kind:
-        """Return the kind of what a name holds, or ``None`` where it cannot be told."""
-        return self._names.get(name)
 
 
 def _of_field(node: ast.Attribute, owner: Kind) -> Kind:
@@ -167,7 +165,7 @@ def _common(kinds: Sequence[Kind]) -> Kind:
 
 
 _KIND_OF: Mapping[type, Callable[[Kinds, Any], Kind]] = {
-    ast.Name: lambda kinds, node: kinds.of_name(node.id),
+    ast.Name: lambda kinds, node: kinds.names.get(node.id),
     ast.Attribute: lambda kinds, node: _of_field(node, kinds.of(node.value)),
     ast.Subscript: lambda kinds, node: (
         kinds.of(node.value) if isinstance(node.slice, ast.Slice) else element(kinds.of(node.value))
@@ -190,11 +188,10 @@ def _arguments(function: ast.FunctionDef, imports: Mapping[str, str]) -> Iterato
     """Yield the arguments with their kinds; one that is called ``ci`` needs no annotation."""
     for argument in (*function.args.args, *function.args.kwonlyargs):
         hint = argument.annotation
-        name = "" if not isinstance(hint, ast.Name) else hint.id
-        if hint is None and argument.arg == "ci":
-            yield argument.arg, State
-        else:
-            yield argument.arg, _RECORDS.get(imports.get(name, ""), _NUMBERS.get(name))
+        name = hint.id if isinstance(hint, ast.Name) else ""
+        is_state = hint is None and argument.arg == "ci"
+        annotated = _RECORDS.get(imports.get(name, ""), _NUMBERS.get(name))
+        yield argument.arg, State if is_state else annotated
 
 
 def _assignments(function: ast.FunctionDef) -> Iterator[tuple[str, ast.AST | None]]:

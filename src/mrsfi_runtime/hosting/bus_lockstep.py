@@ -168,21 +168,12 @@ class BusLockstep:
 
     def _call(self, service: Service, timeout: float) -> Reply:
         """Call a service of the simulation and wait for its reply."""
-        replies: list[Reply] = []
         completion = self._completion = Completion()
-
-        def on_reply(reply: Reply) -> None:
-            replies.append(reply)
-            completion.end()
-
-        def overdue(silence: float) -> MrsfiError | None:
-            if silence <= timeout:
-                return None
-            return TransportTimeout(f"{service.name} did not answer within {timeout:g} s")
-
-        self._transport.call(service, {}, on_reply)
-        completion.wait(overdue)
-        return replies[0]
+        self._transport.call(service, {}, completion.end)
+        late = TransportTimeout(f"{service.name} did not answer within {timeout:g} s")
+        completion.wait(lambda silence: late if silence > timeout else None)
+        reply: Reply = completion.result
+        return reply
 
     def _end(self) -> None:
         """End the run on this side; tell the simulation, unless it knows."""

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from threading import Event
 from time import monotonic
+from typing import Any
 
 from mrsfi_runtime.errors import MrsfiError
 
@@ -27,9 +28,16 @@ class Patience:
 
 
 class Completion:
-    """What one thread brings to its end, good or bad, and another waits for; it goes by steps."""
+    """What one thread brings to its end, good or bad, and another waits for; it goes by steps.
+
+    Attributes
+    ----------
+    result
+        What came of it, once it has ended well.
+    """
 
     def __init__(self) -> None:
+        self.result: Any = None
         self._n_steps = 0
         self._ended = Event()
         self._failure: Exception | None = None
@@ -38,8 +46,9 @@ class Completion:
         """Note a step."""
         self._n_steps += 1
 
-    def end(self) -> None:
-        """Note that all is done."""
+    def end(self, result: object = None) -> None:
+        """Note that all is done, and what came of it."""
+        self.result = result
         self._ended.set()
 
     def fail(self, error: Exception) -> None:
