@@ -10,7 +10,6 @@ from m2t.metaclasses import base_class, is_read, slots
 from m2t.metamodel_contract import PROGRESSING
 from m2t.naming import constant, identifier, snake_case
 from m2t.visitors.own_constants import Constant, OwnFeatures
-from mrsfi_runtime.errors import ModelError
 
 _MAX_MEMBERS = 8
 
@@ -42,11 +41,10 @@ def visit(models: LoadedModels) -> Mapping[str, Any]:
     own = OwnFeatures(indices, models.nodes)
     for element, found in own.of(mission, "MISSION"):
         if found.name in constants:
-            node = models.nodes[element or mission]
-            raise ModelError(
-                f"{node.path}:{node.line}: {node.description} holds a value that code would "
-                f"know as {found.name}, which is another's name already; rename the feature "
-                "or the other element"
+            raise own.error(
+                element or mission,
+                f"holds a value that code would know as {found.name}, which is another's name "
+                "already; rename the feature or the other element",
             )
         constants[found.name] = found
     return {

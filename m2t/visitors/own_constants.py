@@ -106,7 +106,7 @@ class OwnFeatures:
         parts = list(_flat(held))
         for part in parts:
             if part.eClass is not parts[0].eClass:
-                raise self._error(
+                raise self.error(
                     part,
                     f"is of class {part.eClass.name}, beside others of {parts[0].eClass.name}; "
                     "no constants can hold both; expected parts of one class",
@@ -118,7 +118,7 @@ class OwnFeatures:
         if slot.many:
             return tuple(self._value(element, entry, slot) for entry in value)
         if value is None and slot.is_contained and isinstance(beside, tuple):
-            raise self._error(
+            raise self.error(
                 element,
                 f"has no {slot.name}; code knows those of all its neighbours as one constant, in "
                 "which every one needs a value; add it",
@@ -131,7 +131,7 @@ class OwnFeatures:
         if not slot.is_reference:
             return "" if value is None else plain(value, slot)
         if value is not None and value not in self.indices:
-            raise self._error(
+            raise self.error(
                 element,
                 f"refers to {self.nodes[value].description} as {slot.name}, which has no index in "
                 "code; expected a robot, a sensor, an obstacle, a goal, a server or a part that "
@@ -139,7 +139,8 @@ class OwnFeatures:
             )
         return NONE if value is None else self.indices[value]
 
-    def _error(self, element: Any, finding: str) -> ModelError:
+    def error(self, element: Any, finding: str) -> ModelError:
+        """Return the error that an element cannot become constants."""
         node = self.nodes[element]
         return ModelError(f"{node.path}:{node.line}: {node.description} {finding}")
 
