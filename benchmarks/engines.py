@@ -52,9 +52,11 @@ def opened(stack: ExitStack, name: str, workers: int, *, on_dask: bool) -> Worke
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--rounds", type=int, default=7, help="at least 2")
     parser.add_argument("--faults", type=int, default=20, help="timed faults of a specification")
     arguments = parser.parse_args()
+    if arguments.rounds < 2:
+        parser.error(f"--rounds: found {arguments.rounds}; expected at least 2, for quartiles")
     specifications = drawn(load_code(MISSION), max(n for *_, n in ENGINES), arguments.faults)
     rates: dict[str, list[float]] = {label: [] for label, *_ in ENGINES}
     with ExitStack() as stack:

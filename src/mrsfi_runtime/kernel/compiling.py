@@ -8,13 +8,12 @@ not compile at all.
 """
 
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import Any, TypeVar
 
-P = ParamSpec("P")
-R = TypeVar("R")
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def kernel(function: Callable[P, R]) -> Callable[P, R]:
+def kernel(function: Function) -> Function:
     """Mark a function as part of the world's kernel and return it unchanged."""
     function.__kernel__ = True  # type: ignore[attr-defined]
     return function

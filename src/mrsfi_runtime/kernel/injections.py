@@ -157,8 +157,8 @@ def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -
         if mode is Mode.OWN:
             own += _own_rows(number, timed, fault.kind, targets)
             continue
-        changes = _CHANGES.get(mode, _as_they_are)(*timed.values)
-        a, b, c = (*map(float, changes), 0.0, 0.0, 0.0)[:3]
+        values = _CHANGES[mode](*timed.values) if mode in _CHANGES else timed.values
+        a, b, c = (*map(float, values), 0.0, 0.0, 0.0)[:3]
         is_random = int(mode is Mode.RANDOM)
         finish, delay = _held_back(timed, mode)
         for affected, target in targets:
@@ -172,10 +172,6 @@ def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -
     for listed in (messages, reports, commands, own):
         listed.sort(key=itemgetter(_START))
     return PlanRows((messages, reports, commands), own, n_held, len(specification))
-
-
-def _as_they_are(*values: float) -> tuple[float, ...]:
-    return values
 
 
 _CHANGES: Mapping[Mode, Callable[..., tuple[float, ...]]] = {
