@@ -80,15 +80,18 @@ def _check_feature(slot: Slot, findings: Findings) -> None:
         finding = "has a name that every element uses itself; expected another; rename it"
         findings.add(feature, "ReservedId", finding)
     text = getattr(feature, "defaultValueLiteral", None)
-    if text is not None and not _is_value(text, slot.type):
-        finding = f"has the default {shown(text)}, which is no value of its type; correct it"
+    if text is not None and (expected := _missed(text, slot.type)):
+        finding = f"has the default {shown(text)}; expected {expected}; correct it"
         findings.add(feature, "NumberSyntax", finding)
 
 
-def _is_value(text: str, kind: Any) -> bool:
+def _missed(text: str, kind: Any) -> str:
+    """Return what a default should be that is no value of its type; nothing if it is one."""
     if isinstance(kind, EEnum):
-        return text in {literal.name for literal in kind.eLiterals}
-    return VALUE_TYPES[kind.name].fullmatch(text) is not None
+        names = [literal.name for literal in kind.eLiterals]
+        return "" if text in names else " or ".join(names) or "none"
+    values = VALUE_TYPES[kind.name]
+    return "" if values.has(text) else values.described
 
 
 def _check_contract(package: Any, root_class: str, findings: Findings) -> None:

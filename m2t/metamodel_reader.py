@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 from io import BytesIO
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from lxml import etree
 from pyecore.resources import URI, ResourceSet
@@ -19,18 +19,30 @@ from m2t.namespaces import ECORE, XMI, XSI
 from m2t.read.nodes import Node
 from mrsfi_runtime.errors import ModelError
 
-_PATTERNS: Mapping[str, re.Pattern[str]] = MappingProxyType(
+
+class _Values(NamedTuple):
+    """What the values of a type look like, in words and as a pattern."""
+
+    described: str
+    pattern: str
+
+    def has(self, text: str) -> bool:
+        """Whether a text is a value of the type."""
+        return re.fullmatch(self.pattern, text, re.ASCII | re.DOTALL) is not None
+
+
+_VALUES: Mapping[str, _Values] = MappingProxyType(
     {
-        "Name": re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII),
-        "Count": re.compile(r"-1|[0-9]{1,6}", re.ASCII),
-        "Some": re.compile(r".+", re.DOTALL),
-        "EString": re.compile(r".*", re.DOTALL),
-        "EInt": re.compile(r"-?[0-9]{1,9}", re.ASCII),
-        "EDouble": re.compile(r"-?[0-9]{1,15}(\.[0-9]{1,15})?", re.ASCII),
-        "EBoolean": re.compile(r"true|false"),
+        "Name": _Values("a letter, then letters, digits and _, all of ASCII", r"[A-Za-z]\w*"),
+        "Count": _Values("-1 or a whole number of at most 6 digits", r"-1|\d{1,6}"),
+        "Some": _Values("a text that is not empty", r".+"),
+        "EString": _Values("a text", r".*"),
+        "EInt": _Values("a whole number of at most 9 digits", r"-?\d{1,9}"),
+        "EDouble": _Values("a decimal number", r"-?\d{1,15}(\.\d{1,15})?"),
+        "EBoolean": _Values("true or false", r"true|false"),
     }
 )
-VALUE_TYPES = {name: text for name, text in _PATTERNS.items() if name.startswith("E")}
+VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startswith("E")}
 """Types of attributes beside enumerations, and what their defaults look like."""
 
 _MAX_ANCESTORS = 50
@@ -154,8 +166,8 @@ class MetamodelReader:
                 listed = ", ".join(types)
                 finding = f"has no attribute {shown(name)}; expected {listed}; correct it"
                 self._report.add(node, "KnownFeature", finding)
-            elif not _PATTERNS[types[name]].fullmatch(text):
-                finding = f"has {name} {shown(text)}, which is no such value; correct it"
+            elif not (values := _VALUES[types[name]]).has(text):
+                finding = f"has {name} {shown(text)}; expected {values.described}; correct it"
                 self._report.add(node, "NumberSyntax", finding)
         for namespace, name in node.qualified:
             if (namespace, name) not in {(XSI, "type"), (XMI, "version")}:

@@ -100,7 +100,7 @@ name="Mission" | name="Missions" | <ecore:EPackage | has no class Mission
 name="mission" | name="m" | <ecore:EPackage | expected the name mission
 name="SensorType" | name="Kind" | #//SensorType | '#//SensorType', which is no EEnum
 Ecore#//EDouble | Ecore#//EFloat | #//EFloat | has type 'EFloat'; expected EString
-lowerBound="1" | lowerBound="x" | lowerBound="x" | has lowerBound 'x', which is no
+lowerBound="1" | lowerBound="x" | lowerBound="x" | has lowerBound 'x'; expected -1 or
 lowerBound="2" | lowerBound="-1" | lowerBound="-1" | has bounds -1 and -1
 containment="true" | contained="true" | missionArea | has no attribute 'contained'
 defaultValueLiteral="1.0" | defaultValueLiteral="?" | "tolerance" eT | has the default '?'
@@ -110,7 +110,7 @@ name="servers" | name="eContents" | "eContents" | a name that every element uses
 "robots" low | "robots" ordered="false" low | "robots" | values would change places
 name="center" | name="center" volatile="true" | "center" | do not keep its values
 name="center" | name="center" derived="true" | "center" | do not keep its values
-name="center" | name="the center" | "the center" | has name 'the center', which is no
+name="center" | name="the center" | "the center" | has name 'the center'; expected a letter
 xsi:type="ecore:EEnum" | xsi:type="ecore:EDataType" | EDataType" | 'ecore:EDataType'
 "#//Sensor" | "ecore:EClass faults.ecore#//Fault" | name="sensors" | which is no EClass
 <eStructuralFeatures | <eOperations name="f"/><eStructuralFeatures | eOperations

@@ -213,6 +213,21 @@ def test_ladder_of_diamonds_is_read_without_climbing_every_path(folder):
     assert both.mission.getEClassifier("R23") is not None
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('name="Robot"', 'name="Größe"', "'Größe'; expected a letter, then letters, digits"),
+        ('abstract="true"', 'abstract="yes"', "'yes'; expected true or false"),
+        ('upperBound="-1"', 'upperBound="-2"', "'-2'; expected -1 or a whole number"),
+        ('name="deadline"', 'name="deadline" defaultValueLiteral="1.5"', "expected a whole number"),
+    ],
+)
+def test_values_say_what_was_expected(folder, old, new, said):
+    edit(folder / MISSION_FILE, old, new)
+
+    assert said in _error(folder)
+
+
 def test_text_within_an_element_is_named_with_its_line(folder):
     path = folder / MISSION_FILE
     before, end, after = path.read_text(encoding="utf-8").partition("</eClassifiers>")
