@@ -62,7 +62,8 @@ def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int)
     moments = arrays.moments
     for k in range(first, last):
         arrays.at[0] = k
-        arrays.words[:] = arrays.fresh
+        for side in range(len(arrays.words)):
+            copy(arrays.fresh[side], arrays.words[side])
         lay_out(plan, arrays, k)
         result = arrays.results[k]
         issue(belief, world, plan, 0)
@@ -75,7 +76,7 @@ def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int)
         record(result, arrays.words, result)
         first_tally = arrays.ends[k, 4]
         n_tallies = arrays.ends[k, 5] - first_tally
-        arrays.tallies[first_tally : first_tally + n_tallies] = plan.tallies[:n_tallies]
+        copy(plan.tallies[:n_tallies], arrays.tallies[first_tally:])
 
 
 @kernel
@@ -86,20 +87,27 @@ def lay_out(plan: Any, arrays: Arrays, k: int) -> None:
     copy_injections(plan.reports, arrays.injections, ends[k, 1], ends[k, 2])
     copy_injections(plan.commands, arrays.injections, ends[k, 2], ends[k, 3])
     copy_injections(plan.own, arrays.own, ends[k, 6], ends[k, 7])
-    plan.tallies[: ends[k, 5] - ends[k, 4]] = arrays.tallies[ends[k, 4] : ends[k, 5]]
+    copy(arrays.tallies[ends[k, 4] : ends[k, 5]], plan.tallies)
 
 
 @kernel
 def copy_injections(listed: Any, injections: Any, first: int, last: int) -> None:
     """Fill a list of the plan, with a sentinel behind the last injection."""
-    listed[: last - first] = injections[first:last]
+    copy(injections[first:last], listed)
     listed[last - first].start = NEVER
 
 
 @kernel
 def record(moment: Any, words: Any, verdicts: Any) -> None:
     """Write down what is recorded of truth and belief, and which goals are violated."""
-    moment.world[:] = words[0, : len(moment.world)]
-    moment.belief[:] = words[1, : len(moment.belief)]
-    moment.is_true[:] = verdicts.is_true
-    moment.is_believed[:] = verdicts.is_believed
+    copy(words[0, : len(moment.world)], moment.world)
+    copy(words[1, : len(moment.belief)], moment.belief)
+    copy(verdicts.is_true, moment.is_true)
+    copy(verdicts.is_believed, moment.is_believed)
+
+
+@kernel
+def copy(entries: Any, room: Any) -> None:
+    """Copy entries to the beginning of a room, one by one: slices take twice as long to compile."""
+    for k in range(len(entries)):
+        room[k] = entries[k]
