@@ -107,7 +107,7 @@ def record(moment: Any, words: Any, verdicts: Any) -> None:
 
 
 @kernel
-def copy(entries: Any, room: Any) -> None:
-    """Copy entries to the beginning of a room, one by one: slices take twice as long to compile."""
+def copy(entries: Any, target: Any) -> None:
+    """Copy entries to where a list begins, one by one: slices take twice as long to compile."""
     for k in range(len(entries)):
-        room[k] = entries[k]
+        target[k] = entries[k]
