@@ -23,7 +23,8 @@ N_METAMODELS_EACH = (1, pytest.param(15, marks=slow))
 """Of each kind of mutilation; with the slow ones a thousand, three hundred of them metamodels."""
 
 MAX_DRAWS = 1_000
-MAX_SECONDS = 5.0
+MAX_SECONDS = 30.0
+"""Of work in this thread; what grows without bound takes longer."""
 
 _PLACE = re.compile(r"^(?P<path>.+?):(?P<line>[1-9][0-9]*): .+")
 
@@ -31,11 +32,11 @@ _PLACE = re.compile(r"^(?P<path>.+?):(?P<line>[1-9][0-9]*): .+")
 def _validate(models: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> int:
     """Validate models; require that every error has its place in a folder, and nothing else."""
     before = content(folder)
-    start = time.process_time()
+    start = time.thread_time()
 
     code = main(["validate", str(models)])
 
-    assert time.process_time() - start < MAX_SECONDS
+    assert time.thread_time() - start < MAX_SECONDS
     assert content(folder) == before
     out, err = capsys.readouterr()
     assert "Traceback" not in out + err
