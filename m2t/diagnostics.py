@@ -202,7 +202,7 @@ class Report:
     """
 
     def __init__(self) -> None:
-        self._found: dict[Diagnostic, None] = {}
+        self._found: dict[tuple[object, ...], Diagnostic] = {}
         self.n_errors = 0
         self.n_unsound = 0
 
@@ -211,18 +211,20 @@ class Report:
         severity = CONSTRAINTS[constraint].severity
         element = node.description
         message = f"{element} {finding}"
-        self._add(Diagnostic(node.path, node.line, element, constraint, severity, message))
+        found = Diagnostic(node.path, node.line, element, constraint, severity, message)
+        self._add((node, constraint, finding), found)
 
     def add_file(self, path: Path, line: int, defect: Defect) -> None:
         """Add a defect of a whole file."""
         message = f"{path.name} {defect.finding}"
         severity = CONSTRAINTS[defect.constraint].severity
-        self._add(Diagnostic(path, line, path.name, defect.constraint, severity, message))
+        found = Diagnostic(path, line, path.name, defect.constraint, severity, message)
+        self._add((path, line, defect), found)
 
-    def _add(self, found: Diagnostic) -> None:
-        if found in self._found:  # of what several classes inherit, say
+    def _add(self, key: tuple[object, ...], found: Diagnostic) -> None:
+        if key in self._found:  # of what several classes inherit, say
             return
-        self._found[found] = None
+        self._found[key] = found
         is_error = found.severity == "error"
         self.n_errors += is_error
         self.n_unsound += is_error and found.constraint != "UniqueReference"
@@ -243,7 +245,7 @@ class Report:
         return ModelError("\n".join(str(found) for found in self if found.severity == "error"))
 
     def __iter__(self) -> Iterator[Diagnostic]:
-        return iter(self._found)
+        return iter(self._found.values())
 
 
 @dataclass(frozen=True, slots=True)

@@ -152,6 +152,8 @@ def test_two_repeated_fields_in_one_line_leave_the_first(folder):
         body.format("Int"),
         body.format("Int") + body.format("Double") + body.format("String"),
     )
+    found = [one.constraint for one in inspect_folder(folder).diagnostics]
+    assert found.count("UniqueMessageField") == 2
 
     mending = _mended(folder)
 
