@@ -7,9 +7,10 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import chain
 from pathlib import Path
+from typing import TypeAlias
 
 import pytest
 
@@ -38,6 +39,8 @@ from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, ed
 from tests.support.models.random_models import draw
 from tests.support.models.split import PARTS, Parts, split_folder, write_split
 
+Recording: TypeAlias = tuple[subprocess.Popen[str], Path]
+
 TIGHT = MODELS.parent / "tight_margins"
 N_MUTANTS = 250
 N_DRAWN = 20
@@ -58,24 +61,38 @@ _BROKEN_TWINS = [entry for entry in BROKEN if entry.constraint in TWINS]
 
 
 @pytest.fixture(scope="module")
-def models(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, list[Judged]]:
-    """All models by part, judged by both; Java needs time to warm up, so it starts only twice."""
-    recorded = tmp_path_factory.mktemp("recorded")
-    with _recording(recorded) as recorder:
-        made = {
-            "valid models": _valid(tmp_path_factory.mktemp("valid")),
-            "broken models": _broken(tmp_path_factory.mktemp("broken")),
-            "broken models in several files": _split(tmp_path_factory.mktemp("split")),
-            "mutated models": _mutated(tmp_path_factory.mktemp("mutated")),
-        }
-        by_path = {model.path: model for model in judged([*chain(*made.values())])}
-        output, _ = recorder.communicate()
-    # Tests that fail are reported where they belong; their models count all the same.
-    assert recorder.returncode in (0, 1), output
-    parts = {
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Recording]:
+    """The tests that judge models, while they run, and where each of their models is recorded."""
+    folder = tmp_path_factory.mktemp("recorded")
+    with _recording(folder) as process:
+        yield process, folder
+
+
+@pytest.fixture(scope="module")
+def models(
+    recording: Recording, tmp_path_factory: pytest.TempPathFactory
+) -> Mapping[str, list[Judged]]:
+    """Models made here, by part, judged by both at once: Java needs time to warm up."""
+    made = {
+        "valid models": _valid(tmp_path_factory.mktemp("valid")),
+        "broken models": _broken(tmp_path_factory.mktemp("broken")),
+        "broken models in several files": _split(tmp_path_factory.mktemp("split")),
+        "mutated models": _mutated(tmp_path_factory.mktemp("mutated")),
+    }
+    by_path = {model.path: model for model in judged([*chain(*made.values())])}
+    return {
         name: [by_path[path] for path in part if path in by_path] for name, part in made.items()
     }
-    return {**parts, "models of the test suite": judged(_recorded(recorded))}
+
+
+@pytest.fixture(scope="module")
+def recorded_models(recording: Recording) -> list[Judged]:
+    """Models of the test suite, judged by both."""
+    process, folder = recording
+    output, _ = process.communicate()
+    # Tests that fail are reported where they belong; their models count all the same.
+    assert process.returncode in (0, 1), output
+    return judged(_recorded(folder))
 
 
 def test_both_find_the_same_in_valid_models(models, note):
@@ -107,17 +124,15 @@ def test_both_find_the_same_in_randomly_mutated_models(models, note):
     assert len(found) >= len(TWINS) * 0.85
 
 
-def test_both_find_the_same_in_every_model_of_the_test_suite(models, note):
-    part = models["models of the test suite"]
+def test_both_find_the_same_in_every_model_of_the_test_suite(recorded_models, note):
+    found = require_same_findings("models of the test suite", recorded_models, note)
 
-    found = require_same_findings("models of the test suite", part, note)
-
-    assert len(part) >= 200
+    assert len(recorded_models) >= 200
     assert len(found) >= 20
 
 
-def test_both_write_the_same_when_they_fix_models(models, note):
-    judged_models = [model for part in models.values() for model in part]
+def test_both_write_the_same_when_they_fix_models(models, recorded_models, note):
+    judged_models = [*chain(*models.values(), recorded_models)]
 
     fixed = require_same_fixes(judged_models, note)
 
