@@ -16,6 +16,9 @@ from mrsfi_runtime.model.fault_types import Field
 ROBOT_RADIUS = 1.0
 """Robots are discs of this radius, in distance units."""
 
+FASTEST_OVER_NOMINAL = 2.0
+"""How many times its nominal speed a robot reaches whose model names no greatest speed."""
+
 
 @dataclass(frozen=True, slots=True)
 class Coordinates:
@@ -90,7 +93,10 @@ class DoubleProperty:
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """A robot with its nominal speed in distance units per tick."""
+    """A robot with its nominal speed in distance units per tick.
+
+    ``max_speed`` is the greatest speed that the model names, in the same unit; most name none.
+    """
 
     id: str
     name: str
@@ -102,6 +108,12 @@ class Robot:
     int_properties: tuple[IntProperty, ...] = ()
     string_properties: tuple[StringProperty, ...] = ()
     double_properties: tuple[DoubleProperty, ...] = ()
+    max_speed: float | None = None
+
+    @property
+    def fastest(self) -> float:
+        """The greatest speed that anybody can command, in distance units per tick."""
+        return FASTEST_OVER_NOMINAL * self.speed if self.max_speed is None else self.max_speed
 
     @property
     def total_energy(self) -> float:
