@@ -120,6 +120,7 @@ TolerancePositive (mission): a tolerance is above 0
 FixedDistancePositive (mission): a fixed distance is above 0
 DelayNotNegative (faults): delays and block durations are not below 0
 WindowNotNegative (faults): the window of a fault does not begin or end before tick 0
+SpeedWithinMaximum (mission): a nominal speed is not above the maximum of its robot
 MessageFieldName (mission): a message reports POSITION, SPEED, ENERGY or a sensor type
 MessageFieldType (mission): a message field is of type Coordinates, Int, Double or String
 SenderIsNotReceiver (mission): a message goes to somebody else than its sender

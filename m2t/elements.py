@@ -16,6 +16,12 @@ def values(element: Any, slot: Slot) -> list[Any]:
     return [] if value is None else [value]
 
 
+def is_set(element: Any, name: str) -> bool:
+    """Return whether the model gives an optional feature that the element's class has."""
+    slot = slots(element.eClass).get(name)
+    return slot is not None and bool(element.eIsSet(slot.feature))
+
+
 def put(element: Any, slot: Slot, value: Any) -> None:
     """Set a feature of an element, or add to its values if it holds many."""
     if slot.many:

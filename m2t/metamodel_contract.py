@@ -36,8 +36,9 @@ _STATION = (
 _MISSION = f"""
 Mission: attr EString[1] name, attr EInt[1] duration, val Area[1] missionArea, val Robot[+] robots,
     val Server[*] servers, val Obstacle[*] obstacles, val Goal[+] goals
-Robot extends Station: {_STATION}, attr EDouble[1] speed, val Coordinates[?] position,
-    val Sensor[*] sensors, val Battery[*] batteries, val MotionSource[*] motionSources
+Robot extends Station: {_STATION}, attr EDouble[1] speed, attr EDouble[?] maxSpeed,
+    val Coordinates[?] position, val Sensor[*] sensors, val Battery[*] batteries,
+    val MotionSource[*] motionSources
 Server extends Station: {_STATION}
 Sensor: {_NAMED}, attr SensorType[1] type, attr EDouble[?] energyPerSample,
     attr EInt[1] samplesPerSecond

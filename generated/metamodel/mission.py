@@ -121,6 +121,10 @@ class Robot(Station):
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
         "The nominal speed in distance units per tick, not below 0.",
     )
+    maxSpeed = annotated(
+        ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
+        "The greatest speed that the robot can be commanded to, by a fault too, in distance units per tick, not below the nominal speed; twice the nominal speed if unset.",
+    )
     position = annotated(
         ecore.EReference(containment=True),
         "The position at tick 0; the origin if absent.",

@@ -90,6 +90,8 @@ class Robot(Station):
 
     speed: float
     """The nominal speed in distance units per tick, not below 0."""
+    maxSpeed: float
+    """The greatest speed that the robot can be commanded to, by a fault too, in distance units per tick, not below the nominal speed; twice the nominal speed if unset."""
     position: Coordinates | None
     """The position at tick 0; the origin if absent."""
     sensors: EList[Sensor]
@@ -107,6 +109,7 @@ class Robot(Station):
         stringProperties: Iterable[StringProperty] = ...,
         doubleProperties: Iterable[DoubleProperty] = ...,
         speed: float | None = ...,
+        maxSpeed: float | None = ...,
         position: Coordinates | None = ...,
         sensors: Iterable[Sensor] = ...,
         batteries: Iterable[Battery] = ...,

@@ -44,6 +44,7 @@ class Range:
         return f"a number above {self.lowest}" if self.is_open else f"{self.lowest} or more"
 
 
+_SPEED = Range("SpeedNotNegative", 0)
 _ENERGY = Range("EnergyNotNegative", 0)
 _TICKS = Range("DelayNotNegative", 0)
 _WINDOW = Range("WindowNotNegative", 0)
@@ -52,7 +53,8 @@ RANGES: Mapping[str, Range] = MappingProxyType(
     {
         "duration": Range("DurationInRange", 1, 10_000_000),
         "radius": Range("RadiusPositive", 0, is_open=True),
-        "speed": Range("SpeedNotNegative", 0),
+        "speed": _SPEED,
+        "maxSpeed": _SPEED,
         "energyPerSample": _ENERGY,
         "totalEnergy": _ENERGY,
         "energyPerDistanceUnit": _ENERGY,

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from m2t.constraints.mission import number
 from m2t.diagnostics import Findings
-from m2t.elements import values
+from m2t.elements import is_set, values
 from m2t.metaclasses import is_kind, slots
 from m2t.metamodel_contract import BOUNDS
 from m2t.metamodels import meaning
@@ -46,12 +46,6 @@ def fault_types(fault: Any) -> tuple[Any, ...]:
         if slot.is_contained and is_kind(slot.type, "FaultType") and fault.eIsSet(slot.feature)
         for kind in values(fault, slot)
     )
-
-
-def is_set(element: Any, name: str) -> bool:
-    """Return whether the model gives an optional feature that the element's class has."""
-    slot = slots(element.eClass).get(name)
-    return slot is not None and bool(element.eIsSet(slot.feature))
 
 
 def exchanged_window(fault: Any) -> Pairs:

@@ -14,6 +14,7 @@ from pyecore.ecore import EObject
 
 from m2t.constraints.contact import Discs
 from m2t.diagnostics import Findings, listed, shown
+from m2t.elements import is_set
 from m2t.metaclasses import base_class, is_kind
 from m2t.write.xmi import java_double
 from mrsfi_runtime.model.mission import ROBOT_RADIUS
@@ -83,6 +84,13 @@ def _ids(elements: Any) -> str:
 
 
 def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:
+    if is_set(robot, "maxSpeed") and robot.speed > robot.maxSpeed:
+        findings.add(
+            robot,
+            "SpeedWithinMaximum",
+            f"has speed {number(robot.speed)} above maxSpeed {number(robot.maxSpeed)}; expected a "
+            "nominal speed that it can reach; correct one of them",
+        )
     area = mission.missionArea
     if distance(point(robot.position), point(area.center)) > area.radius:
         findings.add(

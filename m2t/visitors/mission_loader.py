@@ -21,7 +21,8 @@ def visit(models: LoadedModels) -> Mapping[str, Any]:
     """Turn the mission into calls of the runtime's vocabulary, which the metamodel names.
 
     An element becomes a call of its class with the features that the runtime reads, in the
-    order of the metamodel; a team's own go to ``collective_intelligence.py``.
+    order of the metamodel and without those that are unset; a team's own go to
+    ``collective_intelligence.py``.
     """
     mission = _call(models.mission)
     return {"imports": functions(mission), "result": mission}
@@ -34,7 +35,9 @@ def _call(element: Any) -> Call:
         return Call(OWN_TASK, (("class_name", str(metaclass.name)),), is_flat=True)
     known = [slot for slot in slots(metaclass).values() if is_read(metaclass, slot.name)]
     given = (
-        (_NAMES.get(slot.name, snake_case(slot.name)), _value(element, slot)) for slot in known
+        (_NAMES.get(slot.name, snake_case(slot.name)), _value(element, slot))
+        for slot in known
+        if not slot.feature.unsettable or element.eIsSet(slot.feature)
     )
     arguments = tuple((name, value) for name, value in given if value not in (None, ()))
     return Call(metaclass.name, arguments, is_flat=not any(slot.is_id for slot in known))

@@ -43,6 +43,8 @@ CHANGES = [
     ("mission.xmi", '<servers ID="sv1"', ROBOT, "robot r4 added ('Max')"),
     *rows("""
 mission.xmi | name="JEN" speed="4.0" | name="JEN" speed="6" | robot r2: speed 4.0 → 6.0
+mission.xmi | name="JEN" speed="4.0" | name="JEN" speed="4.0" maxSpeed="9"
+    robot r2: maxSpeed none → 9.0
 mission.xmi | duration="1000" | duration="900" | mission: duration 1000 → 900
 mission.xmi | name="LEN" | name="L&#xE9;N" | robot r1: name 'LEN' → 'LéN'
 mission.xmi | name="SufficientEnergy" members="r2 r3 r1" | name="SufficientEnergy" members="r2 r3"

@@ -92,6 +92,8 @@ DurationInRange | duration="1000" | duration="10000001" | duration
 RadiusPositive | radius="50.0" | radius="0.0" | ID="a7" | area 'a7' | expected a number above 0
 SpeedNotNegative | speed="5.0" | speed="-5.0" | -5.0
     robots 'r1' | has speed '-5.0'; expected 0 or more
+SpeedNotNegative | speed="5.0" | speed="5.0" maxSpeed="-1" | ID="r1"
+    robots 'r1' | has maxSpeed '-1'; expected 0 or more
 EnergyNotNegative | energyPerSample="2.0" | energyPerSample="-2" | ID="s1"
     sensors 's1' | has energyPerSample '-2'; expected 0 or more
 EnergyNotNegative | totalEnergy="4000.0" | totalEnergy="-1" | b3
@@ -124,6 +126,8 @@ UniquePropertyName | <position
     <intProperties name="hull" value="1"/>\n<doubleProperties name="hull" value="2.0"/>\n<position
     doubleProperties
     doubleProperties 'hull' | is a property of robots 'r1' for the second time
+SpeedWithinMaximum | speed="4.0" | speed="4.0" maxSpeed="3.5" | ID="r2"
+    robots 'r2' | has speed 4.0 above maxSpeed 3.5; expected a nominal speed that it can reach
 GoalDependsOnOthers | ID="g2" | ID="g2" dependentGoals="g1 g2" | ID="g2"
     goals 'g2' | depends on itself
 GatherSamplesArea

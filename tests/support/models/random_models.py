@@ -212,7 +212,7 @@ class _Drawer:
 _WINDOW = ("start", "finish")
 _MANY = {"robots": (2, 4), "faults": (0, 20), "goals": (1, 8), "trajectory": (2, 4)}
 """Numbers of children, from and to, by feature; a distance needs two robots."""
-_BOUNDS = (("start", "finish"), ("LOWER_BOUND", "UPPER_BOUND"))
+_BOUNDS = (("speed", "maxSpeed"), ("start", "finish"), ("LOWER_BOUND", "UPPER_BOUND"))
 
 
 def _is_in_ticks(name: str) -> bool:

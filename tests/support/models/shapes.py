@@ -236,8 +236,11 @@ class _Parts:
                 f'samplesPerSecond="{rates.pop()}"/>'
                 for k, kind in enumerate(kinds)
             )
+            more = _number(rng, 0.0, 8.0, _ODD_AMOUNTS)
+            fastest = f' maxSpeed="{speed + more!r}"' if rng.random() < 0.5 else ""
             yield (
-                f'<robots ID="{robot}" name="" speed="{speed!r}">{self.point("position")}{sensors}'
+                f'<robots ID="{robot}" name="" speed="{speed!r}"{fastest}>'
+                f"{self.point('position')}{sensors}"
                 f'<batteries ID="{robot}b" name="" totalEnergy="{energy!r}"/><motionSources '
                 f'ID="{robot}d" name="" energyPerDistanceUnit="{distance!r}"/></robots>'
             )
