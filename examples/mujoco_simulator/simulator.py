@@ -41,6 +41,7 @@ class Robot:
     name: str
     energy: float
     energy_per_metre: float
+    greatest_speed: float
     sensors: list[Sensor]
     heading: tuple[float, float] = (0.0, 0.0)
     wanted_speed: float = 0.0
@@ -64,7 +65,7 @@ class World:
         bodies = [self._model.body(n) for n in range(self._model.nbody)]
         vehicles = [body for body in bodies if body.jntnum[0]]
         self._start = np.array([body.pos for body in vehicles])
-        self.robots = [Robot(body.name, 0.0, 0.0, self._sensors(body.name)) for body in vehicles]
+        self.robots = [self._robot(body.name) for body in vehicles]
         self.reset(0)
 
     def reset(self, seed: int) -> None:
@@ -72,7 +73,7 @@ class World:
         mujoco.mj_resetData(self._model, self._data)
         self._random = np.random.default_rng(seed)
         for robot in self.robots:
-            robot.energy, robot.energy_per_metre = map(float, self._model.numeric(robot.name).data)
+            robot.energy = float(self._model.numeric(robot.name).data[0])
             robot.heading, robot.wanted_speed = (0.0, 0.0), 0.0
             for sensor in robot.sensors:
                 sensor.count, sensor.is_active, sensor.is_wanted = 0, False, True
@@ -90,6 +91,9 @@ class World:
             spent = float(metres[n]) * robot.energy_per_metre + self._sample(robot)
             robot.energy = max(robot.energy - spent, 0.0) if has_power[n] else 0.0
 
+    def _robot(self, name: str) -> Robot:
+        return Robot(name, *map(float, self._model.numeric(name).data), self._sensors(name))
+
     def _sensors(self, robot: str) -> list[Sensor]:
         found = []
         for n in range(self._model.nnumeric):
@@ -103,7 +107,8 @@ class World:
     def _move(self, has_power: np.ndarray) -> np.ndarray:
         """Move all vehicles for a tick and return how far each of them went."""
         wanted = np.array([robot.heading for robot in self.robots])
-        wanted *= np.array([[robot.wanted_speed] for robot in self.robots])
+        speeds = [min(robot.wanted_speed, robot.greatest_speed) for robot in self.robots]
+        wanted *= np.array([speeds]).T
         velocity = self._data.qvel.reshape(-1, 2)  # a view: it changes with every step
         step_s = self._model.opt.timestep
         metres = np.zeros(len(self.robots))

@@ -1,5 +1,6 @@
 """The paper's mission on MuJoCo: somebody else's simulator behind the topics, the CI unchanged."""
 
+import importlib
 import importlib.util
 import subprocess
 import sys
@@ -173,7 +174,7 @@ def test_its_world_is_that_of_the_model():
 
     expected: dict[str, list[float]] = {}
     for robot in mission.robots:
-        expected[robot.id] = [robot.total_energy, robot.energy_per_distance_unit]
+        expected[robot.id] = [robot.total_energy, robot.energy_per_distance_unit, robot.fastest]
         for sensor in robot.sensors:
             expected[f"{robot.id}/{sensor.id}"] = [
                 sensor.samples_per_second,
@@ -187,6 +188,23 @@ def test_its_world_is_that_of_the_model():
         o.id: [o.area.center.x, o.area.center.y, o.area.center.z, o.area.radius]
         for o in mission.obstacles
     }
+
+
+def test_its_vehicles_obey_no_command_beyond_their_greatest_speed(tmp_path, monkeypatch):
+    require_mujoco()
+    monkeypatch.syspath_prepend(EXAMPLE)
+    slow = tmp_path / "world.xml"
+    text = (EXAMPLE / "world.xml").read_text(encoding="utf-8")
+    slow.write_text(text.replace('"r2" data="64000 5 8"', '"r2" data="64000 5 2"'), "utf-8")
+    world = importlib.import_module("simulator").World(slow)
+    for robot in world.robots:
+        robot.heading, robot.wanted_speed = (1.0, 0.0), 1000.0
+
+    for _ in range(60):
+        world.step()
+
+    bounded, unbounded = world.robots[1].speed, world.robots[0].speed
+    assert 1.0 < bounded <= 2.0 < unbounded
 
 
 def test_the_minimal_simulator_of_the_page_flies(place):
