@@ -51,7 +51,7 @@ def flights() -> dict[str, dict[str, object]]:
 def frozen_outcome(
     engine: Engine, specification: Specification, trace: FrozenTrace | None = None
 ) -> Outcome:
-    """Evaluate a specification, with the digest of commit 82a3d34 in place of today's."""
+    """Evaluate a specification, with its digest in the frozen encoding."""
     last: list[State] = []
 
     def watch(world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]) -> None:

@@ -1,4 +1,4 @@
-"""Digests as commit 82a3d34 made them, whatever states look like and are written like since.
+"""Digests as the second version of the semantics makes them, whatever states look like since.
 
 Nothing here asks the product how it encodes: names and order of the fields are spelt out. Where a
 field has moved since, ``MOVED`` says where it stands now; the order of the bytes never changes.
@@ -12,7 +12,9 @@ from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.outcome import Outcome
 
 FIELDS = {
-    "robots": ("x y z speed energy nominal_speed energy_per_distance first_sensor n_sensors gps"),
+    "robots": (
+        "x y z speed energy nominal_speed max_speed energy_per_distance first_sensor n_sensors gps"
+    ),
     "sensors": "robot count active rate cost nominal_rate nominal_cost first_chance n_chances",
     "obstacles": "x y radius model_x model_y",
     "goals": (
@@ -20,10 +22,10 @@ FIELDS = {
         "sensor target tolerance distance period deadline count seen sampled_x sampled_y"
     ),
     "members": "robot since reached waypoint",
-    "commands": "heading_x heading_y speed heading_claimed speed_claimed",
+    "commands": "heading_x heading_y speed sent_speed heading_claimed speed_claimed",
     "switches": "active claimed",
 }
-"""Lists of a state at 82a3d34, and the fields of their records, in the order of the bytes."""
+"""Lists of a state, and the fields of their records, in the order of the bytes."""
 
 MOVED: dict[str, Callable[[State, int], float]] = {}
 """Where ``list.field`` of a record's index is found today, if no longer under its old name."""
@@ -73,6 +75,7 @@ def outcome_digest(outcome: Outcome, world: State, belief: State) -> str:
         outcome.true,
         outcome.phantom,
         outcome.masked,
+        outcome.missed,
         outcome.samples,
         outcome.applied,
         outcome.changed,

@@ -28,6 +28,7 @@ def outcome(believed: Sequence[int], n_faults: int = 0) -> Outcome:
         true=tuple(n // 2 for n in believed),
         phantom=tuple(n - n // 2 for n in believed),
         masked=none,
+        missed=none,
         samples=none,
         applied=(1,) * n_faults,
         changed=(1,) * n_faults,

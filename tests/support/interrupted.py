@@ -44,7 +44,7 @@ def hashed(specifications):
         digest = sha256(repr(specification).encode()).digest()
         counts = tuple(digest[:len(code.mission.goals)])
         none = (0,) * len(specification)
-        yield Outcome(counts, counts, counts, counts, counts, none, none, digest.hex())
+        yield Outcome(counts, counts, counts, counts, counts, counts, none, none, digest.hex())
 
 folder = CampaignFolder(Path(sys.argv[1]))
 with only_writer(folder), CampaignStore.open(folder.path) as store:

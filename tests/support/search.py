@@ -36,7 +36,7 @@ def random_pair(space: SearchSpace, n_faults: int, rng: Random) -> tuple[Specifi
 
 def outcome_of(*believed: int) -> Outcome:
     zeros = (0,) * len(believed)
-    return Outcome(believed, believed, zeros, zeros, zeros, (), (), "")
+    return Outcome(believed, believed, zeros, zeros, zeros, zeros, (), (), "")
 
 
 def stand_in_outcome(specification: Specification) -> Outcome:

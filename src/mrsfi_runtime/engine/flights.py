@@ -16,7 +16,7 @@ from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.mission import MissionCode, failed
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.outcome import COUNTED, Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
 
 
@@ -187,10 +187,7 @@ def _require_effects(known: FaultPool, pool: FaultPool) -> None:
 def _outcome(flight: Flight, laid_out: Plan) -> Outcome:
     verdicts = flight.verdicts
     counts = (
-        verdicts.believed,
-        verdicts.true,
-        verdicts.phantom,
-        verdicts.masked,
+        *(getattr(verdicts, name) for name in COUNTED),
         [goal.count for goal in flight.world.goals],
         [tally.applied for tally in laid_out.tallies],
         [tally.changed for tally in laid_out.tallies],
@@ -210,8 +207,8 @@ def digested(
     world, belief
         The last states, as ``state_bytes`` writes them.
     """
-    believed, true, phantom, masked, samples, applied, changed = map(tuple, counts)
-    listed = (believed, true, phantom, masked, samples, applied, changed)
+    believed, true, phantom, masked, missed, samples, applied, changed = map(tuple, counts)
+    listed = (believed, true, phantom, masked, missed, samples, applied, changed)
     sha = hashlib.sha256(repr(listed).encode())
     sha.update(world)
     sha.update(belief)

@@ -6,6 +6,7 @@ Source paper, section III-G and Figure 4.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import ProtocolError
@@ -14,7 +15,7 @@ from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.flight import MissionFunctions, answer, no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import Plan
-from mrsfi_runtime.kernel.state import CommandState, State, SwitchState
+from mrsfi_runtime.kernel.state import State, SwitchState
 from mrsfi_runtime.model.mission import Mission
 
 Observer: TypeAlias = Callable[[State, State, Sequence[bool], Sequence[bool]], None]
@@ -136,9 +137,6 @@ class Flight:
 def _orders(state: State) -> Orders:
     """Return the orders that a simulation obeys before anything was sent."""
     return Orders(
-        [
-            CommandState(command.heading_x, command.heading_y, command.speed, 0, 0)
-            for command in state.commands
-        ],
+        [replace(command) for command in state.commands],
         [SwitchState(switch.active, 0) for switch in state.switches],
     )

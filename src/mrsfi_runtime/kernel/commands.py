@@ -11,10 +11,14 @@ Source paper, section III-G.
 import math
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import RobotState, State
+from mrsfi_runtime.kernel.tolerance import TOLERANCE
 
-SPEED_LIMIT = 5.0
-"""Greatest speed that may be commanded, as a multiple of the nominal speed."""
+
+@kernel
+def feasible(robot: RobotState, speed: float) -> float:
+    """Return the speed nearest to a wanted one that a robot can fly: from 0 to its maximum."""
+    return min(max(speed, 0.0), robot.max_speed)
 
 
 @kernel
@@ -29,7 +33,7 @@ def release(ci: State) -> None:
 
 @kernel
 def steer(ci: State, index: int, x: float, y: float) -> None:
-    """Command the heading of a robot, unless an earlier goal has; a zero vector is ignored.
+    """Command the heading of a robot, unless an earlier goal has.
 
     Parameters
     ----------
@@ -38,11 +42,11 @@ def steer(ci: State, index: int, x: float, y: float) -> None:
     index
         Index of the robot.
     x, y
-        Direction of any length.
+        Direction of any length; one shorter than ``TOLERANCE`` is ignored.
     """
     command = ci.commands[index]
     length = math.sqrt(x * x + y * y)
-    if command.heading_claimed == 0 and length > 0.0:
+    if command.heading_claimed == 0 and length > TOLERANCE:
         command.heading_claimed = 1
         command.heading_x = x / length
         command.heading_y = y / length
@@ -50,12 +54,11 @@ def steer(ci: State, index: int, x: float, y: float) -> None:
 
 @kernel
 def set_speed(ci: State, index: int, speed: float) -> None:
-    """Command the speed of a robot, within 0 and ``SPEED_LIMIT`` × nominal, unless claimed."""
+    """Command the speed of a robot, as far as it can fly it, unless an earlier goal has."""
     command = ci.commands[index]
     if command.speed_claimed == 0:
         command.speed_claimed = 1
-        limit = SPEED_LIMIT * ci.robots[index].nominal_speed
-        command.speed = min(max(speed, 0.0), limit)
+        command.speed = feasible(ci.robots[index], speed)
 
 
 @kernel

@@ -19,6 +19,7 @@ from mrsfi_runtime.kernel.delivery import deliver
 from mrsfi_runtime.kernel.effects.belief import falsify
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.effects.own import disturb
+from mrsfi_runtime.kernel.goal_tasks.purpose import is_missed
 from mrsfi_runtime.kernel.injections import OwnEffect, Plan
 from mrsfi_runtime.kernel.state import State
 
@@ -49,7 +50,8 @@ class Verdicts:
     """Which goals are violated at the present tick (0 or 1), and at how many ticks so far.
 
     Each list has an entry for each goal. ``phantom`` violations were believed and not true,
-    ``masked`` ones true and not believed.
+    ``masked`` ones true and not believed. ``missed`` counts from the tick on at which it was
+    certain that the goal's purpose is not met.
     """
 
     is_true: list[int]
@@ -58,11 +60,12 @@ class Verdicts:
     true: list[int]
     phantom: list[int]
     masked: list[int]
+    missed: list[int]
 
 
 def no_verdicts(n_goals: int) -> Verdicts:
     """Return verdicts before the first tick."""
-    return Verdicts(*([0] * n_goals for _ in range(6)))
+    return Verdicts(*([0] * n_goals for _ in range(7)))
 
 
 @kernel
@@ -102,7 +105,7 @@ def answer(
     judge(functions, ci, verdicts.is_believed)
     functions.react(ci)
     issue(ci, orders, plan, tick + 1)
-    count(verdicts)
+    count(verdicts, world)
 
 
 @kernel
@@ -128,8 +131,8 @@ def judge(functions: MissionFunctions, view: State, violated: list[int]) -> None
 
 
 @kernel
-def count(verdicts: Verdicts) -> None:
-    """Count the violations of a tick, once per goal."""
+def count(verdicts: Verdicts, world: State) -> None:
+    """Count the violations of a tick, once per goal, and a tick of what is missed for good."""
     for goal in range(len(verdicts.is_true)):
         true = verdicts.is_true[goal]
         believed = verdicts.is_believed[goal]
@@ -138,3 +141,5 @@ def count(verdicts: Verdicts) -> None:
             verdicts.believed[goal] += believed
             verdicts.phantom[goal] += believed and not true
             verdicts.masked[goal] += true and not believed
+        if verdicts.missed[goal] > 0 or is_missed(world, goal, true):
+            verdicts.missed[goal] += 1

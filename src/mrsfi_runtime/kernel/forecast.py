@@ -2,6 +2,7 @@
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.state import GoalState, State
+from mrsfi_runtime.kernel.tolerance import excess
 
 
 @kernel
@@ -30,7 +31,7 @@ def energy_reserve(view: State, index: int) -> float:
     """
     robot = view.robots[index]
     power = robot.speed * robot.energy_per_distance + sensor_power(view, index)
-    return robot.energy - ticks_left(view) * power
+    return excess(robot.energy, ticks_left(view) * power)
 
 
 @kernel
@@ -40,4 +41,5 @@ def sample_reserve(view: State, goal: GoalState) -> float:
     The forecast is one valid sample a tick, scaled by believed over nominal rate.
     """
     sensor = view.sensors[goal.sensor]
-    return goal.count + ticks_left(view) * (sensor.rate / sensor.nominal_rate) - goal.target
+    expected = goal.count + ticks_left(view) * (sensor.rate / sensor.nominal_rate)
+    return excess(expected, float(goal.target))

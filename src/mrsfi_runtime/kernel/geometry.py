@@ -4,6 +4,7 @@ import math
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.state import GoalState
+from mrsfi_runtime.kernel.tolerance import RESERVE, excess
 
 
 @kernel
@@ -17,15 +18,19 @@ def distance(x: float, y: float, to_x: float, to_y: float) -> float:
 @kernel
 def inside(x: float, y: float, goal: GoalState) -> bool:
     """Return whether a point is inside a goal's area."""
-    dx = x - goal.x
-    dy = y - goal.y
-    return dx * dx + dy * dy <= goal.radius * goal.radius
+    return excess(distance(x, y, goal.x, goal.y), goal.radius) <= 0.0
+
+
+@kernel
+def well_inside(x: float, y: float, middle_x: float, middle_y: float, radius: float) -> bool:
+    """Return whether a point is inside a disc, and not at its edge: what reactions ask."""
+    return distance(x, y, middle_x, middle_y) <= (1.0 - RESERVE) * radius
 
 
 @kernel
 def overlap(dx: float, dy: float, reach: float) -> bool:
     """Return whether two discs overlap whose radii add up to ``reach``."""
-    return dx * dx + dy * dy < reach * reach
+    return excess(math.sqrt(dx * dx + dy * dy), reach) < 0.0
 
 
 @kernel

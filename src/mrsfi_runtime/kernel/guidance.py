@@ -2,9 +2,9 @@
 
 from mrsfi_runtime.kernel.commands import set_speed, steer
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance, inside
+from mrsfi_runtime.kernel.geometry import distance, well_inside
 from mrsfi_runtime.kernel.randomness import PURPOSE_ROAM, choice
-from mrsfi_runtime.kernel.state import GoalState, State
+from mrsfi_runtime.kernel.state import GoalState, RobotState, State
 
 ROAM_ATTEMPTS = 8
 """Headings that a roaming robot draws before it turns to the middle of its area."""
@@ -28,22 +28,28 @@ def approach(ci: State, index: int, x: float, y: float) -> None:
 def roam(ci: State, goal: GoalState, index: int) -> None:
     """Head for a goal's area from outside; inside, turn by chance before leaving it."""
     robot = ci.robots[index]
-    if not inside(robot.x, robot.y, goal):
+    if not stays(goal, robot, 0.0, 0.0):
         steer(ci, index, goal.x - robot.x, goal.y - robot.y)
         return
     step = pace(ci, index)
     command = ci.commands[index]
-    if inside(robot.x + step * command.heading_x, robot.y + step * command.heading_y, goal):
+    if stays(goal, robot, step * command.heading_x, step * command.heading_y):
         return
     mission = ci.mission
     for attempt in range(ROAM_ATTEMPTS):
         entity = index * ROAM_ATTEMPTS + attempt
         degrees = choice(len(ci.directions), mission.seed, mission.tick, entity, PURPOSE_ROAM)
         turn = ci.directions[degrees]
-        if inside(robot.x + 2.0 * step * turn.x, robot.y + 2.0 * step * turn.y, goal):
+        if stays(goal, robot, 2.0 * step * turn.x, 2.0 * step * turn.y):
             steer(ci, index, turn.x, turn.y)
             return
     steer(ci, index, goal.x - robot.x, goal.y - robot.y)
+
+
+@kernel
+def stays(goal: GoalState, robot: RobotState, dx: float, dy: float) -> bool:
+    """Return whether a robot that moves so far is inside a goal's area, and not at its edge."""
+    return well_inside(robot.x + dx, robot.y + dy, goal.x, goal.y, goal.radius)
 
 
 @kernel

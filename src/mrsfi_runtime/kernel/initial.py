@@ -2,7 +2,6 @@
 
 import math
 
-from mrsfi_runtime.kernel.commands import SPEED_LIMIT
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, MARGIN, AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.table import number
 from mrsfi_runtime.kernel.neighbours import n_buckets, stride
@@ -73,11 +72,11 @@ def initial_state(mission: Mission, seed: int) -> State:
     Notes
     -----
     A sensor is active from the start. Headings are drawn per robot from the table of
-    directions. A robot's speed before the first motion is 0. The map reaches as far as any
-    reaction looks ahead.
+    directions. A robot's speed before the first motion is its nominal one, as if that had been
+    reported. The map reaches as far as any reaction looks ahead.
     """
     area = mission.area
-    fastest = SPEED_LIMIT * max((float(robot.speed) for robot in mission.robots), default=0.0)
+    fastest = max((robot.fastest for robot in mission.robots), default=0.0)
     map_, cells, shown = mapped(
         area, mission.obstacles, MARGIN + LOOK_AHEAD * fastest + ROBOT_RADIUS
     )
@@ -141,9 +140,10 @@ def _add_robot(state: State, robot: Robot) -> None:
             x=float(robot.position.x),
             y=float(robot.position.y),
             z=float(robot.position.z),
-            speed=0.0,
+            speed=float(robot.speed),
             energy=float(robot.total_energy),
             nominal_speed=float(robot.speed),
+            max_speed=float(robot.fastest),
             energy_per_distance=float(robot.energy_per_distance_unit),
             first_sensor=first,
             n_sensors=len(robot.sensors),
@@ -151,7 +151,8 @@ def _add_robot(state: State, robot: Robot) -> None:
         )
     )
     heading = DIRECTIONS[choice(len(DIRECTIONS), state.mission.seed, 0, index, PURPOSE_HEADING)]
-    state.commands.append(CommandState(heading.x, heading.y, float(robot.speed), 0, 0))
+    speed = float(robot.speed)
+    state.commands.append(CommandState(heading.x, heading.y, speed, speed, 0, 0))
     for sensor in robot.sensors:
         chances = sample_chances(sensor.samples_per_second)
         rate, cost = float(sensor.samples_per_second), float(sensor.energy_per_sample)

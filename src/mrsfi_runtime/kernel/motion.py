@@ -5,9 +5,11 @@ References
 Source paper, sections III-F and III-H.
 """
 
+from mrsfi_runtime.kernel.commands import feasible
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw_at, mixed
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.tolerance import excess
 
 
 @kernel
@@ -25,7 +27,7 @@ def move(world: State, tick: int) -> None:
     -----
     A robot spends distance × energy per distance unit and, for each active sensor, samples
     per tick × energy per sample. One without energy stops, its sensors with it; in the tick
-    in which the energy runs out it still moves.
+    in which the energy runs out it still moves. No robot flies faster than it can.
     """
     world.mission.tick = tick
     moment = mixed(world.mission.seed ^ tick)
@@ -37,7 +39,7 @@ def move(world: State, tick: int) -> None:
                 world.sensors[k].active = 0
             continue
         command = world.commands[index]
-        speed = command.speed
+        speed = feasible(robot, command.speed)
         robot.x += command.heading_x * speed
         robot.y += command.heading_y * speed
         robot.speed = speed
@@ -48,7 +50,7 @@ def move(world: State, tick: int) -> None:
             if sensor.active:
                 spent += sensor.nominal_rate * sensor.nominal_cost
                 sensor.count += valid_samples(world, k, moment)
-        robot.energy = max(robot.energy - spent, 0.0)
+        robot.energy = max(excess(robot.energy, spent), 0.0)
 
 
 @kernel

@@ -7,7 +7,9 @@ from types import MappingProxyType
 from mrsfi_runtime.kernel.state import State
 
 _COLUMNS = {
-    "robots": "x y z speed energy nominal_speed energy_per_distance first_sensor n_sensors gps",
+    "robots": (
+        "x y z speed energy nominal_speed max_speed energy_per_distance first_sensor n_sensors gps"
+    ),
     "sensors": "robot count active rate cost nominal_rate nominal_cost first_chance n_chances",
     "obstacles": "x y radius model_x model_y",
     "goals": (
@@ -15,7 +17,7 @@ _COLUMNS = {
         "sensor target tolerance distance period deadline count seen sampled_x sampled_y"
     ),
     "members": "robot since reached waypoint",
-    "commands": "heading_x heading_y speed heading_claimed speed_claimed",
+    "commands": "heading_x heading_y speed sent_speed heading_claimed speed_claimed",
     "switches": "active claimed",
 }
 COLUMNS: Mapping[str, tuple[str, ...]] = MappingProxyType(

@@ -35,8 +35,8 @@ class MissionState:
 class RobotState:
     """A robot: position, speed in units per tick, energy left; then what never changes.
 
-    Its sensors are ``first_sensor … first_sensor + n_sensors - 1``; ``gps`` is its position
-    sensor, or -1.
+    No command makes it faster than ``max_speed``. Its sensors are those from ``first_sensor`` on,
+    ``n_sensors``; ``gps`` is its position sensor, or -1.
     """
 
     x: float
@@ -45,6 +45,7 @@ class RobotState:
     speed: float
     energy: float
     nominal_speed: float
+    max_speed: float
     energy_per_distance: float
     first_sensor: int
     n_sensors: int
@@ -146,12 +147,14 @@ class DirectionState:
 class CommandState:
     """What a robot was last told: a unit heading and a speed.
 
-    ``heading_claimed`` and ``speed_claimed`` say whether a goal has spoken this tick.
+    ``sent_speed`` is what left for the robot, which a fault may have forged. ``heading_claimed``
+    and ``speed_claimed`` say whether a goal has spoken this tick.
     """
 
     heading_x: float
     heading_y: float
     speed: float
+    sent_speed: float
     heading_claimed: int
     speed_claimed: int
 

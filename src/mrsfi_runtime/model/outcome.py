@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+COUNTED = ("believed", "true", "phantom", "masked", "missed")
+"""What is counted in ticks for each goal, in the order of an outcome's attributes."""
+
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
@@ -18,6 +21,9 @@ class Outcome:
         Believed, not true.
     masked
         True, not believed.
+    missed
+        Ticks from the one on at which it was certain, from the truth alone, that the goal's
+        purpose is not met; 0 where it was met.
     samples
         Samples counted towards each goal, in truth; 0 for goals that gather none.
     applied
@@ -32,7 +38,18 @@ class Outcome:
     true: tuple[int, ...]
     phantom: tuple[int, ...]
     masked: tuple[int, ...]
+    missed: tuple[int, ...]
     samples: tuple[int, ...]
     applied: tuple[int, ...]
     changed: tuple[int, ...]
     digest: str
+
+    def missed_since(self, duration: int) -> tuple[int | None, ...]:
+        """Return from which tick on each goal was certain to be missed; None where it was met.
+
+        Parameters
+        ----------
+        duration
+            Ticks of the mission.
+        """
+        return tuple(duration - ticks if ticks else None for ticks in self.missed)

@@ -83,4 +83,4 @@ def test_values_are_numbers_of_position_speed_energy_then_of_each_sensor():
 
     values = true_values(world, 0)
 
-    assert values == [250.0, -250.0, 1.0, 0.0, 100_000.0, 0.0, 1.0, 7.0, 1.0]
+    assert values == [250.0, -250.0, 1.0, 5.0, 100_000.0, 0.0, 1.0, 7.0, 1.0]

@@ -16,6 +16,16 @@ def test_a_robot_moves_by_its_speed_along_its_heading():
     assert (world.robots[0].x, world.robots[0].y, world.robots[0].speed) == (3.0, 4.0, 5.0)
 
 
+@pytest.mark.parametrize(("speed", "expected"), [(-1.0, 0.0), (7.0, 7.0), (99.0, 8.0)])
+def test_no_command_makes_a_robot_faster_than_it_is(speed, expected):
+    world = state()
+    world.commands[0].speed = speed
+
+    move(world, 0)
+
+    assert world.robots[0].speed == expected
+
+
 def test_energy_pays_for_distance_and_for_all_samples_of_active_sensors():
     world = state()
     world.switches[1].active = 0

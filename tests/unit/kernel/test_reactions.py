@@ -14,7 +14,10 @@ from mrsfi_runtime.api import (
     Visit,
 )
 from mrsfi_runtime.kernel.commands import set_speed, steer, switch_sensor
+from mrsfi_runtime.kernel.effects.commands import issue
+from mrsfi_runtime.kernel.forecast import energy_reserve
 from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
+from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle
 from tests.support.world import MEMBERS, robot, state
 
@@ -41,13 +44,23 @@ def test_the_first_goal_to_speak_keeps_the_channel():
     assert ci.switches[1].active == 0
 
 
-@pytest.mark.parametrize(("speed", "expected"), [(-1.0, 0.0), (7.0, 7.0), (99.0, 20.0)])
-def test_commanded_speeds_stay_within_five_times_nominal(speed, expected):
+@pytest.mark.parametrize(("speed", "expected"), [(-1.0, 0.0), (7.0, 7.0), (99.0, 8.0)])
+def test_commanded_speeds_stay_within_twice_nominal(speed, expected):
     ci = state()
 
     set_speed(ci, 0, speed)
 
     assert ci.commands[0].speed == expected
+
+
+@pytest.mark.parametrize(("speed", "expected"), [(-1.0, 0.0), (7.0, 7.0), (99.0, 8.0)])
+def test_a_region_that_writes_a_speed_itself_sends_one_that_the_robot_can_fly(speed, expected):
+    ci, orders = state(), state()
+    ci.commands[0].speed = speed
+
+    issue(ci, orders, Plan([], [], [], [], [], []), 1)
+
+    assert (orders.commands[0].speed, ci.commands[0].sent_speed) == (expected, expected)
 
 
 def test_a_robot_turns_away_from_an_obstacle_ahead():
@@ -68,6 +81,22 @@ def test_a_robot_with_a_clear_way_keeps_its_heading():
     goal_tasks.avoid_collision.react(ci, 0)
 
     assert (heading(ci, 0), heading(ci, 1)) == (90, 90)
+
+
+@pytest.mark.parametrize("sides", [4, 6])
+def test_of_headings_that_are_alike_but_for_rounding_the_first_wins(sides):
+    places = [2 * math.pi * k / sides for k in range(sides)]
+    rocks = tuple(
+        Obstacle(f"o{k}", Area(f"a{k}", Coordinates(8 * math.cos(at), 8 * math.sin(at)), 3.0))
+        for k, at in enumerate(places)
+    )
+    listed = tuple(rock.id for rock in rocks)
+    ci = state(AvoidCollision(("a",), listed), obstacles=rocks, robots=(robot("a", 0.0, 0.0),))
+    ci.commands[0].heading_x, ci.commands[0].heading_y = 1.0, 0.0
+
+    goal_tasks.avoid_collision.react(ci, 0)
+
+    assert heading(ci, 0) == 180 / sides
 
 
 def test_robots_on_collision_course_part():
@@ -110,7 +139,29 @@ def test_with_too_little_energy_a_robot_wants_only_what_it_affords():
 
     goal_tasks.sufficient_energy.react(ci, 0)
 
-    assert ci.commands[0].speed == pytest.approx(1.5)
+    afforded = 0.999 * ci.robots[0].energy / 10 - 2 * 3.0 * 2
+    assert ci.commands[0].speed == pytest.approx(afforded / 5.0, rel=1e-12)
+
+
+def test_the_least_energy_that_a_robot_keeps_outlasts_rounding():
+    ci = state(SufficientEnergy(), duration=101)
+    ci.robots[0].energy = 100 * (3.0 * 5.0 + 2 * 3.0 * 2)
+
+    goal_tasks.sufficient_energy.react(ci, 0)
+    ci.robots[0].speed = ci.commands[0].speed
+
+    assert energy_reserve(ci, 0) == pytest.approx(0.001 * ci.robots[0].energy)
+
+
+def test_speed_is_regulated_from_what_the_robot_was_told():
+    ci = state(SufficientEnergy())
+    ci.robots[0].speed = ci.commands[0].sent_speed = 0.0
+
+    for _ in range(3):
+        ci.commands[0].speed_claimed = 0
+        goal_tasks.sufficient_energy.react(ci, 0)
+
+    assert ci.commands[0].speed == 4.0
 
 
 def test_gathering_heads_for_the_area_and_switches_the_sensor_by_need():

@@ -50,7 +50,13 @@ def test_goal_vector_keeps_the_order_of_the_chosen_goals():
     ("violations", "expected"), [("believed", (10.0, 3)), ("true", (8.0, 4)), ("masked", (3.0, 2))]
 )
 def test_a_campaign_chooses_which_violations_are_judged(violations, expected):
-    counts = {"believed": (3, 0, 7), "true": (4, 1, 4), "phantom": (1, 0, 4), "masked": (2, 1, 1)}
+    counts = {
+        "believed": (3, 0, 7),
+        "true": (4, 1, 4),
+        "phantom": (1, 0, 4),
+        "masked": (2, 1, 1),
+        "missed": (0, 9, 0),
+    }
     padded = {name: (*count, 0, 0, 0) for name, count in counts.items()}
     outcome = Outcome(**padded, samples=(0,) * 6, applied=(), changed=(), digest="")
     settings = CampaignSettings(fitness="focused", goals=("g3", "g1"), violations=violations)

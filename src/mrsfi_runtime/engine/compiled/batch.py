@@ -22,7 +22,7 @@ from mrsfi_runtime.kernel.injections import (
     OwnRow,
     PlanRows,
 )
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.outcome import COUNTED, Outcome
 
 _INJECTION = record_type(InjectionState)
 _TALLY = record_type(FaultTally)
@@ -79,7 +79,7 @@ class Batch:
         """Return what the flight of one specification found."""
         result = self.results[k]
         tallies = self.tallies[self.ends[k, 4] : self.ends[k, 5]]
-        counts = [result[name].tolist() for name in ("believed", "true", "phantom", "masked")]
+        counts = [result[name].tolist() for name in COUNTED]
         counts += [self.worlds[k]["goals"]["count"].tolist()]
         counts += [tallies["applied"].tolist(), tallies["changed"].tolist()]
         return digested(counts, *(rows[k] for rows in self._packed))

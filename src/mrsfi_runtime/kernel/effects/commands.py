@@ -7,6 +7,7 @@ Source paper, sections III-B b) and III-G.
 
 from dataclasses import dataclass
 
+from mrsfi_runtime.kernel.commands import feasible
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.effects.belief import note
 from mrsfi_runtime.kernel.injections import ACTIVATION, InjectionState, Plan
@@ -25,10 +26,14 @@ class Orders:
 def issue(ci: State, orders: Orders | State, plan: Plan, tick: int) -> None:
     """Write the commands that the simulation obeys at a tick: the CI's, or forged ones.
 
+    The speed that leaves is one that the robot can fly, and is remembered: who regulates a speed
+    has to know what the robot was told.
+
     Parameters
     ----------
     ci
-        Local state with the collective intelligence's own commands, which stay as they are.
+        Local state with the collective intelligence's own commands, which stay as they are;
+        receives the speeds sent.
     orders
         Receives the commands.
     plan
@@ -42,7 +47,8 @@ def issue(ci: State, orders: Orders | State, plan: Plan, tick: int) -> None:
         order = orders.commands[index]
         order.heading_x = own.heading_x
         order.heading_y = own.heading_y
-        order.speed = own.speed
+        order.speed = feasible(ci.robots[index], own.speed)
+        own.sent_speed = order.speed
     for index in range(len(ci.switches)):
         orders.switches[index].active = ci.switches[index].active
     if tick >= ci.mission.duration:
@@ -65,6 +71,9 @@ def forge(
         note(plan, injection, tick, ci.switches[target].active != active)
         orders.switches[target].active = active
     else:
-        speed = injection.b * ci.robots[target].nominal_speed
-        note(plan, injection, tick, ci.commands[target].speed != speed)
+        robot = ci.robots[target]
+        command = ci.commands[target]
+        speed = feasible(robot, injection.b * robot.nominal_speed)
+        note(plan, injection, tick, command.sent_speed != speed)
+        command.sent_speed = speed
         orders.commands[target].speed = speed

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance, overlap
+from mrsfi_runtime.kernel.geometry import overlap, well_inside
 from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.neighbours import FEW, chart, gather
 from mrsfi_runtime.kernel.obstacles import cell_at, is_displaced, is_listed
 from mrsfi_runtime.kernel.state import GoalState, State
+from mrsfi_runtime.kernel.tolerance import TOLERANCE, excess
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, GoalTask
 
 LOOK_AHEAD = 10
@@ -129,13 +130,17 @@ def react(ci: State, g: int) -> None:
         n_near = gather(ci, goal, index, sight(ci, index, MARGIN, farthest))
         x = command.heading_x
         y = command.heading_y
-        if clearance(ci, goal, index, n_near, x, y, MARGIN) < MARGIN:
+        gap = clearance(ci, goal, index, n_near, x, y, MARGIN)
+        if excess(gap, MARGIN) < 0.0:
             evade(ci, goal, index, farthest)
 
 
 @kernel
 def evade(ci: State, goal: GoalState, index: int, farthest: float) -> None:
-    """Steer a robot to the heading with the most clearance that keeps it in the mission area."""
+    """Steer a robot to the heading with the most clearance that keeps it in the mission area.
+
+    A later heading wins only if its clearance is greater by more than ``TOLERANCE``.
+    """
     robot = ci.robots[index]
     reach = LOOK_AHEAD * pace(ci, index)
     limit = 2.0 * reach
@@ -147,10 +152,9 @@ def evade(ci: State, goal: GoalState, index: int, farthest: float) -> None:
         mission = ci.mission
         x = robot.x + reach * heading.x
         y = robot.y + reach * heading.y
-        out = distance(x, y, mission.x, mission.y)
-        if out <= mission.radius:
+        if well_inside(x, y, mission.x, mission.y, mission.radius):
             clear = clearance(ci, goal, index, n_near, heading.x, heading.y, limit)
-            if best < 0 or clear > most:
+            if best < 0 or clear > most + TOLERANCE:
                 best = degrees
                 most = clear
     if best >= 0:

@@ -7,6 +7,7 @@ from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.tolerance import excess
 from mrsfi_runtime.model.mission import GoalTask
 
 
@@ -28,7 +29,7 @@ def violated(view: State, g: int) -> bool:
         for other in range(m + 1, last):
             second = view.robots[view.members[other].robot]
             gap = distance(robot.x, robot.y, second.x, second.y)
-            if abs(gap - goal.distance) > goal.tolerance:
+            if excess(abs(gap - goal.distance), goal.tolerance) > 0.0:
                 return True
     return False
 
@@ -45,9 +46,10 @@ def react(ci: State, g: int) -> None:
         dx = leader.x - robot.x
         dy = leader.y - robot.y
         gap = math.sqrt(dx * dx + dy * dy)
-        if gap - goal.distance > 0.5 * goal.tolerance:
+        slack = 0.5 * goal.tolerance
+        if excess(gap - goal.distance, slack) > 0.0:
             steer(ci, index, dx, dy)
-        elif goal.distance - gap > 0.5 * goal.tolerance:
+        elif excess(goal.distance - gap, slack) > 0.0:
             steer(ci, index, -dx, -dy)
         else:
             steer(ci, index, ci.commands[first].heading_x, ci.commands[first].heading_y)

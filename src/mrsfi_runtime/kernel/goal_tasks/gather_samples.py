@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 from mrsfi_runtime.kernel.commands import switch_sensor
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.forecast import sample_reserve
+from mrsfi_runtime.kernel.forecast import sample_reserve, ticks_left
 from mrsfi_runtime.kernel.geometry import inside
 from mrsfi_runtime.kernel.guidance import roam
 from mrsfi_runtime.kernel.state import State
@@ -54,6 +54,20 @@ def violated(view: State, g: int) -> bool:
     if sensor.active == 0 or not inside(robot.x, robot.y, goal):
         return True
     return sample_reserve(view, goal) < 0.0
+
+
+@kernel
+def is_out_of_reach(world: State, g: int) -> bool:
+    """Return whether a goal below its target can no longer reach it, however lucky it is.
+
+    Its robot is exhausted, or all samples of all ticks left would be too few.
+    """
+    goal = world.goals[g]
+    if goal.count >= goal.target:
+        return False
+    sensor = world.sensors[goal.sensor]
+    at_most = goal.count + ticks_left(world) * sensor.nominal_rate
+    return world.robots[sensor.robot].energy <= 0.0 or at_most < goal.target
 
 
 @kernel

@@ -3,6 +3,7 @@
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.tolerance import excess
 
 
 @kernel
@@ -13,6 +14,6 @@ def note_presence(view: State, g: int) -> None:
         member = view.members[m]
         robot = view.robots[member.robot]
         reach = goal.radius + goal.tolerance
-        if distance(robot.x, robot.y, goal.x, goal.y) <= reach:
+        if excess(distance(robot.x, robot.y, goal.x, goal.y), reach) <= 0.0:
             member.since = view.mission.tick
             member.reached = 1

@@ -31,6 +31,16 @@ def violated(view: State, g: int) -> bool:
 
 
 @kernel
+def is_unentered(world: State, g: int) -> bool:
+    """Return whether a member has not been in the area yet."""
+    goal = world.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if world.members[m].reached == 0:
+            return True
+    return False
+
+
+@kernel
 def react(ci: State, g: int) -> None:
     """Head for the area from outside, roam inside it."""
     roam_together(ci, ci.goals[g])

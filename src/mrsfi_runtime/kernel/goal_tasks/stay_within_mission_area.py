@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.geometry import distance, well_inside
 from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.tolerance import excess
 from mrsfi_runtime.model.mission import GoalTask
 
 
@@ -22,9 +23,8 @@ def violated(view: State, g: int) -> bool:
     mission = view.mission
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         robot = view.robots[view.members[m].robot]
-        dx = robot.x - mission.x
-        dy = robot.y - mission.y
-        if dx * dx + dy * dy > mission.radius * mission.radius:
+        out = distance(robot.x, robot.y, mission.x, mission.y)
+        if excess(out, mission.radius) > 0.0:
             return True
     return False
 
@@ -41,5 +41,5 @@ def react(ci: State, g: int) -> None:
         step = 2.0 * pace(ci, index)
         x = robot.x + step * command.heading_x
         y = robot.y + step * command.heading_y
-        if distance(x, y, mission.x, mission.y) > mission.radius:
+        if not well_inside(x, y, mission.x, mission.y, mission.radius):
             steer(ci, index, mission.x - robot.x, mission.y - robot.y)

@@ -6,6 +6,7 @@ from mrsfi_runtime.kernel.commands import set_speed
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.forecast import energy_reserve, sensor_power, ticks_left
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.tolerance import RESERVE
 from mrsfi_runtime.model.mission import GoalTask
 
 
@@ -19,8 +20,17 @@ def violated(view: State, g: int) -> bool:
     """Return whether a member is exhausted, or its energy below the forecast need."""
     goal = view.goals[g]
     for m in range(goal.first_member, goal.first_member + goal.n_members):
-        index = view.members[m].robot
-        if view.robots[index].energy <= 0.0 or energy_reserve(view, index) < 0.0:
+        if energy_reserve(view, view.members[m].robot) < 0.0:
+            return True
+    return is_exhausted(view, g)
+
+
+@kernel
+def is_exhausted(world: State, g: int) -> bool:
+    """Return whether a member has no energy left."""
+    goal = world.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if world.robots[world.members[m].robot].energy <= 0.0:
             return True
     return False
 
@@ -29,8 +39,9 @@ def violated(view: State, g: int) -> bool:
 def react(ci: State, g: int) -> None:
     """Regulate every member's speed to its nominal one, or to what its energy affords.
 
-    The loop is closed over the reported speed (command + wanted − believed), so that a false
-    report moves a real robot.
+    The loop is closed over the reported speed (sent + wanted − believed), so that a false report
+    moves a real robot. What was sent may have been forged: nothing winds up behind a
+    forged stop. A reserve of the energy is left unspent.
     """
     goal = ci.goals[g]
     left = ticks_left(ci)
@@ -39,6 +50,6 @@ def react(ci: State, g: int) -> None:
         robot = ci.robots[index]
         wanted = robot.nominal_speed
         if left > 0 and robot.energy_per_distance > 0.0:
-            spare = robot.energy / left - sensor_power(ci, index)
+            spare = (1.0 - RESERVE) * robot.energy / left - sensor_power(ci, index)
             wanted = min(wanted, max(spare / robot.energy_per_distance, 0.0))
-        set_speed(ci, index, ci.commands[index].speed + wanted - robot.speed)
+        set_speed(ci, index, ci.commands[index].sent_speed + wanted - robot.speed)

@@ -7,6 +7,7 @@ from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import distance, off_segment
 from mrsfi_runtime.kernel.guidance import approach
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.tolerance import excess
 from mrsfi_runtime.model.mission import Coordinates, GoalTask
 
 
@@ -27,7 +28,7 @@ def progress(view: State, g: int) -> None:
         robot = view.robots[member.robot]
         while member.waypoint < goal.n_waypoints:
             point = view.waypoints[goal.first_waypoint + member.waypoint]
-            if distance(robot.x, robot.y, point.x, point.y) > goal.tolerance:
+            if excess(distance(robot.x, robot.y, point.x, point.y), goal.tolerance) > 0.0:
                 break
             member.waypoint += 1
 
@@ -48,8 +49,18 @@ def violated(view: State, g: int) -> bool:
             off = off_segment(
                 robot.x - start.x, robot.y - start.y, end.x - start.x, end.y - start.y
             )
-            if off > goal.tolerance:
+            if excess(off, goal.tolerance) > 0.0:
                 return True
+    return False
+
+
+@kernel
+def is_unfinished(world: State, g: int) -> bool:
+    """Return whether a member has not reached its last waypoint yet."""
+    goal = world.goals[g]
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        if world.members[m].waypoint < goal.n_waypoints:
+            return True
     return False
 
 

@@ -1,0 +1,42 @@
+"""Whether the purpose of a goal is certainly not met: what came of it in the end, in truth."""
+
+from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.forecast import ticks_left
+from mrsfi_runtime.kernel.goal_tasks import gather_samples, stay, sufficient_energy, track
+from mrsfi_runtime.kernel.goal_tasks.table import TASKS
+from mrsfi_runtime.kernel.state import State
+
+SUFFICIENT_ENERGY = TASKS.index(sufficient_energy.SufficientEnergy)
+GATHER_SAMPLES = TASKS.index(gather_samples.GatherSamples)
+TRACK = TASKS.index(track.Track)
+STAY = TASKS.index(stay.Stay)
+
+
+@kernel
+def is_missed(world: State, g: int, violated: int) -> bool:
+    """Return whether it is certain from this tick on that a goal's purpose is not met.
+
+    For most tasks that is the first violation, which no later tick makes up for. Violations of
+    SufficientEnergy and GatherSamples are forecasts, and do not count; Track and Stay may also
+    have come to nothing when the mission ends.
+
+    Parameters
+    ----------
+    world
+        True state.
+    g
+        Index of the goal.
+    violated
+        Whether the goal's check says so of the true state, 0 or 1.
+    """
+    task = world.goals[g].task
+    if task == SUFFICIENT_ENERGY:
+        return sufficient_energy.is_exhausted(world, g)
+    if task == GATHER_SAMPLES:
+        return gather_samples.is_out_of_reach(world, g)
+    if violated == 0 and ticks_left(world) == 0:
+        if task == TRACK:
+            return track.is_unfinished(world, g)
+        if task == STAY:
+            return stay.is_unentered(world, g)
+    return violated == 1

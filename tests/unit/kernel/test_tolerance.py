@@ -1,0 +1,95 @@
+"""No verdict turns on the last bit."""
+
+import math
+
+import pytest
+
+from mrsfi_runtime.api import (
+    AvoidCollision,
+    FixedDistanceBetweenRobots,
+    GatherSamples,
+    Patrol,
+    StayWithinMissionArea,
+    SufficientEnergy,
+)
+from mrsfi_runtime.kernel.commands import steer
+from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
+from mrsfi_runtime.kernel.motion import move
+from mrsfi_runtime.kernel.tolerance import excess
+from mrsfi_runtime.model.mission import Area, Coordinates
+from tests.support.world import MEMBERS, state
+
+HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
+SHORT, LONG = 1.0 - 1e-12, 1.0 + 1e-12
+"""Factors that rounding may well amount to."""
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [(100.0 + 5e-8, 0.0), (100.0 - 5e-8, 0.0), (101.0, 1.0), (99.0, -1.0), (100.0 + 2e-7, 2e-7)],
+)
+def test_what_differs_by_less_than_a_billionth_is_equal(value, expected):
+    assert excess(value, 100.0) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [SHORT, 1.0, LONG])
+def test_energy_that_covers_the_need_but_for_rounding_suffices(share):
+    view = state(SufficientEnergy(), duration=11)
+    for each in view.robots:
+        each.energy = share * 10 * (4.0 * 5.0 + 2 * 3.0 * 2)
+
+    assert not goal_tasks.sufficient_energy.violated(view, 0)
+
+
+@pytest.mark.parametrize("share", [SHORT, 1.0, LONG])
+def test_discs_that_touch_but_for_rounding_do_not_overlap(share):
+    view = state(AvoidCollision(MEMBERS))
+    view.robots[1].x = share * 2.0
+
+    assert not goal_tasks.avoid_collision.violated(view, 0)
+
+
+@pytest.mark.parametrize("share", [SHORT, 1.0, LONG])
+def test_the_edge_of_an_area_is_inside(share):
+    mission = state(StayWithinMissionArea())
+    mission.robots[0].x = share * 1000.0
+    patrol = state(Patrol(HERE, 1))
+    gather = state(GatherSamples(5, "a_depth"), area=HERE)
+    for view in (patrol, gather):
+        for each in view.robots:
+            each.x = share * 50.0
+    patrol.mission.tick = 1
+
+    goal_tasks.patrol.progress(patrol, 0)
+
+    assert not goal_tasks.stay_within_mission_area.violated(mission, 0)
+    assert not goal_tasks.patrol.violated(patrol, 0)
+    assert not goal_tasks.gather_samples.violated(gather, 0)
+
+
+@pytest.mark.parametrize("gap", [97.0, 103.0])
+@pytest.mark.parametrize("share", [SHORT, 1.0, LONG])
+def test_a_distance_off_by_its_tolerance_is_kept(gap, share):
+    view = state(FixedDistanceBetweenRobots(100.0, 3.0))
+    view.robots[1].x = share * gap
+
+    assert not goal_tasks.fixed_distance_between_robots.violated(view, 0)
+
+
+@pytest.mark.parametrize("share", [SHORT, 1.0, LONG])
+def test_energy_that_is_used_up_but_for_rounding_is_used_up(share):
+    world = state(SufficientEnergy())
+    world.robots[0].energy = share * (4.0 * 5.0 + 2 * 3.0 * 2)
+
+    move(world, 0)
+
+    assert world.robots[0].energy == 0.0
+
+
+def test_a_direction_that_is_nothing_but_rounding_is_ignored():
+    ci = state()
+    before = ci.commands[0].heading_x
+
+    steer(ci, 0, math.ulp(1.0), 0.0)
+
+    assert ci.commands[0].heading_x == before
