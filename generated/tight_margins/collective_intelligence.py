@@ -108,7 +108,7 @@ def react_energy(ci: State) -> None:
         spare = 0.98 * robot.energy / left - forecast.sensor_power(ci, index)
         affordable = max(spare / robot.energy_per_distance, 0.0)
         wanted = min(1.5 * robot.nominal_speed, affordable)
-        commands.set_speed(ci, index, ci.commands[index].speed + wanted - robot.speed)
+        commands.set_speed(ci, index, ci.commands[index].sent_speed + wanted - robot.speed)
     # protected region energy.react end
 
 
