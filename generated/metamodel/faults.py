@@ -179,7 +179,7 @@ class FaultType(Element, ecore.EObject, metaclass=ecore.MetaEClass):
 
 @ecore.abstract
 @described(
-    "A fault type that strikes what a message reports.",
+    "A fault type that strikes what a message reports of its sender, or what is believed of its sensors.",
 )
 class MessageFault(FaultType):
     affectedMessage = annotated(
@@ -347,24 +347,24 @@ class DecrementRemainingEnergyCapacityReport(MessageFault):
 
 
 @described(
-    "Replaces the believed energy per sample of the sender's sensors by a random one, drawn anew in every tick between the two bounds.",
+    "Replaces the believed energy per sample by a random one, drawn anew in every tick between the two bounds: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "RANDOM"), ("property", "COST"))),
 )
 class RandomSensorEnergyPerSample(MessageFault):
     LOWER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
-        "The lowest believed energy per sample of the sender's sensors that can be reported; search leaves it as it is.",
+        "The lowest energy per sample that can be believed; search leaves it as it is.",
         ("http://mrsfi.org/meaning", (("range", "COST"), ("role", "LOWEST"), ("search", "false"))),
     )
     UPPER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
-        "The highest believed energy per sample of the sender's sensors that can be reported; search leaves it as it is.",
+        "The highest energy per sample that can be believed; search leaves it as it is.",
         ("http://mrsfi.org/meaning", (("range", "COST"), ("role", "HIGHEST"), ("search", "false"))),
     )
 
 
 @described(
-    "Replaces the believed energy per sample of the sender's sensors by 0.",
+    "Replaces the believed energy per sample by 0: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "ZERO"), ("property", "COST"))),
 )
 class ZeroSensorEnergyPerSample(MessageFault):
@@ -372,13 +372,13 @@ class ZeroSensorEnergyPerSample(MessageFault):
 
 
 @described(
-    "Replaces the believed energy per sample of the sender's sensors by a fixed one.",
+    "Replaces the believed energy per sample by a fixed one: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "FIXED"), ("property", "COST"))),
 )
 class FixedSensorEnergyPerSample(MessageFault):
     FIXED_VAL = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
-        "The believed energy per sample of the sender's sensors that is believed instead of the true one, in energy units.",
+        "The energy per sample that is believed instead of the true one, in energy units.",
         ("http://mrsfi.org/meaning", (("range", "COST"),)),
     )
     FIXED_VAL_MIN = annotated(
@@ -392,13 +392,13 @@ class FixedSensorEnergyPerSample(MessageFault):
 
 
 @described(
-    "Makes the believed energy per sample of the sender's sensors higher than the true one by a percentage.",
+    "Makes the believed energy per sample higher than the true one by a percentage: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "INCREMENT_PERCENT"), ("property", "COST"))),
 )
 class IncrementSensorEnergyPerSample(MessageFault):
     PERCENTAGE = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
-        "By how much the believed energy per sample of the sender's sensors is higher, in percent of the true one.",
+        "By how much the believed energy per sample is higher, in percent of the true one.",
         ("http://mrsfi.org/meaning", (("range", "PERCENT"),)),
     )
     PERCENTAGE_MIN = annotated(
@@ -412,13 +412,13 @@ class IncrementSensorEnergyPerSample(MessageFault):
 
 
 @described(
-    "Makes the believed energy per sample of the sender's sensors lower than the true one by a percentage.",
+    "Makes the believed energy per sample lower than the true one by a percentage: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "DECREMENT_PERCENT"), ("property", "COST"))),
 )
 class DecrementSensorEnergyPerSample(MessageFault):
     PERCENTAGE = annotated(
         ecore.EAttribute(eType=ecore.EDouble, lower=1, unsettable=True),
-        "By how much the believed energy per sample of the sender's sensors is lower, in percent of the true one.",
+        "By how much the believed energy per sample is lower, in percent of the true one.",
         ("http://mrsfi.org/meaning", (("range", "PERCENT"),)),
     )
     PERCENTAGE_MIN = annotated(
@@ -432,7 +432,7 @@ class DecrementSensorEnergyPerSample(MessageFault):
 
 
 @described(
-    "Replaces the reported speed of the sender by a random one, drawn anew in every tick between the two bounds.",
+    "Replaces the reported speed of the sender by a random whole one, drawn anew in every tick between the two bounds.",
     ("http://mrsfi.org/meaning", (("mode", "RANDOM"), ("property", "SPEED"))),
 )
 class RandomSpeed(MessageFault):
@@ -517,24 +517,24 @@ class DecrementSpeed(MessageFault):
 
 
 @described(
-    "Replaces the believed sample rate of the sender's sensors by a random one, drawn anew in every tick between the two bounds.",
+    "Replaces the believed sample rate by a random whole one, drawn anew in every tick between the two bounds: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "RANDOM"), ("property", "RATE"))),
 )
 class RandomSampleRate(MessageFault):
     LOWER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
-        "The lowest believed sample rate of the sender's sensors that can be reported; search leaves it as it is.",
+        "The lowest sample rate that can be believed; search leaves it as it is.",
         ("http://mrsfi.org/meaning", (("range", "RATE"), ("role", "LOWEST"), ("search", "false"))),
     )
     UPPER_BOUND = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
-        "The highest believed sample rate of the sender's sensors that can be reported; search leaves it as it is.",
+        "The highest sample rate that can be believed; search leaves it as it is.",
         ("http://mrsfi.org/meaning", (("range", "RATE"), ("role", "HIGHEST"), ("search", "false"))),
     )
 
 
 @described(
-    "Replaces the believed sample rate of the sender's sensors by 0.",
+    "Replaces the believed sample rate by 0: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "ZERO"), ("property", "RATE"))),
 )
 class ZeroSampleRate(MessageFault):
@@ -542,13 +542,13 @@ class ZeroSampleRate(MessageFault):
 
 
 @described(
-    "Replaces the believed sample rate of the sender's sensors by a fixed one.",
+    "Replaces the believed sample rate by a fixed one: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "FIXED"), ("property", "RATE"))),
 )
 class FixedSampleRate(MessageFault):
     FIXED_VAL = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
-        "The believed sample rate of the sender's sensors that is believed instead of the true one, in samples per tick.",
+        "The sample rate that is believed instead of the true one, in samples per tick.",
         ("http://mrsfi.org/meaning", (("range", "RATE"),)),
     )
     FIXED_VAL_MIN = annotated(
@@ -562,13 +562,13 @@ class FixedSampleRate(MessageFault):
 
 
 @described(
-    "Makes the believed sample rate of the sender's sensors higher than the true one by a value.",
+    "Makes the believed sample rate higher than the true one by a value: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "INCREMENT"), ("property", "RATE"))),
 )
 class IncrementSampleRate(MessageFault):
     VAL = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
-        "By how much the believed sample rate of the sender's sensors is higher, in samples per tick.",
+        "By how much the believed sample rate is higher, in samples per tick.",
         ("http://mrsfi.org/meaning", (("range", "RATE"),)),
     )
     VAL_MIN = annotated(
@@ -582,13 +582,13 @@ class IncrementSampleRate(MessageFault):
 
 
 @described(
-    "Makes the believed sample rate of the sender's sensors lower than the true one by a value; it never falls below 0.",
+    "Makes the believed sample rate lower than the true one by a value, never below 0: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender.",
     ("http://mrsfi.org/meaning", (("mode", "DECREMENT"), ("property", "RATE"))),
 )
 class DecrementSampleRate(MessageFault):
     VAL = annotated(
         ecore.EAttribute(eType=ecore.EInt, lower=1, unsettable=True),
-        "By how much the believed sample rate of the sender's sensors is lower, in samples per tick.",
+        "By how much the believed sample rate is lower, in samples per tick.",
         ("http://mrsfi.org/meaning", (("range", "RATE"),)),
     )
     VAL_MIN = annotated(
@@ -694,7 +694,7 @@ class RandomObstacleCoordinates(ObstacleFault):
 
 
 @described(
-    "Sends a forged command that holds the robot at speed 0; afterwards its earlier speed holds again.",
+    "Sends a forged command that holds the robot at speed 0; afterwards the last command of the collective intelligence holds again.",
     ("http://mrsfi.org/meaning", (("mode", "STOP"), ("property", "MOTION"))),
 )
 class StopRobot(RobotFault):

@@ -139,7 +139,7 @@ class FaultType(Element):
     def __init__(self) -> None: ...
 
 class MessageFault(FaultType):
-    """A fault type that strikes what a message reports."""
+    """A fault type that strikes what a message reports of its sender, or what is believed of its sensors."""
 
     affectedMessage: Message
     """The message that is struck."""
@@ -297,12 +297,12 @@ class DecrementRemainingEnergyCapacityReport(MessageFault):
     ) -> None: ...
 
 class RandomSensorEnergyPerSample(MessageFault):
-    """Replaces the believed energy per sample of the sender's sensors by a random one, drawn anew in every tick between the two bounds."""
+    """Replaces the believed energy per sample by a random one, drawn anew in every tick between the two bounds: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     LOWER_BOUND: float
-    """The lowest believed energy per sample of the sender's sensors that can be reported; search leaves it as it is."""
+    """The lowest energy per sample that can be believed; search leaves it as it is."""
     UPPER_BOUND: float
-    """The highest believed energy per sample of the sender's sensors that can be reported; search leaves it as it is."""
+    """The highest energy per sample that can be believed; search leaves it as it is."""
     def __init__(
         self,
         *,
@@ -312,7 +312,7 @@ class RandomSensorEnergyPerSample(MessageFault):
     ) -> None: ...
 
 class ZeroSensorEnergyPerSample(MessageFault):
-    """Replaces the believed energy per sample of the sender's sensors by 0."""
+    """Replaces the believed energy per sample by 0: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     def __init__(
         self,
@@ -321,10 +321,10 @@ class ZeroSensorEnergyPerSample(MessageFault):
     ) -> None: ...
 
 class FixedSensorEnergyPerSample(MessageFault):
-    """Replaces the believed energy per sample of the sender's sensors by a fixed one."""
+    """Replaces the believed energy per sample by a fixed one: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     FIXED_VAL: float
-    """The believed energy per sample of the sender's sensors that is believed instead of the true one, in energy units."""
+    """The energy per sample that is believed instead of the true one, in energy units."""
     FIXED_VAL_MIN: float
     """The lowest FIXED_VAL that search may choose; a default from the mission if unset."""
     FIXED_VAL_MAX: float
@@ -339,10 +339,10 @@ class FixedSensorEnergyPerSample(MessageFault):
     ) -> None: ...
 
 class IncrementSensorEnergyPerSample(MessageFault):
-    """Makes the believed energy per sample of the sender's sensors higher than the true one by a percentage."""
+    """Makes the believed energy per sample higher than the true one by a percentage: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     PERCENTAGE: float
-    """By how much the believed energy per sample of the sender's sensors is higher, in percent of the true one."""
+    """By how much the believed energy per sample is higher, in percent of the true one."""
     PERCENTAGE_MIN: float
     """The lowest PERCENTAGE that search may choose; a default from the mission if unset."""
     PERCENTAGE_MAX: float
@@ -357,10 +357,10 @@ class IncrementSensorEnergyPerSample(MessageFault):
     ) -> None: ...
 
 class DecrementSensorEnergyPerSample(MessageFault):
-    """Makes the believed energy per sample of the sender's sensors lower than the true one by a percentage."""
+    """Makes the believed energy per sample lower than the true one by a percentage: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     PERCENTAGE: float
-    """By how much the believed energy per sample of the sender's sensors is lower, in percent of the true one."""
+    """By how much the believed energy per sample is lower, in percent of the true one."""
     PERCENTAGE_MIN: float
     """The lowest PERCENTAGE that search may choose; a default from the mission if unset."""
     PERCENTAGE_MAX: float
@@ -375,7 +375,7 @@ class DecrementSensorEnergyPerSample(MessageFault):
     ) -> None: ...
 
 class RandomSpeed(MessageFault):
-    """Replaces the reported speed of the sender by a random one, drawn anew in every tick between the two bounds."""
+    """Replaces the reported speed of the sender by a random whole one, drawn anew in every tick between the two bounds."""
 
     LOWER_BOUND: float
     """The lowest reported speed of the sender that can be reported; search leaves it as it is."""
@@ -453,12 +453,12 @@ class DecrementSpeed(MessageFault):
     ) -> None: ...
 
 class RandomSampleRate(MessageFault):
-    """Replaces the believed sample rate of the sender's sensors by a random one, drawn anew in every tick between the two bounds."""
+    """Replaces the believed sample rate by a random whole one, drawn anew in every tick between the two bounds: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     LOWER_BOUND: int
-    """The lowest believed sample rate of the sender's sensors that can be reported; search leaves it as it is."""
+    """The lowest sample rate that can be believed; search leaves it as it is."""
     UPPER_BOUND: int
-    """The highest believed sample rate of the sender's sensors that can be reported; search leaves it as it is."""
+    """The highest sample rate that can be believed; search leaves it as it is."""
     def __init__(
         self,
         *,
@@ -468,7 +468,7 @@ class RandomSampleRate(MessageFault):
     ) -> None: ...
 
 class ZeroSampleRate(MessageFault):
-    """Replaces the believed sample rate of the sender's sensors by 0."""
+    """Replaces the believed sample rate by 0: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     def __init__(
         self,
@@ -477,10 +477,10 @@ class ZeroSampleRate(MessageFault):
     ) -> None: ...
 
 class FixedSampleRate(MessageFault):
-    """Replaces the believed sample rate of the sender's sensors by a fixed one."""
+    """Replaces the believed sample rate by a fixed one: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     FIXED_VAL: int
-    """The believed sample rate of the sender's sensors that is believed instead of the true one, in samples per tick."""
+    """The sample rate that is believed instead of the true one, in samples per tick."""
     FIXED_VAL_MIN: int
     """The lowest FIXED_VAL that search may choose; a default from the mission if unset."""
     FIXED_VAL_MAX: int
@@ -495,10 +495,10 @@ class FixedSampleRate(MessageFault):
     ) -> None: ...
 
 class IncrementSampleRate(MessageFault):
-    """Makes the believed sample rate of the sender's sensors higher than the true one by a value."""
+    """Makes the believed sample rate higher than the true one by a value: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     VAL: int
-    """By how much the believed sample rate of the sender's sensors is higher, in samples per tick."""
+    """By how much the believed sample rate is higher, in samples per tick."""
     VAL_MIN: int
     """The lowest VAL that search may choose; a default from the mission if unset."""
     VAL_MAX: int
@@ -513,10 +513,10 @@ class IncrementSampleRate(MessageFault):
     ) -> None: ...
 
 class DecrementSampleRate(MessageFault):
-    """Makes the believed sample rate of the sender's sensors lower than the true one by a value; it never falls below 0."""
+    """Makes the believed sample rate lower than the true one by a value, never below 0: that of the sensor with which the goal of the message gathers samples, or else of all sensors of the sender."""
 
     VAL: int
-    """By how much the believed sample rate of the sender's sensors is lower, in samples per tick."""
+    """By how much the believed sample rate is lower, in samples per tick."""
     VAL_MIN: int
     """The lowest VAL that search may choose; a default from the mission if unset."""
     VAL_MAX: int
@@ -609,7 +609,7 @@ class RandomObstacleCoordinates(ObstacleFault):
     ) -> None: ...
 
 class StopRobot(RobotFault):
-    """Sends a forged command that holds the robot at speed 0; afterwards its earlier speed holds again."""
+    """Sends a forged command that holds the robot at speed 0; afterwards the last command of the collective intelligence holds again."""
 
     def __init__(
         self,
