@@ -179,13 +179,18 @@ class Copy:
         Tests that do not take part.
     limits
         Seconds that each tier may take; a mutant that takes longer is killed by the clock.
+    tests
+        Folders or files of the tests that take part; none means all.
     """
 
-    def __init__(self, folder: Path, left_out: list[str], limits: dict[str, float]) -> None:
+    def __init__(
+        self, folder: Path, left_out: list[str], limits: dict[str, float], tests: list[str]
+    ) -> None:
         self.root = folder / "tree"
         self._cache = folder.parent / "compiled"
         self._left_out = left_out
         self._limits = limits
+        self._tests = tests
         listed = subprocess.run(
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=ROOT, check=True, capture_output=True, text=True,
@@ -215,6 +220,7 @@ class Copy:
         out = [f"--deselect={test}" for test in self._left_out]
         command = [sys.executable, "-m", "pytest", "-q", "-rfE", "-n0", "--tier", tier, *out]
         command += ["-p", "no:cacheprovider", "--tb=no", "--ignore=tests/interop", *options]
+        command += self._tests
         paths = [str(self.root / "src"), str(self.root)]
         environment = os.environ | {
             "PYTHONPATH": os.pathsep.join(paths),
@@ -281,7 +287,7 @@ class Record:
 
 def measure(arguments: argparse.Namespace, record: Record, folder: Path) -> list[Mutant]:
     """Judge as many mutants as are wanted, some at a time."""
-    plain = Copy(folder / "plain", [], {})
+    plain = Copy(folder / "plain", [], {}, arguments.tests)
     for tier in arguments.tiers:
         if record.unmutated(tier) is None:
             print(f"running {tier} without a mutation", flush=True)
@@ -299,7 +305,7 @@ def measure(arguments: argparse.Namespace, record: Record, folder: Path) -> list
         if record.verdict(mutant) is None:
             if not hasattr(mine, "copy"):
                 place = Path(tempfile.mkdtemp(dir=folder))
-                mine.copy = Copy(place, left_out, limits)
+                mine.copy = Copy(place, left_out, limits, arguments.tests)
             found = mine.copy.judge(mutant, arguments.tiers)
             record.add(mutant=asdict(mutant), **found)
             print(f"{found['killed_by'] or 'SURVIVED':8} {mutant}  {found['test']}", flush=True)
@@ -335,6 +341,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tiers", default=",".join(TIERS), help="cheapest first")
     parser.add_argument("--only", default="", help="text in the path of what is mutated")
+    parser.add_argument("--tests", nargs="*", default=[], help="judge by these paths alone")
     parser.add_argument("--jobs", type=int, default=2, help="how many at a time")
     parser.add_argument(
         "--patience", type=float, default=3.0, help="how much longer a mutant may take than none"
