@@ -113,6 +113,11 @@ def fault_loader_text(loaded: LoadedModels) -> str:
     return _render("fault_loader.py", loaded)
 
 
+def mission_loader_text(loaded: LoadedModels) -> str:
+    """Return the text of the mission loader."""
+    return _render("mission_loader.py", loaded)
+
+
 def _render(name: str, loaded: LoadedModels) -> str:
     template = _environment().get_template(f"{name}.j2")
     mission = remark(loaded.mission_path.resolve().parent.name)

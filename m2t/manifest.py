@@ -1,7 +1,8 @@
 """The manifest: hashes of what was generated from what, so that edits are noticed.
 
 It stands beside the generated files as ``manifest.json``. No hash stands in the files
-themselves, where it would change with every model and clutter every review.
+themselves, where it would change with every model and clutter every review. It also says which
+semantics the code was generated for, and so does every copy of it.
 """
 
 import json
@@ -11,6 +12,7 @@ from typing import Any
 
 from m2t.protected_regions import FileRecord
 from mrsfi_runtime.errors import GenerationError
+from mrsfi_runtime.model.semantics import SEMANTICS
 
 MANIFEST = "manifest.json"
 
@@ -33,6 +35,7 @@ def dumps(sources: Mapping[str, str], files: Mapping[str, tuple[FileRecord, ...]
     document = {
         "schema": SCHEMA,
         "generator": GENERATOR,
+        "semantics": SEMANTICS,
         "sources": dict(sources),
         "files": {
             name: _entry(*records) if len(records) == 1 else [_entry(each) for each in records]

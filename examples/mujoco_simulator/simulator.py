@@ -222,7 +222,7 @@ class Side:
         self._subscribe(name, type_name, count)
 
     def _on_setup(self, message: Message) -> None:
-        run, seed = message["data"]
+        run, seed, *_semantics = message["data"]  # this world has rules of its own
         self._setup = run, seed
 
     def _on_reset(self, _request: Any, response: Any) -> bool:

@@ -14,7 +14,7 @@
     │   ├── TransportTimeout
     │   ├── TransportClosed
     │   └── ProtocolError
-    └── RecordError             9  a campaign folder that cannot be read or written
+    └── RecordError             9  a campaign folder that cannot be read, written or flown
 
 Programming mistakes stay ``TypeError`` and ``ValueError``.
 """
@@ -95,6 +95,6 @@ class ProtocolError(TransportError):
 
 
 class RecordError(MrsfiError):
-    """A campaign folder cannot be read or written."""
+    """A campaign folder cannot be read or written, or not be flown by this mrsfi."""
 
     exit_code = 9

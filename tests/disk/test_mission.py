@@ -1,13 +1,17 @@
 """The door to generated code."""
 
 import os
+import shutil
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.mission import load_module
+from mrsfi_runtime.errors import EvaluationError, GenerationError
+from mrsfi_runtime.mission import load_code, load_module
+from mrsfi_runtime.model.semantics import RELEASES, SEMANTICS
+from tests.support.tree import ROOT
 
 
 def test_an_edit_of_the_same_size_in_the_same_second_is_seen(tmp_path, monkeypatch):
@@ -46,3 +50,28 @@ def test_code_of_another_version_is_told_apart_from_a_mistake(tmp_path):
         "'mrsfi_runtime.api'; code of another version of mrsfi: run `mrsfi generate`, then correct "
         "the regions"
     )
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('{"schema": 1}', "found semantics 1; expected .*; run `mrsfi generate`, then review"),
+        ('{"semantics": 99}', "found semantics 99; expected .*; use a later mrsfi"),
+        ("[]", "is no manifest"),
+        (None, "no such file; run `mrsfi generate`"),
+    ],
+)
+def test_code_that_was_not_generated_for_todays_rules_is_not_loaded(tmp_path, text, said):
+    folder = shutil.copytree(ROOT / "generated" / "tight_margins", tmp_path / "code")
+    (folder / "manifest.json").unlink()
+    if text is not None:
+        (folder / "manifest.json").write_text(text, encoding="utf-8")
+
+    with pytest.raises(GenerationError, match=rf"code.manifest\.json: {said}"):
+        load_code(folder)
+
+
+def test_this_mrsfi_is_the_one_that_flies_todays_rules():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+    assert project["version"].startswith(f"{RELEASES[SEMANTICS]}.")

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from mrsfi_runtime.analysis.fronts import Front, Pick, score
 from mrsfi_runtime.analysis.patterns import Trend
 from mrsfi_runtime.analysis.summary import Summary
+from mrsfi_runtime.model.semantics import flown_by
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure, ticks
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -72,7 +73,8 @@ def _extent(summary: Summary) -> str:
     return (
         f"{summary.n_evaluations} evaluations of {summary.n_distinct} distinct specifications in "
         f"{summary.n_generations} finished generations; {summary.n_failures} evaluations failed. "
-        f"Digest over all evaluations: `{summary.digest}`."
+        f"Digest over all evaluations: `{summary.digest}`. Flown by semantics {summary.semantics}, "
+        f"the rules of {flown_by(summary.semantics)}."
     )
 
 

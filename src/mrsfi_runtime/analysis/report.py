@@ -18,7 +18,6 @@ from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.summary import Summary, as_json, parameter_values, summarise
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
@@ -38,7 +37,8 @@ SpecificationWriter: TypeAlias = Callable[[Sequence[SpecificationRow], Path, str
 
 def write_report(
     folder: Path,
-    code: MissionCode,
+    mission: Mission,
+    pool: FaultPool,
     write_specification: SpecificationWriter,
     *,
     ratio: str | None = None,
@@ -50,8 +50,8 @@ def write_report(
     ----------
     folder
         Campaign folder. Of an earlier report there, every file is replaced or removed.
-    code
-        Mission and pool that the campaign ran on.
+    mission, pool
+        What the campaign ran on.
     write_specification
         Writes one critical specification as XMI.
     ratio
@@ -73,18 +73,18 @@ def write_report(
     """
     with CampaignStore.open(folder) as store:
         evaluations, generations = store.evaluations(), store.generations()
-        summary = summarise(folder, store, code.mission, code.pool, ratio, evaluations)
+        summary = summarise(folder, store, mission, pool, ratio, evaluations)
     layout = CampaignFolder(folder)
     try:
-        shown = tuple(illustrate(summary, code.mission, evaluations, generations))
+        shown = tuple(illustrate(summary, mission, evaluations, generations))
         _emptied(layout.figures, "figure_*.*")
         finish = draw([(each.drawing, layout.figures / each.name) for each in shown])
-        _write_critical(layout, summary, code.pool, write_specification)
+        _write_critical(layout, summary, pool, write_specification)
         _emptied(layout.tables, "*.csv")
         all_rows = tables.evaluations_table(evaluations, summary.measure)
         for name, rows in (*((each.name, each.rows) for each in shown), ("evaluations", all_rows)):
             (layout.tables / f"{name}.csv").write_bytes(tables.as_csv(rows))
-        content = json.dumps(as_json(summary, code.pool), indent=2, ensure_ascii=False)
+        content = json.dumps(as_json(summary, pool), indent=2, ensure_ascii=False)
         layout.summary.write_text(content + "\n", encoding="utf-8")
         captions = {each.name: each.caption for each in shown}
         layout.report.write_text(report_text(summary, captions), encoding="utf-8")

@@ -37,6 +37,8 @@ class Summary:
     ----------
     measure
         The violations that fitness, front and pick are about.
+    semantics
+        Version of the world's rules that the flights followed.
     top
         The most critical distinct specifications, at most ten, the worst for the mission first.
     front
@@ -50,6 +52,7 @@ class Summary:
     mission: str
     settings: CampaignSettings
     measure: Measure
+    semantics: int
     n_generations: int
     n_evaluations: int
     n_distinct: int
@@ -95,6 +98,7 @@ def summarise(
         mission=mission.name,
         settings=store.settings,
         measure=measure,
+        semantics=store.manifest.semantics,
         n_generations=len(generations),
         n_evaluations=len(evaluations),
         n_distinct=len(different),
@@ -127,6 +131,7 @@ def as_json(summary: Summary, pool: FaultPool) -> dict[str, Any]:
         "mission": summary.mission,
         "settings": summary.settings.as_json(),
         "measure": {"violations": summary.measure.kind, "mission_seeds": summary.measure.n_seeds},
+        "semantics": summary.semantics,
         "n_generations": summary.n_generations,
         "n_evaluations": summary.n_evaluations,
         "n_distinct": summary.n_distinct,

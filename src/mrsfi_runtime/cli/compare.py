@@ -24,6 +24,7 @@ from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.record.manifest import BOTH
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import require_settings
@@ -123,6 +124,7 @@ def command(  # noqa: PLR0913 - one for each option
         comparison = _compared(folder, settings, seeds, tried, workers)
         content = {
             "mission": folders.name,
+            "semantics": SEMANTICS,
             "settings": common_settings(next(iter(settings.values()))),
             **as_json(comparison),
         }

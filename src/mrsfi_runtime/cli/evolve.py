@@ -22,14 +22,14 @@ from mrsfi_runtime.cli.engines import (
     worker_options,
 )
 from mrsfi_runtime.cli.folders import (
+    FlyableCampaign,
     MissionFolders,
-    OpenCampaign,
     campaign_file,
     find_mission,
     free_folder,
     generated_option,
     manifest_of,
-    open_campaign,
+    open_to_fly,
 )
 from mrsfi_runtime.cli.progress import search_progress, share
 from mrsfi_runtime.cli.report import report
@@ -110,11 +110,13 @@ def resumed(path: Path, ctx: click.Context) -> Iterator[None]:
     Raises
     ------
     RecordError
-        If the folder holds no campaign, a changed one, or one that another process runs.
+        If the folder holds no campaign, a changed one, one that another process runs, or one of
+        other rules of the world.
     UsageError
         If an option contradicts the campaign.
     """
     with CampaignStore.open(path) as store:  # first: a lock makes no sense where no campaign is
+        store.require_flyable()
         manifest, settings = store.manifest, store.settings
     begun_with = {"mission": manifest.mission, "case": manifest.case, **settings.as_json()}
     _require_same_options(path, ctx, begun_with)
@@ -227,9 +229,9 @@ def command(
         path, writer, tried = _new_campaign(ratio, flown_by, **given)
     else:
         path, writer = resume, resumed(resume, ctx)
-    with writer, open_campaign(path) as campaign:
-        _require_ratio(campaign.store.settings, campaign.code.mission, ratio)
-        with DrawingProcess(map_drawing(campaign.code.mission)) as process:
+    with writer, open_to_fly(path) as campaign:
+        _require_ratio(campaign.store.settings, campaign.mission, ratio)
+        with DrawingProcess(map_drawing(campaign.mission)) as process:
             _search(campaign, tried or _tried(campaign, engine, workers), workers)
             report(campaign, ratio, is_json=is_json, draw=process.draw)
 
@@ -259,7 +261,7 @@ def _new_campaign(
 
 
 def _tried(
-    campaign: OpenCampaign, options: EngineOptions, workers: WorkerOptions
+    campaign: FlyableCampaign, options: EngineOptions, workers: WorkerOptions
 ) -> EngineSettings:
     """Return the engine that a campaign from before goes on with."""
     engine = options.settings(campaign.store.manifest.engine, AUTO)
@@ -273,7 +275,7 @@ def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | No
         Measure.of(settings, mission).require(parse_ratio(ratio).goals)
 
 
-def _search(campaign: OpenCampaign, engine: EngineSettings, workers: WorkerOptions) -> None:
+def _search(campaign: FlyableCampaign, engine: EngineSettings, workers: WorkerOptions) -> None:
     path, code, store = campaign.folder.path, campaign.code, campaign.store
     settings, n_generations = store.settings, store.n_generations
     recorded = share(settings, n_generations, store.n_evaluations + len(store.failures()))

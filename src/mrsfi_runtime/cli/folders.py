@@ -8,11 +8,20 @@ from pathlib import Path
 
 import click
 
-from m2t.generate import stale
+from m2t.generate import fault_loader_text, mission_loader_text, stale
+from m2t.load import load_mission_folder
 from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.engine.region_lint import require_sound_regions
 from mrsfi_runtime.errors import GenerationError, RecordError, UsageError
-from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.mission import (
+    MissionCode,
+    load_code,
+    mission_from_text,
+    pool_from_text,
+    require_semantics,
+)
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
@@ -61,6 +70,7 @@ class MissionFolders:
                 f"{self.generated}: not generated yet; run `mrsfi generate {self.models}`"
             )
         if names:
+            require_semantics(self.generated)  # says more than that the manifest is stale
             raise GenerationError(
                 f"{self.generated}: stale, because the models or templates changed: "
                 f"{', '.join(names)}; run `mrsfi generate {self.models}` and review the diff"
@@ -130,10 +140,18 @@ def _from_here(path: Path) -> Path:
 
 @dataclass(frozen=True, slots=True)
 class OpenCampaign:
-    """A campaign with its store open and its own copy of the code loaded."""
+    """A campaign with its store open, and what its own copy of the models describes."""
 
     folder: CampaignFolder
     store: CampaignStore
+    mission: Mission
+    pool: FaultPool
+
+
+@dataclass(frozen=True, slots=True)
+class FlyableCampaign(OpenCampaign):
+    """A campaign whose own copy of the code is loaded and flies as it did."""
+
     code: MissionCode
 
 
@@ -191,15 +209,38 @@ def manifest_of(folders: MissionFolders, case: str, engine: EngineRecord) -> Man
 
 @contextmanager
 def open_campaign(path: Path) -> Iterator[OpenCampaign]:
-    """Open a campaign for reading.
+    """Open a campaign for reading, one of an earlier mrsfi too.
+
+    It does without the copy of the generated code, which only the mrsfi of its day understands.
 
     Raises
     ------
     RecordError
-        If the folder holds no campaign, or its copy of the generated code is not whole.
+        If the folder holds no campaign.
+    ModelError
+        If its copy of the models cannot be read.
     """
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
+        models = load_mission_folder(folder.model)
+        mission = mission_from_text(mission_loader_text(models))
+        pool = pool_from_text(fault_loader_text(models))
+        yield OpenCampaign(folder, store, mission, pool)
+
+
+@contextmanager
+def open_to_fly(path: Path) -> Iterator[FlyableCampaign]:
+    """Open a campaign for flying it again or on.
+
+    Raises
+    ------
+    RecordError
+        If the folder holds no campaign, or one of other rules of the world, or its copy of the
+        generated code is not whole.
+    """
+    folder = CampaignFolder(path)
+    with CampaignStore.open(path) as store:
+        store.require_flyable()
         try:
             code = load_code(folder.generated)
         except GenerationError as error:
@@ -207,4 +248,4 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
                 f"{path}: the campaign's own copy of the generated code is not whole: {error}; "
                 "expected the folder as `mrsfi evolve` left it"
             ) from error
-        yield OpenCampaign(folder, store, code)
+        yield FlyableCampaign(folder, store, code.mission, code.pool, code)

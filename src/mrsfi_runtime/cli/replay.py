@@ -9,7 +9,7 @@ from rich.progress import track
 from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.cli.console import print_json, print_table, progress_console
 from mrsfi_runtime.cli.engines import EngineOptions, engine_options, recorder, recording_options
-from mrsfi_runtime.cli.folders import OpenCampaign, open_campaign
+from mrsfi_runtime.cli.folders import FlyableCampaign, OpenCampaign, open_to_fly
 from mrsfi_runtime.cli.tables import fault_table, goal_table
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import RecordError, ReplayMismatch
@@ -20,7 +20,8 @@ from mrsfi_runtime.record.manifest import BOTH, CI
 _HELP = """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
 
 The flight uses the campaign's own copies of models and code, so it is the same whatever was
-edited since. A difference ends with exit code 7 and says what differs.
+edited since. A difference ends with exit code 7 and says what differs; a campaign of other rules
+of the world ends with exit code 9 and says which mrsfi flies it.
 
 \b
 Examples:
@@ -54,7 +55,7 @@ def command(
         raise click.UsageError("--evaluation, --best and --all exclude each other")
     if is_all and (log or trace):
         raise click.UsageError("--log and --trace record one flight; --all flies many")
-    with open_campaign(folder) as campaign:
+    with open_to_fly(folder) as campaign:
         recorded_by = campaign.store.manifest.engine
         chosen = engine.settings(recorded_by if recorded_by.is_foreign else None)
         with chosen.open(campaign.code, campaign.store.settings.mission_seed) as opened:
@@ -62,7 +63,7 @@ def command(
                 _replay_all(campaign, opened, is_json=is_json)
                 return
             recorded = _one(campaign, evaluation)
-            with recorder(campaign.code.mission, log, trace) as observer:
+            with recorder(campaign.mission, log, trace) as observer:
                 outcome = opened.evaluate(recorded.specification, observer=observer)
         _require_same(folder, recorded, outcome)
         _print_one(campaign, recorded, is_json=is_json)
@@ -77,7 +78,7 @@ def _one(campaign: OpenCampaign, index: int | None) -> Evaluation:
     return best[0]
 
 
-def _replay_all(campaign: OpenCampaign, engine: Engine, *, is_json: bool) -> None:
+def _replay_all(campaign: FlyableCampaign, engine: Engine, *, is_json: bool) -> None:
     evaluations = campaign.store.evaluations()
     console = progress_console()
     for recorded in track(evaluations, "replay", console=console, disable=not console.is_terminal):
@@ -112,7 +113,7 @@ def _require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
 
 
 def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -> None:
-    mission, outcome = campaign.code.mission, recorded.outcome
+    mission, outcome = campaign.mission, recorded.outcome
     if is_json:
         print_json(
             {
@@ -129,5 +130,5 @@ def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -
         f"{recorded.generation}, fitness {recorded.fitness[0]:.2f}"
     )
     print_table(title, goal_table(mission, outcome))
-    print_table("Faults", fault_table(campaign.code.pool, recorded.specification, outcome))
+    print_table("Faults", fault_table(campaign.pool, recorded.specification, outcome))
     click.echo(f"same as recorded, digest {outcome.digest}")

@@ -21,7 +21,7 @@ _HELP = """Write the report of CAMPAIGN anew and print the ten most critical spe
 
 CAMPAIGN is the folder of a campaign, finished or interrupted; without one, the campaign in
 runs/ that was written last. Everything comes from the folder's own copies, whatever was
-edited since.
+edited since; campaigns of an earlier mrsfi are read as well.
 
 \b
 Examples:
@@ -62,9 +62,11 @@ def report(
     def write(rows: Sequence[SpecificationRow], path: Path, identifier: str) -> None:
         write_specification(models(), rows, path, identifier=identifier)
 
-    summary = write_report(campaign.folder.path, campaign.code, write, ratio=ratio, draw=draw)
+    summary = write_report(
+        campaign.folder.path, campaign.mission, campaign.pool, write, ratio=ratio, draw=draw
+    )
     if is_json:
-        content = as_json(summary, campaign.code.pool)
+        content = as_json(summary, campaign.pool)
         print_json({"folder": str(campaign.folder.path), **content})
     else:
         _print_summary(campaign, summary)
@@ -74,8 +76,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     """Print the most critical specifications, the front, and where everything is."""
     folder = campaign.folder
     title = f"The {len(summary.top)} most critical of {summary.n_distinct} fault specifications"
-    code = campaign.code
-    print_table(title, *critical_tables(summary.measure, code.pool, summary.top))
+    print_table(title, *critical_tables(summary.measure, campaign.pool, summary.top))
     if summary.front is not None:
         _print_front(summary.front)
     if summary.pick is not None:

@@ -21,11 +21,13 @@ from mrsfi_runtime.hosting.lockstep_topics import (
     CLOCK,
     FAILURE,
     GO,
+    REFUSAL,
     RESET,
     RUNS_OF_A_SESSION,
     SETUP,
     STOP,
     TICK,
+    Setup,
     Tick,
     numbers,
 )
@@ -34,6 +36,7 @@ from mrsfi_runtime.hosting.truth import take_true_values
 from mrsfi_runtime.hosting.waiting import Completion, Patience
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport
 
 _SESSIONS = 10**9  # so that a run's number fits into a double, as some clients keep numbers
@@ -80,6 +83,7 @@ class BusLockstep:
         self._topics = CountedTopics(transport, "simulation", self._proceed)
         self._truth: dict[int, Payload] = {}
         self._n_truths = len(truth)
+        self._refusal: str | None = None
         self._session = secrets.randbelow(_SESSIONS) * RUNS_OF_A_SESSION
         self._n_runs = 0
         self._flight: Flight | None = None
@@ -112,8 +116,8 @@ class BusLockstep:
         Raises
         ------
         TransportError
-            If messages were lost, the connection is gone, or the simulation is late; the
-            message names run and tick.
+            If messages were lost, the connection is gone, or the simulation is late or of other
+            semantics; the message names run and tick.
         Exception
             If the code of a region failed.
         """
@@ -145,12 +149,18 @@ class BusLockstep:
     def _prepare(self, seed: int) -> None:
         """Reset the simulation, again and again until it answers for this run."""
         self._n_runs += 1
+        self._refusal = None
         deadline = monotonic() + self._patience.handshake
         while True:
-            self._setup({"data": [self._run, seed]})
+            self._setup({"data": [*Setup(self._run, seed, SEMANTICS)]})
             said = self._said_to_reset()
             if said == f"run {self._run}":
                 return
+            refusal = said if said.startswith(REFUSAL) else self._refusal
+            if refusal is not None:
+                raise ProtocolError(
+                    f"the simulation refuses {SETUP.name} of semantics {SEMANTICS}: {refusal}"
+                )
             if monotonic() > deadline:
                 raise TransportTimeout(
                     f"no simulation was ready within {self._patience.handshake:g} s: {said}; "
@@ -197,8 +207,11 @@ class BusLockstep:
         return self._topics.overdue(silence, self._patience.tick)
 
     def _on_failure(self, payload: Payload) -> None:
+        told = str(payload.get("data"))
         if self._topics.is_open:
-            raise TransportError(f"the simulation failed: {payload.get('data')}")
+            raise TransportError(f"the simulation failed: {told}")
+        if str(self._run) in told:  # it quotes our setup, which it does not understand
+            self._refusal = told
 
     def _on_tick(self, payload: Payload) -> None:
         told = numbers(TICK, payload, Tick)

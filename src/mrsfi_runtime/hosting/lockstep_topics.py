@@ -10,6 +10,7 @@ that keeps order within a topic only may deliver ``GO`` before the commands that
 from typing import NamedTuple, TypeVar
 
 from mrsfi_runtime.errors import ProtocolError
+from mrsfi_runtime.model.semantics import UNNUMBERED
 from mrsfi_runtime.transport.topics import Payload, Service, Topic
 
 SETUP = Topic("/mission/setup", "std_msgs/Int64MultiArray")
@@ -34,7 +35,13 @@ FAILURE = Topic("/mission/failure", "std_msgs/String")
 """Simulation to CI: why it cannot go on."""
 
 RESET = Service("/mission/reset", "std_srvs/Trigger")
-"""Back to before tick 0, with the newest setup; answers ``run <run>``."""
+"""Back to before tick 0, with the newest setup; answers ``run <run>``.
+
+A simulation of other rules of the world fails instead, and answers with ``REFUSAL`` first.
+"""
+
+REFUSAL = "semantics"
+"""How the answer begins that no repetition changes; the simulation's version follows."""
 
 STOP = Service("/mission/stop", "std_srvs/Trigger")
 """Ends the run."""
@@ -49,10 +56,11 @@ earlier one left behind, take each other's messages for their own.
 
 
 class Setup(NamedTuple):
-    """Numbers of ``SETUP``."""
+    """Numbers of ``SETUP``; who leaves ``semantics`` out is of the version before it was said."""
 
     run: int
     seed: int
+    semantics: int = UNNUMBERED
 
 
 class Go(NamedTuple):
@@ -87,13 +95,14 @@ def numbers(topic: Topic, payload: Payload, kind: type[Numbers]) -> Numbers:
         If they are not as many integers as they should be.
     """
     found = payload.get("data")
+    n_most = len(kind._fields)
     if (
         not isinstance(found, list)
-        or len(found) != len(kind._fields)
+        or not n_most - len(kind._field_defaults) <= len(found) <= n_most
         or not all(type(value) is int for value in found)
     ):
         raise ProtocolError(
-            f"{topic.name} carried {found!r}; expected {len(kind._fields)} integers: "
+            f"{topic.name} carried {found!r}; expected {n_most} integers: "
             f"{', '.join(kind._fields)} (docs/bus.md)"
         )
     return kind(*found)

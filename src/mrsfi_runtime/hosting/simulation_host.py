@@ -5,12 +5,13 @@ References
 Source paper, section III-F.
 """
 
-from mrsfi_runtime.errors import MrsfiError
+from mrsfi_runtime.errors import MrsfiError, ProtocolError
 from mrsfi_runtime.hosting.counted_topics import CountedTopics
 from mrsfi_runtime.hosting.lockstep_topics import (
     CLOCK,
     FAILURE,
     GO,
+    REFUSAL,
     RESET,
     RUNS_OF_A_SESSION,
     SETUP,
@@ -23,6 +24,7 @@ from mrsfi_runtime.hosting.lockstep_topics import (
 from mrsfi_runtime.hosting.sides import Simulation
 from mrsfi_runtime.hosting.waiting import Completion, Patience
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.semantics import SEMANTICS, flown_by
 from mrsfi_runtime.transport.topics import Payload, Transport
 
 
@@ -70,7 +72,8 @@ class SimulationHost:
         Raises
         ------
         TransportError
-            If messages were lost, the connection is gone, or the CI is silent in mid-run.
+            If messages were lost, the connection is gone, the CI is silent in mid-run, or of other
+            semantics.
         Exception
             If the simulation's own code failed.
         """
@@ -106,7 +109,15 @@ class SimulationHost:
     def _on_reset(self, _request: Payload) -> Payload:
         if self._setup is None:
             return {"success": False, "message": f"no message on {SETUP.name} came yet"}
-        self._run, seed = self._setup
+        self._run, seed, semantics = self._setup
+        if semantics != SEMANTICS:
+            problem = (
+                f"{REFUSAL} {SEMANTICS} is what this simulation flies; {SETUP.name} asked for "
+                f"semantics {semantics}, which {flown_by(semantics)} flies; run both sides with "
+                "one mrsfi"
+            )
+            self._fail(ProtocolError(problem))
+            return {"success": False, "message": problem}
         self._simulation.reset(seed)
         self._topics.open()
         self._completion.advance()

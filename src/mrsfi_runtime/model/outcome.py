@@ -23,7 +23,8 @@ class Outcome:
         True, not believed.
     missed
         Ticks from the one on at which it was certain, from the truth alone, that the goal's
-        purpose is not met; 0 where it was met.
+        purpose is not met; 0 where it was met. ``None`` in a record of semantics 1, which does not
+        say.
     samples
         Samples counted towards each goal, in truth; 0 for goals that gather none.
     applied
@@ -38,18 +39,25 @@ class Outcome:
     true: tuple[int, ...]
     phantom: tuple[int, ...]
     masked: tuple[int, ...]
-    missed: tuple[int, ...]
+    missed: tuple[int, ...] | None
     samples: tuple[int, ...]
     applied: tuple[int, ...]
     changed: tuple[int, ...]
     digest: str
 
-    def missed_since(self, duration: int) -> tuple[int | None, ...]:
-        """Return from which tick on each goal was certain to be missed; None where it was met.
+    def missed_since(self, duration: int) -> tuple[int | None, ...] | None:
+        """Return from which tick on each goal was certain to be missed.
 
         Parameters
         ----------
         duration
             Ticks of the mission.
+
+        Returns
+        -------
+        tuple[int | None, ...] or None
+            For each goal, ``None`` where it was met; ``None`` as a whole if that is not known.
         """
+        if self.missed is None:
+            return None
         return tuple(duration - ticks if ticks else None for ticks in self.missed)

@@ -6,9 +6,10 @@ earlier one.
 """
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from sqlite3 import Connection
 from typing import Any, Self, TypeVar
@@ -16,6 +17,7 @@ from typing import Any, Self, TypeVar
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
 from mrsfi_runtime.record import database, encoding
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import Manifest
@@ -106,6 +108,8 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             raise RecordError(database.damaged(path, str(error))) from error
         manifest = self._decoded(encoding.object_from_text, rows.get("manifest"))
         self.manifest = Manifest.from_json(manifest)
+        self._counts = database.stored_counts(path, connection)
+        self._evaluations = database.select_evaluations(self._counts)
 
     @classmethod
     def create(cls, folder: Path, settings: CampaignSettings, manifest: Manifest) -> Self:
@@ -136,6 +140,22 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         connection = database.open_existing(path)
         with database.closed_on_error(connection):
             return cls(path, connection)
+
+    def require_flyable(self) -> None:
+        """Refuse to fly what was found under other rules of the world: it would differ.
+
+        Raises
+        ------
+        RecordError
+            Naming the semantics of the record, that of this mrsfi, and which mrsfi flies it.
+        """
+        found, release = self.manifest.semantics, self.manifest.versions.get("mrsfi", "")
+        if found != SEMANTICS:
+            folder = self.path.parent
+            raise RecordError(
+                f"{folder}: {difference(found)}; fly the campaign with {flown_by(found, release)}, "
+                f"read it with `mrsfi report {folder}`, or begin a new one"
+            )
 
     def close(self) -> None:
         """Close the file; everything appended stays."""
@@ -182,10 +202,11 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     def evaluations(self, first: int = 0, n_most: int | None = None) -> tuple[Evaluation, ...]:
         """Return evaluations in index order: all, or at most so many from one index on."""
         rows = self._select(
-            "SELECT * FROM evaluation WHERE idx >= ? ORDER BY idx LIMIT ?",
+            f"{self._evaluations} WHERE idx >= ? ORDER BY idx LIMIT ?",
             (first, -1 if n_most is None else n_most),  # SQLite takes -1 for no limit
         )
-        return tuple(self._decoded(_evaluation, row) for row in rows)
+        decode = partial(_evaluation, self._counts)
+        return tuple(self._decoded(decode, row) for row in rows)
 
     def evaluation(self, index: int) -> Evaluation:
         """Return one evaluation.
@@ -195,12 +216,12 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         RecordError
             If the campaign has none of that index.
         """
-        rows = self._select("SELECT * FROM evaluation WHERE idx = ?", (int(index),))
+        rows = self._select(f"{self._evaluations} WHERE idx = ?", (int(index),))
         if not rows:
             n_found = self.n_evaluations
             expected = f"0 to {n_found - 1}" if n_found else "no number: it holds none yet"
             raise RecordError(f"{self.path}: found no evaluation {index}; expected {expected}")
-        return self._decoded(_evaluation, rows[0])
+        return self._decoded(partial(_evaluation, self._counts), rows[0])
 
     def generations(self) -> tuple[Generation, ...]:
         """Return all finished generations in order."""
@@ -229,7 +250,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         evaluations were divided into appends.
         """
         digest = hashlib.sha256()
-        for row in self._select(f"{database.SELECT_DIGESTED} ORDER BY idx"):
+        for row in self._select(database.select_digested(self._counts)):
             digest.update(encoding.canonical(row).encode())
             digest.update(b"\n")
         return digest.hexdigest()
@@ -262,10 +283,12 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
     )
 
 
-def _evaluation(row: tuple[Any, ...]) -> Evaluation:
+def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
+    """Return what a row says of an evaluation, whose counts have names in their order."""
     index, generation, specification_text, fitness_text, fault_ticks, *texts, digest = row
     specification, fitness, *found = encoding.lists([specification_text, fitness_text, *texts])
-    counts = dict(zip(encoding.COUNTS, encoding.integers(found), strict=True))
+    counts: dict[str, Any] = dict.fromkeys(encoding.LATER_COUNTS)
+    counts.update(zip(names, encoding.integers(found), strict=True))
     return Evaluation(
         index=index,
         generation=generation,

@@ -5,7 +5,7 @@ a ``RecordError`` with the path, what was found and what was expected.
 """
 
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
 
@@ -13,22 +13,47 @@ from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.encoding import COUNTS
 from mrsfi_runtime.record.folder import keep_names, new_name
 
-SCHEMA = 1
-"""Version of the layout; a file of a newer one is refused."""
+SCHEMA = 2
+"""Version of the layout; a file of a newer one is refused, so that no earlier mrsfi flies it.
+
+In version 1 nothing says which semantics was flown, and outcomes may have fewer counts.
+"""
 
 _APPLICATION = 0x4D525346  # "MRSF" in the file's header: this SQLite file is a campaign
 _WAIT = 30.0  # seconds that a reader and a running campaign wait for each other
 
-_COUNTS = ", ".join(f'"{name}"' for name in COUNTS)
-_EVALUATION = f"idx, generation, specification, fitness, fault_ticks, {_COUNTS}, digest"
+
+def _quoted(counts: Iterable[str]) -> str:
+    return ", ".join(f'"{name}"' for name in counts)
+
+
+def _columns(counts: Iterable[str]) -> str:
+    return f"idx, generation, specification, fitness, fault_ticks, {_quoted(counts)}, digest"
+
+
 _TABLES = (
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
-    f"CREATE TABLE evaluation ({_EVALUATION}, PRIMARY KEY (idx))",
+    f"CREATE TABLE evaluation ({_columns(COUNTS)}, PRIMARY KEY (idx))",
     "CREATE TABLE failure (idx INTEGER PRIMARY KEY, generation, specification, traceback)",
     "CREATE TABLE generation (idx, statistics, population, random_state, PRIMARY KEY (idx))",
 )
 
-SELECT_DIGESTED = f"SELECT specification, {_COUNTS}, digest, fitness FROM evaluation"
+
+def stored_counts(path: Path, connection: sqlite3.Connection) -> tuple[str, ...]:
+    """Return the names of the counts that a record has of an outcome; an older one has fewer."""
+    with translated(path):
+        columns = {row[1] for row in connection.execute("PRAGMA table_info(evaluation)")}
+    return tuple(name for name in COUNTS if name in columns)
+
+
+def select_evaluations(counts: Iterable[str]) -> str:
+    """Return the query for evaluations, whose counts stand in the order given."""
+    return f"SELECT {_columns(counts)} FROM evaluation"
+
+
+def select_digested(counts: Iterable[str]) -> str:
+    """Return the query for what a campaign's digest is made of, in its order."""
+    return f"SELECT specification, {_quoted(counts)}, digest, fitness FROM evaluation ORDER BY idx"
 
 
 def create(path: Path, meta: Mapping[str, str]) -> None:

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Self
 
+from mrsfi_runtime.model.semantics import SEMANTICS, UNNUMBERED
+
 BOTH, CI = "both", "ci"
 """Sides that a campaign ran: simulation and collective intelligence, or the latter alone."""
 
@@ -73,6 +75,8 @@ class Manifest:
         Kind of processor.
     sha256
         Hash of every copied file, by name.
+    semantics
+        Version of the world's rules that its flights follow.
     """
 
     mission: str = ""
@@ -81,6 +85,7 @@ class Manifest:
     versions: Mapping[str, str] = field(default_factory=dict)
     machine: str = ""
     sha256: Mapping[str, str] = field(default_factory=dict)
+    semantics: int = SEMANTICS
 
     def as_json(self) -> dict[str, Any]:
         """Return the manifest as values of JSON."""
@@ -91,6 +96,7 @@ class Manifest:
             "versions": self.versions,
             "machine": self.machine,
             "sha256": self.sha256,
+            "semantics": self.semantics,
         }
 
     @classmethod
@@ -103,4 +109,5 @@ class Manifest:
             versions=values.get("versions", {}),
             machine=values.get("machine", ""),
             sha256=values.get("sha256", {}),
+            semantics=values.get("semantics", UNNUMBERED),
         )

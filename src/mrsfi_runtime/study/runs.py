@@ -10,8 +10,9 @@ from time import monotonic
 from typing import Any
 
 import mrsfi_runtime
-from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.errors import GenerationError, RecordError
+from mrsfi_runtime.mission import MissionCode, generated_semantics
+from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import hashes, only_writer
 from mrsfi_runtime.record.manifest import Manifest
@@ -44,10 +45,24 @@ def only_comparison(path: Path, models: Path, generated: Path) -> Iterator[Compa
         if not folder.runs.is_dir():
             folder.fill(models, generated)
             folder.runs.mkdir()
+        _require_flyable(folder)
         _require_same_files(models, folder.model)
         _require_same_files(generated, folder.generated)
         folder.tidy()
         yield folder
+
+
+def _require_flyable(folder: ComparisonFolder) -> None:
+    """Refuse a folder whose runs flew under other rules of the world; its copy of the code says."""
+    try:
+        found = generated_semantics(folder.generated)
+    except GenerationError:
+        return  # a copy that is not whole is refused as one that differs
+    if found != SEMANTICS:
+        raise RecordError(
+            f"{folder.path}: {difference(found)}; go on with {flown_by(found)}, compare in another "
+            "folder with --out, or remove this one"
+        )
 
 
 def _require_same_files(source: Path, copy: Path) -> None:

@@ -63,9 +63,9 @@ def test_another_programs_database_is_refused(tmp_path):
 def test_a_newer_version_is_refused_with_both_numbers(tmp_path):
     CampaignStore.create(tmp_path, CampaignSettings(), Manifest()).close()
     with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as newer:
-        newer.execute("PRAGMA user_version = 2")
+        newer.execute("PRAGMA user_version = 3")
 
-    with pytest.raises(RecordError, match=r"found a campaign of version 2; expected at most 1"):
+    with pytest.raises(RecordError, match=r"found a campaign of version 3; expected at most 2"):
         CampaignStore.open(tmp_path)
 
 

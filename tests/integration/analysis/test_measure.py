@@ -23,7 +23,7 @@ def report_of(folder: Path, settings: CampaignSettings, found: list[Evaluation])
     with CampaignStore.create(folder, settings, Manifest()) as store:
         population = tuple(each.index for each in found)
         store.append(found, (), [Generation(0, statistics(found), population, "[]")])
-    write_report(folder, CODE, lambda *_: None, ratio="g1:g3=1:1")
+    write_report(folder, CODE.mission, CODE.pool, lambda *_: None, ratio="g1:g3=1:1")
     return (folder / "report.md").read_text()
 
 

@@ -76,7 +76,7 @@ def test_each_figure_has_its_files_and_its_link(focused):
 def focused(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("runs") / "focused"
     write_campaign(folder, settings=FOCUS)
-    write_report(folder, CODE, write, ratio="g3:g1=2:1")
+    write_report(folder, CODE.mission, CODE.pool, write, ratio="g3:g1=2:1")
     return folder
 
 
@@ -128,6 +128,7 @@ def test_the_summary_says_what_was_found(focused):
         "mission",
         "settings",
         "measure",
+        "semantics",
         "n_generations",
         "n_evaluations",
         "n_distinct",
@@ -193,7 +194,7 @@ def test_a_second_report_writes_the_same_bytes(tmp_path):
         store.append([evaluation(0, (1, 0, 1, 0, 0, 0))])
 
     def written() -> dict[str, bytes]:
-        write_report(folder, CODE, write, ratio="g1:g3=1:1")
+        write_report(folder, CODE.mission, CODE.pool, write, ratio="g1:g3=1:1")
         return {str(p): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
     assert written() == written()
@@ -222,7 +223,7 @@ def test_a_ratio_that_makes_no_sense_leaves_the_folder_alone(ratio, tmp_path):
     folder = write_campaign(tmp_path / "run", n_generations=1)
 
     with pytest.raises(UsageError):
-        write_report(folder, CODE, write, ratio=ratio)
+        write_report(folder, CODE.mission, CODE.pool, write, ratio=ratio)
 
     assert [path.name for path in folder.iterdir()] == ["campaign.sqlite"]
 
@@ -233,7 +234,7 @@ def test_a_campaign_interrupted_in_its_first_generation_has_a_report(tmp_path):
     with CampaignStore.create(folder, FOCUS, Manifest()) as store:
         store.append([first, second, third])
 
-    summary = write_report(folder, CODE, write, ratio="g3:g1=2:1")
+    summary = write_report(folder, CODE.mission, CODE.pool, write, ratio="g3:g1=2:1")
 
     assert len(summary.top) == 3
     assert stems(folder / "critical", ".xmi") == ["01", "02", "03"]
@@ -245,7 +246,7 @@ def test_a_campaign_interrupted_before_its_first_evaluation_has_a_report(tmp_pat
     folder = tmp_path / "run"
     CampaignStore.create(folder, FOCUS, Manifest()).close()
 
-    summary = write_report(folder, CODE, write, ratio="g3:g1=2:1")
+    summary = write_report(folder, CODE.mission, CODE.pool, write, ratio="g3:g1=2:1")
 
     assert summary.top == ()
     assert stems(folder / "figures", ".png") == SINGLE[:1]
@@ -263,7 +264,7 @@ def test_a_generation_without_survivors_is_left_out_of_the_fronts(tmp_path):
         store.append(generations=[Generation(0, statistics([found]), (0,), "[]")])
         store.append(generations=[Generation(1, statistics([found]), (), "[]")])
 
-    write_report(folder, CODE, write)
+    write_report(folder, CODE.mission, CODE.pool, write)
 
     assert table(folder, FRONTS[0]) == [
         ["generation", "evaluation", "g1", "g3"],
@@ -278,7 +279,7 @@ def test_what_an_earlier_longer_report_left_is_removed(tmp_path):
         (folder / name).write_text("old")
     (folder / "figures" / "mine.png").write_text("mine")
 
-    write_report(folder, CODE, write)
+    write_report(folder, CODE.mission, CODE.pool, write)
 
     assert stems(folder / "critical", ".xmi") == ["01", "02", "03"]
     assert stems(folder / "figures", ".png") == [*SINGLE, *TYPES, "mine"]
@@ -287,7 +288,7 @@ def test_what_an_earlier_longer_report_left_is_removed(tmp_path):
 
 def test_a_folder_without_a_campaign_is_refused(tmp_path):
     with pytest.raises(RecordError, match="expected the folder of a campaign"):
-        write_report(tmp_path, CODE, write)
+        write_report(tmp_path, CODE.mission, CODE.pool, write)
 
 
 def test_a_report_that_cannot_be_written_is_a_record_error(tmp_path):
@@ -295,4 +296,4 @@ def test_a_report_that_cannot_be_written_is_a_record_error(tmp_path):
     (folder / "figures").write_text("a file where a folder should be")
 
     with pytest.raises(RecordError, match="cannot write the report"):
-        write_report(folder, CODE, write)
+        write_report(folder, CODE.mission, CODE.pool, write)

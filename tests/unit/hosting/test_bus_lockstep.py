@@ -16,6 +16,7 @@ from mrsfi_runtime.errors import (
     TransportTimeout,
 )
 from mrsfi_runtime.hosting.waiting import Patience
+from mrsfi_runtime.model.semantics import SEMANTICS
 from tests.support.trace import traced
 from tests.support.world import paper_code, specification
 from tests.unit.hosting.bus import PATIENCE, sides
@@ -257,6 +258,49 @@ def test_every_session_numbers_its_runs_from_a_random_number_on():
 
 def test_a_lost_reset_is_repeated():
     assert flown(nth("/mission/setup", 0, lose)) == flown_in_process()
+
+
+def every_setup(change):
+    """Return a tamper of what the CI says of every run."""
+    tamper = numbers(change)
+    return lambda message: tamper(message) if message[0] == "/mission/setup" else [message]
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (lambda run, seed, _: [run, seed], r"semantics 1, which mrsfi 0\.1 flies"),
+        (lambda run, seed, _: [run, seed, 99], "semantics 99, which a later mrsfi flies"),
+    ],
+)
+def test_sides_of_different_semantics_refuse_each_other_at_once(change, named):
+    patience = Patience(tick=2.0, handshake=600.0)
+    said = rf"semantics {SEMANTICS} is what this simulation flies; /mission/setup asked for {named}"
+    with sides(CODE, every_setup(change), patience) as (simulation, lockstep, _):
+        with pytest.raises(ProtocolError, match=f"run 1, before tick 0: the .* refuses .*{said}"):
+            BusEngine(CODE, 1, lockstep).evaluate(())
+        with pytest.raises(ProtocolError, match=said):
+            simulation.serve()
+
+
+def test_a_simulation_that_does_not_understand_the_setup_is_not_waited_for():
+    def serve():
+        try:
+            simulation.serve()
+        except ProtocolError as error:
+            simulation.tell_failure(error)
+
+    patience = Patience(tick=2.0, handshake=600.0)
+    with sides(CODE, every_setup(lambda *found: [*found, 1]), patience) as (
+        simulation,
+        lockstep,
+        _,
+    ):
+        thread = Thread(target=serve)
+        thread.start()
+        with pytest.raises(ProtocolError, match=r"refuses .*\[\d+, 1, 2, 1\]; expected 3 integers"):
+            BusEngine(CODE, 1, lockstep).evaluate(())
+        thread.join()
 
 
 def test_a_simulation_that_never_answers_is_told_before_tick_0():
