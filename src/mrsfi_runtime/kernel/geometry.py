@@ -30,7 +30,8 @@ def well_inside(x: float, y: float, middle_x: float, middle_y: float, radius: fl
 @kernel
 def overlap(dx: float, dy: float, reach: float) -> bool:
     """Return whether two discs overlap whose radii add up to ``reach``."""
-    return excess(math.sqrt(dx * dx + dy * dy), reach) < 0.0
+    square = dx * dx + dy * dy
+    return square < reach * reach and excess(math.sqrt(square), reach) < 0.0
 
 
 @kernel
