@@ -114,7 +114,7 @@ def test_a_simulation_and_a_ci_of_different_rules_refuse_each_other(tmp_path, is
     def side(name, url):
         main = ("-c", _LATER) if name == is_later else ("-m", "mrsfi_runtime.cli.main")
         return subprocess.Popen(
-            [sys.executable, *main, *meet, url, "--side", name],
+            [sys.executable, *main, *meet, url, "--side", name, "--timeout", "3"],
             cwd=places[name],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

@@ -37,7 +37,8 @@ FAILURE = Topic("/mission/failure", "std_msgs/String")
 RESET = Service("/mission/reset", "std_srvs/Trigger")
 """Back to before tick 0, with the newest setup; answers ``run <run>``.
 
-A simulation of other rules of the world fails instead, and answers with ``REFUSAL`` first.
+A simulation of other rules of the world answers with ``REFUSAL`` first, and fails when it is
+asked no more.
 """
 
 REFUSAL = "semantics"

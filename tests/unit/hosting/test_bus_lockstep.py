@@ -274,13 +274,26 @@ def every_setup(change):
     ],
 )
 def test_sides_of_different_semantics_refuse_each_other_at_once(change, named):
-    patience = Patience(tick=2.0, handshake=600.0)
+    patience = Patience(tick=0.5, handshake=600.0)
     said = rf"semantics {SEMANTICS} is what this simulation flies; /mission/setup asked for {named}"
     with sides(CODE, every_setup(change), patience) as (simulation, lockstep, _):
         with pytest.raises(ProtocolError, match=f"run 1, before tick 0: the .* refuses .*{said}"):
             BusEngine(CODE, 1, lockstep).evaluate(())
         with pytest.raises(ProtocolError, match=said):
             simulation.serve()
+
+
+def test_a_simulation_that_refused_serves_who_comes_next_with_its_own_semantics():
+    with sides(CODE, nth("/mission/setup", 0, numbers(lambda *found: [*found[:2], 99]))) as (
+        _,
+        lockstep,
+        _,
+    ):
+        engine = BusEngine(CODE, 1, lockstep)
+        with pytest.raises(ProtocolError, match="asked for semantics 99"):
+            engine.evaluate(())
+
+        assert engine.evaluate(()) == flown_in_process()
 
 
 def test_a_simulation_that_does_not_understand_the_setup_is_not_waited_for():
