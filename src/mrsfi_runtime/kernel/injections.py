@@ -2,7 +2,7 @@
 
 References
 ----------
-Source paper, sections III-B b) and III-G; DESIGN of the fault effects in docs/semantics.md.
+Source paper, sections III-B b) and III-G; what each fault does, in ``docs/faults.md``.
 """
 
 from array import array
