@@ -31,7 +31,7 @@ _BY_NAME = {affected.name: affected for affected in OF_ROBOT}
 
 
 def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
-    """Return what a fault touches, in model order; empty if its message does not carry it.
+    """Return what a fault touches, each once, in model order; nothing if no message carries it.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     """
     key = (fault.type, fault.target)
     if key not in mission.touches:
-        mission.touches[key] = _found(mission, fault)
+        mission.touches[key] = tuple(dict.fromkeys(_found(mission, fault)))
     return mission.touches[key]
 
 

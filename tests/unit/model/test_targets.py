@@ -1,5 +1,7 @@
 """What faults touch, which conflict, and which specifications are refused."""
 
+from dataclasses import replace
+
 import pytest
 
 from mrsfi_runtime.errors import SpecificationError
@@ -24,6 +26,21 @@ def test_a_sensor_type_in_a_body_means_the_senders_count():
     targets = touched(CODE.mission, Fault("late", FAULT_TYPES["BlockMessage"], "m10", (5.0,)))
 
     assert targets == ((Field.COUNT, CODE.mission.sensor_index["s4"]),)
+
+
+def test_a_field_that_a_body_names_twice_is_touched_once():
+    fault = Fault("late", FAULT_TYPES["DelayMessage"], "m8", (5.0,))
+    doubled = (replace(goal, messages=_twice(goal)) for goal in CODE.mission.goals)
+    mission = replace(CODE.mission, goals=tuple(doubled))
+
+    require_no_overlap(mission, FaultPool("p", (fault,)), (TimedFault("late", 0, 9, (5.0,)),))
+
+    assert touched(mission, fault) == touched(CODE.mission, fault)
+
+
+def _twice(goal):
+    """Return the messages of a goal, each field of which stands in its body twice."""
+    return tuple(replace(message, body=message.body * 2) for message in goal.messages)
 
 
 def test_conflicts_are_mutual_and_follow_the_property_not_the_message():
