@@ -44,10 +44,14 @@ def test_an_older_campaign_is_reported(old, tmp_path):
     assert found["mission"] == "tight margins"
     assert found["best"]["evaluation"] == 1
     assert (found["best"]["believed"]["energy"], found["best"]["true"]["depths"]) == (171, 139)
+    assert {*found["best"]["missed"].values(), *found["best"]["missed_since"].values()} == {None}
     assert [point["evaluation"] for point in found["front"]["points"]] == [1]
     summary = json.loads((old / "summary.json").read_text(encoding="utf-8"))
     assert summary == {key: value for key, value in found.items() if key != "folder"}
-    assert "semantics 1, the rules of mrsfi 0.1" in (old / "report.md").read_text(encoding="utf-8")
+    report = (old / "report.md").read_text(encoding="utf-8")
+    assert "semantics 1, the rules of mrsfi 0.1" in report
+    assert "; what was missed is not recorded." in report
+    assert "| 0/0 | 0/0 | 171/0 | 127/139 | 0/0 |" in report
     assert len(list((old / "critical").iterdir())) == 3
 
 
@@ -55,6 +59,7 @@ def test_an_older_campaign_is_shown_to_people(old, tmp_path):
     text = mrsfi("report", old, cwd=tmp_path).stdout
 
     assert "The 3 most critical of 3 fault specifications" in text
+    assert text.count("missed from ?") == 3
     assert text.splitlines()[-1].split() == ["digest", DIGEST_OF_1]
 
 

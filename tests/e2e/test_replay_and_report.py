@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from mrsfi_runtime.model.outcome import TOLD
 from tests.support.cli import edit, mrsfi, mrsfi_json
 
 
@@ -75,6 +76,14 @@ def test_report_takes_the_latest_campaign_writes_the_same_bytes_and_picks_by_rat
     assert found["pick"]["evaluation"] in [p["evaluation"] for p in found["front"]["points"]]
     for name in ("critical/01.xmi", "tables/evaluations.csv"):
         assert (campaign / name).read_bytes() == (flown / name).read_bytes()
+
+
+def test_a_replay_tells_a_script_what_came_of_each_goal(campaign, tmp_path):
+    found = mrsfi_json("replay", campaign, "--best", cwd=tmp_path)
+    best = mrsfi_json("report", campaign, cwd=tmp_path)["best"]
+
+    for count in TOLD:
+        assert {goal["id"]: goal[count] for goal in found["goals"]} == best[count]
 
 
 @pytest.mark.parametrize("command", ["report", "replay"])

@@ -2,9 +2,8 @@ import subprocess
 
 import pytest
 
+from mrsfi_runtime.model.outcome import TOLD
 from tests.support.cli import MISSION, command_line, edit, mrsfi, mrsfi_json, stop_specification
-
-VIOLATIONS = ("believed", "true", "phantom", "masked")
 
 
 def test_a_hand_written_specification_is_flown(place):
@@ -16,7 +15,10 @@ def test_a_hand_written_specification_is_flown(place):
     assert (fault["type"], fault["start"], fault["finish"]) == ("StopRobot", 100, 900)
     assert fault["applied"] == 801
     assert any(goal["believed"] for goal in flight["goals"])
-    assert all({*VIOLATIONS} <= {*goal} for goal in flight["goals"])
+    assert all({*TOLD} <= {*goal} for goal in flight["goals"])
+    told = [(goal["missed"], goal["missed_since"]) for goal in flight["goals"]]
+    assert any(missed for missed, _ in told)
+    assert all(since == (1000 - missed if missed else None) for missed, since in told)
     assert all(goal["samples"] > 0 for goal in flight["goals"][3:])
 
 
@@ -54,9 +56,20 @@ def test_each_fault_is_audited_alone_and_written_as_a_page(place):
     assert [row["fault"] for row in rows] == [f"f{n}" for n in range(1, 31)]
     assert all(row["applied"] > 0 for row in rows)
     for row in rows:
-        is_effective = any(row["believed"].values()) or any(row["true"].values())
+        is_effective = any(any(row[count].values()) for count in ("believed", "true", "missed"))
         assert is_effective != bool(row["reason"])
+    missed = {
+        f"{goal} {row['believed'][goal]}/{row['true'][goal]} missed from {since}"
+        for row in rows
+        for goal, since in row["missed_since"].items()
+        if since is not None
+    }
     page = (place / "page.md").read_text(encoding="utf-8")
+    assert missed
+    assert all(words in page for words in missed)
+    assert page.count(" missed from ") == sum(
+        since is not None for row in rows for since in row["missed_since"].values()
+    )
     assert page.startswith("# What each fault does alone\n")
     assert sum(line.startswith("| f") for line in page.splitlines()) == 1 + 30
 

@@ -18,6 +18,12 @@ def masking(index: int, masked: tuple[int, ...]) -> Evaluation:
     return replace(found, outcome=replace(found.outcome, masked=masked))
 
 
+def missing(index: int, missed: tuple[int, ...]) -> Evaluation:
+    """Return an evaluation without violations whose goals were missed for so many ticks."""
+    found = evaluation(index, (0,) * len(missed), fitness=float(sum(missed)))
+    return replace(found, outcome=replace(found.outcome, missed=missed))
+
+
 def averaged(index: int, first_seed: tuple[int, ...], means: tuple[float, float]) -> Evaluation:
     return replace(evaluation(index, first_seed), fitness=(sum(means), *means))
 

@@ -108,7 +108,7 @@ def audit(engine: Engine, start: int, finish: int) -> tuple[AuditRow, ...]:
         timed = TimedFault(fault.id, start, finish, fault.values)
         outcome = engine.evaluate((timed,), observer=reserves)
         targets = touched(mission, fault)
-        has_effect = any((*outcome.believed, *outcome.true))
+        has_effect = any((*outcome.believed, *outcome.true, *(outcome.missed or ())))
         reason = "" if has_effect else _reason(targets, outcome, reserves)
         words = tuple(describe(mission, target) for target in targets)
         rows.append(AuditRow(fault, words, outcome, reason))

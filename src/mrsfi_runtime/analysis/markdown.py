@@ -7,7 +7,7 @@ from mrsfi_runtime.analysis.patterns import Trend
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.model.semantics import flown_by
 from mrsfi_runtime.record.campaign import Evaluation
-from mrsfi_runtime.record.measure import Measure, ticks
+from mrsfi_runtime.record.measure import Measure, ticks, violated
 from mrsfi_runtime.record.settings import CampaignSettings
 
 _SIGNIFICANT = 0.05
@@ -106,16 +106,20 @@ def _top(summary: Summary) -> str:
         words += " on the first mission seed"
     if not summary.measure.is_shown_by_outcomes:
         words = f"{summary.measure}: {words}"
-    return f"Violations per goal in ticks, {words}.\n\n{table(header, rows)}"
+    missed = (
+        "and the tick from which on it was certain that the goal's purpose is not met, if it was"
+    )
+    if summary.top[0].outcome.missed is None:
+        missed = "what was missed is not recorded"
+    return f"Violations per goal in ticks, {words}; {missed}.\n\n{table(header, rows)}"
 
 
 def _violations(measure: Measure, evaluation: Evaluation) -> Iterator[str]:
-    """Yield the violations of each goal, those of the measure first unless they are believed."""
+    """Yield what came of each goal, the measure first unless belief and truth show it."""
     measured = {} if measure.is_shown_by_outcomes else measure.by_goal(evaluation)
-    outcome = evaluation.outcome
-    for goal, believed, true in zip(measure.goals, outcome.believed, outcome.true, strict=True):
-        first = f"{ticks(measured[goal])}: " if goal in measured else ""
-        yield f"{first}{believed} / {true}"
+    found = violated(evaluation.outcome, measure.duration)
+    for goal, words in zip(measure.goals, found, strict=True):
+        yield f"{ticks(measured[goal])}: {words}" if goal in measured else words
 
 
 def _patterns(summary: Summary) -> str:

@@ -174,9 +174,9 @@ def fitness_label(settings: CampaignSettings, measure: Measure) -> str:
     name = settings.fitness
     goals = " + ".join(settings.goals) or "the chosen goals"
     known = {
-        "weighted": f"0.3 · {measure.kind} violations + 0.7 · goals",
-        "weighted_normalised": f"0.3 · {measure.kind} violations + 0.7 · goals, as shares",
-        "focused": f"{measure.kind} violations of {goals}, ticks",
+        "weighted": f"0.3 · {measure.words} + 0.7 · goals",
+        "weighted_normalised": f"0.3 · {measure.words} + 0.7 · goals, as shares",
+        "focused": f"{measure.words} of {goals}, ticks",
     }
     return f"fitness ({known.get(name, name)}{measure.means})"
 
@@ -219,7 +219,7 @@ def _fronts(
     generations: Sequence[Generation],
 ) -> Iterator[Illustration]:
     goals, measure = front_goals[:2], summary.measure
-    over = f"over the {measure.kind} violations of {' and '.join(goals)}{measure.means}"
+    over = f"over the {measure.words} of {' and '.join(goals)}{measure.means}"
     by_generation = _generation_fronts(measure, evaluations, generations, goals)
     if by_generation:
         yield Illustration(

@@ -163,14 +163,15 @@ def _pick(
 
 def _ranked(summary: Summary, pool: FaultPool, evaluation: Evaluation) -> dict[str, Any]:
     outcome = evaluation.outcome
+    told = outcome.told(summary.measure.duration)
     return {
         "evaluation": evaluation.index,
         "generation": evaluation.generation,
         "fitness": score(evaluation),
         "fault_ticks": evaluation.fault_ticks,
         **{
-            kind: dict(zip(summary.measure.goals, getattr(outcome, kind), strict=True))
-            for kind in ("believed", "true", "phantom", "masked")
+            kind: dict(zip(summary.measure.goals, counts, strict=True))
+            for kind, counts in told.items()
         },
         "measured": summary.measure.by_goal(evaluation),
         "digest": outcome.digest,

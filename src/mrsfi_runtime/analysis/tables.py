@@ -4,14 +4,16 @@ import csv
 import io
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain
 from typing import TypeAlias
 
 from mrsfi_runtime.analysis.fronts import Front
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Goal, Mission
+from mrsfi_runtime.model.outcome import TOLD
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
 
-Cell: TypeAlias = str | int | float
+Cell: TypeAlias = str | int | float | None
 Rows: TypeAlias = list[tuple[Cell, ...]]
 """A table: the first row names the columns."""
 
@@ -93,12 +95,12 @@ def front_table(front: Front) -> Rows:
 
 
 def evaluations_table(evaluations: Iterable[Evaluation], measure: Measure) -> Rows:
-    """Return every evaluation with its violations per goal; several objectives in one cell.
+    """Return every evaluation with what came of each goal; several objectives in one cell.
 
-    The counts are those of the first mission seed.
+    The counts are those of the first mission seed. A cell is empty where a goal was not missed
+    since any tick, or an older record does not say.
     """
-    kinds = ("believed", "true", "phantom", "masked")
-    counted = (f"{kind}_{goal}" for kind in kinds for goal in measure.goals)
+    counted = (f"{name}_{goal}" for name in TOLD for goal in measure.goals)
     rows = (
         (
             evaluation.index,
@@ -106,7 +108,7 @@ def evaluations_table(evaluations: Iterable[Evaluation], measure: Measure) -> Ro
             " ".join(map(repr, evaluation.fitness)),
             len(evaluation.specification),
             evaluation.fault_ticks,
-            *(count for kind in kinds for count in getattr(evaluation.outcome, kind)),
+            *chain.from_iterable(evaluation.outcome.told(measure.duration).values()),
             evaluation.outcome.digest,
         )
         for evaluation in evaluations

@@ -10,7 +10,7 @@ from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.cli.console import print_json, print_table, progress_console
 from mrsfi_runtime.cli.engines import EngineOptions, engine_options, recorder, recording_options
 from mrsfi_runtime.cli.folders import FlyableCampaign, OpenCampaign, open_to_fly
-from mrsfi_runtime.cli.tables import fault_table, goal_table
+from mrsfi_runtime.cli.tables import fault_table, goal_table, goals_as_json
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import RecordError, ReplayMismatch
 from mrsfi_runtime.model.outcome import Outcome
@@ -122,6 +122,7 @@ def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -
                 "fitness": list(recorded.fitness),
                 "is_same": True,
                 "digest": outcome.digest,
+                "goals": goals_as_json(mission, outcome),
             }
         )
         return

@@ -21,7 +21,7 @@ from mrsfi_runtime.cli.engines import (
     recording_options,
 )
 from mrsfi_runtime.cli.folders import find_mission, generated_option, mission_argument
-from mrsfi_runtime.cli.tables import fault_table, goal_table, plain_table
+from mrsfi_runtime.cli.tables import fault_table, goal_table, goals_as_json, plain_table
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.engine.simulation_process import serve_simulation
@@ -32,6 +32,7 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.manifest import BOTH, CI
+from mrsfi_runtime.record.measure import violated
 from mrsfi_runtime.transport.rosbridge import without_token
 
 _PAGE = """# What each fault does alone
@@ -42,7 +43,8 @@ from tick {start} to tick {finish}.
 
 - *touches*: the properties that the fault can change.
 - *applied*, *changed*: ticks at which it was active, and at which it changed a value.
-- *violations*: for every goal with violations, ticks believed / ticks true.
+- *violations*: for every goal with violations, ticks believed / ticks true, and the tick from which
+  on it was certain that the goal's purpose is not met, if it was.
 - *why none*: for a fault that changes no goal in this mission, the reason, as measured.
 
 | fault | type | touches | applied | changed | violations | why none |
@@ -75,7 +77,9 @@ On a server of yours, simulation and collective intelligence apart:
   mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
 
 A violation counts once per goal and tick: believed by the collective intelligence, true in
-the simulation, phantom (believed, not true), masked (true, not believed).
+the simulation, phantom (believed, not true), masked (true, not believed). A goal is missed from
+the tick on at which it is certain, from the truth alone, that its purpose is not met; – if it was
+met.
 """
 
 _WINDOW = re.compile(r"(\d+):(\d+)")
@@ -203,20 +207,12 @@ def _window(text: str) -> tuple[int, int]:
 def _as_json(
     mission: Mission, seed: int, pool: FaultPool, specification: Specification, outcome: Outcome
 ) -> dict[str, Any]:
-    counts = ("believed", "true", "phantom", "masked", "samples")
     return {
         "mission": mission.name,
         "duration": mission.duration,
         "seed": seed,
         "digest": outcome.digest,
-        "goals": [
-            {
-                "id": goal.id,
-                "task": goal.task.name,
-                **{name: getattr(outcome, name)[index] for name in counts},
-            }
-            for index, goal in enumerate(mission.goals)
-        ],
+        "goals": goals_as_json(mission, outcome),
         "faults": [
             {
                 "id": timed.fault,
@@ -260,8 +256,10 @@ def _row_as_json(mission: Mission, row: AuditRow) -> dict[str, Any]:
         "touched": list(row.touched),
         "applied": row.outcome.applied[0],
         "changed": row.outcome.changed[0],
-        "believed": dict(zip(mission.goal_ids, row.outcome.believed, strict=True)),
-        "true": dict(zip(mission.goal_ids, row.outcome.true, strict=True)),
+        **{
+            name: dict(zip(mission.goal_ids, counts, strict=True))
+            for name, counts in row.outcome.told(mission.duration).items()
+        },
         "reason": row.reason,
     }
 
@@ -314,5 +312,5 @@ def effects_page(
 
 
 def _violations(mission: Mission, row: AuditRow) -> Iterator[str]:
-    counts = zip(mission.goal_ids, row.outcome.believed, row.outcome.true, strict=True)
-    return (f"{goal} {believed}/{true}" for goal, believed, true in counts if believed or true)
+    found = zip(mission.goal_ids, violated(row.outcome, mission.duration), strict=True)
+    return (f"{goal} {words}" for goal, words in found if words != "0/0")

@@ -1,7 +1,8 @@
-"""Tables that the commands print."""
+"""Tables that the commands print, and what scripts get in their place."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from rich import box
 from rich.table import Table
@@ -9,9 +10,9 @@ from rich.text import Text
 
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Goal, Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.outcome import COUNTED, Outcome
 from mrsfi_runtime.record.campaign import Evaluation
-from mrsfi_runtime.record.measure import Measure, ticks
+from mrsfi_runtime.record.measure import MISSED_FROM, NONE, UNKNOWN, Measure, missed_from, ticks
 
 
 def plain_table(
@@ -38,22 +39,42 @@ def plain_table(
 
 def goal_table(mission: Mission, outcome: Outcome) -> Table:
     """Return what happened to each goal, in model order."""
-    counts = ("believed", "true", "phantom", "masked")
+    counts = [name for name in COUNTED if name != "missed"]
+    missed = missed_from(outcome, mission.duration)
     rows = (
         (
             goal.id,
             goal.task.name,
             *(getattr(outcome, name)[index] for name in counts),
+            missed[index],
             _samples(goal, outcome.samples[index]),
         )
         for index, goal in enumerate(mission.goals)
     )
-    return plain_table(("goal", "task"), (*counts, "samples"), rows)
+    header = (*counts, MISSED_FROM.replace(" ", "\n"), "samples")
+    table = plain_table(("goal", "task", *header), (), rows)
+    for column in table.columns[2:]:
+        column.justify = "right"
+    table.padding = (0, 1, 0, 0)  # so that it fits into 80 columns
+    return table
+
+
+def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
+    """Return what ``goal_table`` shows, for scripts."""
+    told = outcome.told(mission.duration) | {"samples": outcome.samples}
+    return [
+        {
+            "id": goal.id,
+            "task": goal.task.name,
+            **{name: counts[index] for name, counts in told.items()},
+        }
+        for index, goal in enumerate(mission.goals)
+    ]
 
 
 def _samples(goal: Goal, n_samples: int) -> str:
     terms = goal.terms
-    return "-" if terms.sensor is None else f"{n_samples} of {terms.target_sample_number}"
+    return NONE if terms.sensor is None else f"{n_samples} of {terms.target_sample_number}"
 
 
 def fault_table(pool: FaultPool, specification: Specification, outcome: Outcome) -> Table:
@@ -79,13 +100,14 @@ def critical_tables(
     """Return specifications with their fitness, violations per goal, and faults.
 
     Each takes a line for violations as the collective intelligence believed them, one for
-    those that were true, and before both one for the campaign's measure if it is another.
+    those that were true, and one for the tick from which on a goal was certain to be missed;
+    before them one for the campaign's measure if it is another.
 
     Returns
     -------
     tuple of Table
         One with a column for each goal; and one for where these do not fit, which names the
-        goals that were violated: ``g3:509 g5:915``.
+        goals that were violated, or missed: ``g3:509 g5:915``.
     """
     wide, narrow = _ranked(), _ranked()
     wide.add_column("violations", no_wrap=True)
@@ -100,7 +122,7 @@ def critical_tables(
         faults = _fault_counts(pool, evaluation.specification)
         columns = map("\n".join, zip(*lines.values(), strict=True))
         wide.add_row(*head, "\n".join(lines), *columns, Text(faults))
-        named = (f"{name} {_violated(measure.goals, line)}" for name, line in lines.items())
+        named = (f"{name} {_violated(measure.goals, name, line)}" for name, line in lines.items())
         narrow.add_row(*head, Text("\n".join(named)), Text(faults))
     return wide, narrow
 
@@ -112,25 +134,28 @@ def _ranked() -> Table:
     return table
 
 
-def _violated(goals: Sequence[str], violations: Sequence[str]) -> str:
-    """Return the goals with violations: ``g3:509 g5:915``."""
-    pairs = zip(goals, violations, strict=True)
-    return " ".join(f"{goal}:{count}" for goal, count in pairs if count.strip("-.0")) or "none"
+def _violated(goals: Sequence[str], name: str, cells: Sequence[str]) -> str:
+    """Return the goals that a line says something of: ``g3:509 g5:915``; ``?`` if it cannot."""
+    nothing = {NONE, UNKNOWN} if name == MISSED_FROM else {NONE, "0", "0.00"}
+    pairs = zip(goals, cells, strict=True)
+    named = " ".join(f"{goal}:{cell}" for goal, cell in pairs if cell not in nothing)
+    return named or (UNKNOWN if UNKNOWN in cells else "none")
 
 
 def _violation_lines(
     measure: Measure, evaluation: Evaluation
 ) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield the violations of each goal, by what they are."""
+    """Yield what came of each goal, by what it says."""
     if not measure.is_shown_by_outcomes:
         measured = measure.by_goal(evaluation)
         name = measure.kind if measure.n_seeds == 1 else f"mean {measure.kind}"
         yield (
             name,
-            tuple(ticks(measured[goal]) if goal in measured else "-" for goal in measure.goals),
+            tuple(ticks(measured[goal]) if goal in measured else NONE for goal in measure.goals),
         )
     yield "believed", tuple(map(str, evaluation.outcome.believed))
     yield "true", tuple(map(str, evaluation.outcome.true))
+    yield MISSED_FROM, missed_from(evaluation.outcome, measure.duration)
 
 
 def _fault_counts(pool: FaultPool, specification: Specification) -> str:

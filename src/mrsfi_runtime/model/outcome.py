@@ -5,6 +5,9 @@ from dataclasses import dataclass
 COUNTED = ("believed", "true", "phantom", "masked", "missed")
 """What is counted in ticks for each goal, in the order of an outcome's attributes."""
 
+TOLD = (*COUNTED, "missed_since")
+"""What is told of each goal: what is counted, and since when it was certain to be missed."""
+
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
@@ -61,3 +64,16 @@ class Outcome:
         if self.missed is None:
             return None
         return tuple(duration - ticks if ticks else None for ticks in self.missed)
+
+    def told(self, duration: int) -> dict[str, tuple[int | None, ...]]:
+        """Return what came of each goal by the names in ``TOLD``; None where there is nothing.
+
+        Parameters
+        ----------
+        duration
+            Ticks of the mission.
+        """
+        unknown = (None,) * len(self.true)
+        counts = [getattr(self, name) for name in COUNTED]
+        found = (count or unknown for count in (*counts, self.missed_since(duration)))
+        return dict(zip(TOLD, found, strict=True))

@@ -6,6 +6,7 @@ from typing import Self
 
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.settings import CampaignSettings
 
@@ -17,19 +18,22 @@ class Measure:
     Attributes
     ----------
     kind
-        ``believed``, ``true``, ``phantom`` or ``masked``.
+        One of ``COUNTED``.
     n_seeds
         Mission seeds over which the record keeps means; with 1 it keeps counts.
     goals
         IDs of the mission's goals, in the order of an outcome's counts.
     chosen
         IDs of the goals whose means are recorded, in the order of the record.
+    duration
+        Ticks of the mission.
     """
 
     kind: str
     n_seeds: int
     goals: tuple[str, ...]
     chosen: tuple[str, ...]
+    duration: int
 
     @classmethod
     def of(cls, settings: CampaignSettings, mission: Mission) -> Self:
@@ -40,10 +44,16 @@ class Measure:
             n_seeds=settings.replications,
             goals=goals,
             chosen=settings.goals or goals,
+            duration=mission.duration,
         )
 
     def __str__(self) -> str:
-        return f"{self.kind} violations{self.means}"
+        return f"{self.words}{self.means}"
+
+    @property
+    def words(self) -> str:
+        """What is counted, for people."""
+        return "time missed" if self.kind == "missed" else f"{self.kind} violations"
 
     @property
     def means(self) -> str:
@@ -81,6 +91,36 @@ class Measure:
         """Return the violations of some goals: equation (3)."""
         found = self.by_goal(evaluation)
         return tuple(found[goal] for goal in goals)
+
+
+MISSED_FROM = "missed from"
+"""Name of a column or line of what ``missed_from`` returns."""
+
+NONE, UNKNOWN = "–", "?"
+"""What a table shows where there is nothing, and where an older record does not say."""
+
+
+def missed_from(outcome: Outcome, duration: int) -> tuple[str, ...]:
+    """Return from which tick on each goal was certain to be missed, as text.
+
+    It is ``–`` where the goal was met, ``?`` where an older record does not say.
+    """
+    since = outcome.missed_since(duration)
+    if since is None:
+        return (UNKNOWN,) * len(outcome.true)
+    return tuple(NONE if tick is None else str(tick) for tick in since)
+
+
+def violated(outcome: Outcome, duration: int) -> tuple[str, ...]:
+    """Return what came of each goal, in short: ``901/567 missed from 712``, or ``0/0``.
+
+    These are the violations believed and true, and ``missed_from`` where it is a tick.
+    """
+    counts = zip(outcome.believed, outcome.true, missed_from(outcome, duration), strict=True)
+    return tuple(
+        f"{believed}/{true}" + (f" {MISSED_FROM} {since}" if since not in {NONE, UNKNOWN} else "")
+        for believed, true, since in counts
+    )
 
 
 def ticks(count: float) -> str:

@@ -15,7 +15,7 @@ from mrsfi_runtime.errors import UsageError
 
 _LARGEST_SEED = 2**63 - 1
 
-VIOLATIONS = ("believed", "true", "masked")
+VIOLATIONS = ("believed", "true", "masked", "missed")
 """Counts of an outcome that a search can look at."""
 
 
@@ -47,8 +47,8 @@ class CampaignSettings:
     fitness
         One of ``FITNESS_FUNCTIONS``.
     violations
-        Which count of an outcome fitness and front look at: ``believed``, ``true`` or
-        ``masked``.
+        Which count of an outcome fitness and front look at, one of ``VIOLATIONS``: ``missed``
+        counts, for goals missed, the ticks from the one on at which that was certain.
     replications
         Over how many mission seeds, from ``mission_seed`` on, fitness and goal vector are
         averaged.

@@ -4,20 +4,21 @@ from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
 from mrsfi_runtime.analysis.report import fitness_label
 from mrsfi_runtime.cli.tables import critical_tables
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.outcome import COUNTED
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.measures import FLOWN_TWICE, GOALS, HIDING, MASKED, MEANS
+from tests.support.measures import FLOWN_TWICE, GOALS, HIDING, MASKED, MEANS, missing
 from tests.support.search import paper_mission, pool_of
 
 
-@pytest.mark.parametrize("kind", ["believed", "true", "phantom", "masked"])
+@pytest.mark.parametrize("kind", COUNTED)
 def test_a_front_is_over_the_counts_that_the_campaign_chose(kind):
     measure = Measure.of(CampaignSettings(violations=kind, goals=GOALS), paper_mission())
     counts = {getattr(each.outcome, kind)[:3:2]: each.index for each in reversed(HIDING)}
 
     front = find_front(measure, HIDING, GOALS)
 
-    assert front.counts == f"{kind} violations"
+    assert front.counts == ("time missed" if kind == "missed" else f"{kind} violations")
     assert {counts[point.violations] for point in front.points} == {
         point.evaluation for point in front.points
     }
@@ -34,9 +35,22 @@ def test_the_printed_table_shows_the_measure_before_belief_and_truth():
     printed, _ = critical_tables(Measure.of(MEANS, paper_mission()), pool_of(), FLOWN_TWICE[:1])
 
     goals = {str(column.header): list(column.cells) for column in printed.columns}
-    assert goals["violations"] == ["mean believed\nbelieved\ntrue"]
-    assert goals["g1"] == ["450.00\n900\n450"]
-    assert goals["g2"] == ["-\n0\n0"]
+    assert goals["violations"] == ["mean believed\nbelieved\ntrue\nmissed from"]
+    assert goals["g1"] == ["450.00\n900\n450\n775"]
+    assert goals["g2"] == ["–\n0\n0\n–"]
+
+
+def test_the_printed_table_shows_the_time_missed_and_from_when_on():
+    settings = CampaignSettings(violations="missed")
+    measure = Measure.of(settings, paper_mission())
+
+    printed, _ = critical_tables(measure, pool_of(), [missing(0, (288, 0, 1000, 0, 0, 0))])
+
+    goals = {str(column.header): list(column.cells) for column in printed.columns}
+    assert goals["violations"] == ["missed\nbelieved\ntrue\nmissed from"]
+    assert goals["g1"] == ["288\n0\n0\n712"]
+    assert goals["g2"] == ["0\n0\n0\n–"]
+    assert goals["g3"] == ["1000\n0\n0\n0"]
 
 
 @pytest.mark.parametrize(
@@ -46,6 +60,10 @@ def test_the_printed_table_shows_the_measure_before_belief_and_truth():
         (
             CampaignSettings(replications=3),
             "fitness (0.3 · believed violations + 0.7 · goals, mean of 3 mission seeds)",
+        ),
+        (
+            CampaignSettings(violations="missed", goals=GOALS, fitness="focused"),
+            "fitness (time missed of g1 + g3, ticks)",
         ),
         (CampaignSettings(fitness="mine:own", violations="true"), "fitness (mine:own)"),
     ],

@@ -150,6 +150,8 @@ def test_the_summary_says_what_was_found(focused):
     assert list(summary["best"]["believed"].values()) == list(best.outcome.believed)
     assert list(summary["best"]["true"]) == ["g1", "g2", "g3", "g4", "g5", "g6"]
     assert list(summary["best"]["true"].values()) == list(best.outcome.true)
+    assert list(summary["best"]["missed"].values()) == list(best.outcome.missed)
+    assert list(summary["best"]["missed_since"].values()) == list(best.outcome.missed_since(1000))
     assert summary["best"]["fault_ticks"] == best.fault_ticks
     assert [row["fault"] for row in summary["best"]["specification"]] == [
         timed.fault for timed in best.specification
@@ -176,6 +178,9 @@ def test_the_tables_hold_the_numbers_of_the_figures(focused):
     assert len(all_evaluations) == 121
     assert all_evaluations[0][5:8] == ["believed_g1", "believed_g2", "believed_g3"]
     assert [int(cell) for cell in all_evaluations[1][5:11]] == list(evaluations[0].outcome.believed)
+    assert all_evaluations[0][-8:-6] == ["missed_g6", "missed_since_g1"]
+    since = evaluations[0].outcome.missed_since(1000)
+    assert all_evaluations[1][-7:-1] == ["" if tick is None else str(tick) for tick in since]
     assert ["robot", "r1", "LEN", "250.0", "-250.0", "1.0"] in places
 
 
@@ -186,6 +191,7 @@ def test_the_report_warns_that_popular_is_not_guilty(focused):
     assert "a rising trend" in report
     assert "Nearest to g3:g1=2:1" in report
     assert "critical/10.xmi" in report
+    assert "missed from" in report
 
 
 def test_a_second_report_writes_the_same_bytes(tmp_path):

@@ -1,23 +1,24 @@
-from types import SimpleNamespace
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from rich.table import Table
 
 from mrsfi_runtime.cli.console import print_table
-from mrsfi_runtime.cli.tables import critical_tables, plain_table
-from tests.support.campaigns import evaluation
-from tests.support.search import pool_of
+from mrsfi_runtime.cli.tables import critical_tables, goal_table, goals_as_json, plain_table
+from mrsfi_runtime.record.measure import Measure
+from tests.support.campaigns import evaluation, outcome
+from tests.support.search import paper_mission, pool_of
 
 FAULTS = tuple(fault.id for fault in pool_of())
 
 
-def _tables(n_goals: int) -> tuple[Table, Table]:
-    measure: Any = SimpleNamespace(
-        goals=tuple(f"g{number}" for number in range(1, n_goals + 1)), is_shown_by_outcomes=True
-    )
+def _tables(n_goals: int, **counts: Any) -> tuple[Table, Table]:
+    goals = tuple(f"g{number}" for number in range(1, n_goals + 1))
     believed = tuple(900 + number if number % 3 else 0 for number in range(n_goals))
-    return critical_tables(measure, pool_of(), [evaluation(123, believed, fitness=809.8)])
+    found = evaluation(123, believed, fitness=809.8)
+    told = replace(found, outcome=replace(found.outcome, **counts))
+    return critical_tables(Measure("believed", 1, goals, goals, 1000), pool_of(), [told])
 
 
 def _printed(capsys: pytest.CaptureFixture[str], *tables: Table) -> list[str]:
@@ -36,6 +37,57 @@ def test_six_goals_have_a_column_each_in_a_pipe(capsys):
     assert head.split()[:5] == ["#", "evaluation", "fitness", "violations", "g1"]
     assert believed.split()[:6] == ["1", "123", "809.80", "believed", "0", "901"]
     assert len(head) <= 100
+
+
+@pytest.mark.parametrize(
+    ("missed", "expected"),
+    [((0, 1000, 288), ["–", "0", "712"]), ((0, 0, 0), ["–"] * 3), (None, ["?"] * 3)],
+)
+def test_a_line_says_from_which_tick_on_a_goal_was_missed(capsys, missed, expected):
+    *_, line = _printed(capsys, *_tables(3, missed=missed))[:5]
+
+    assert line.split() == ["missed", "from", *expected]
+
+
+@pytest.mark.parametrize(
+    ("missed", "expected"),
+    [((0,) * 9 + (1000, 288), "g10:0 g11:712"), ((0,) * 11, "none"), (None, "?")],
+)
+def test_where_goals_are_named_those_that_were_missed_are(capsys, missed, expected):
+    words = " ".join(" ".join(_printed(capsys, *_tables(11, missed=missed))).split())
+
+    assert f"missed from {expected}" in words
+
+
+def test_what_happened_to_the_papers_goals_fits_into_80_columns(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    flown = replace(outcome((0, 901, 934, 856, 901, 986)), missed=(0, 0, 0, 288, 1000, 1))
+
+    above, head, rule, *rows = _printed(capsys, goal_table(paper_mission(), flown))
+
+    assert (above.split(), head.split()[-3:]) == (["missed"], ["masked", "from", "samples"])
+    assert max(map(len, (above, head, rule, *rows))) <= 80
+    assert [row.split()[6] for row in rows[:6]] == ["–", "–", "–", "712", "0", "999"]
+
+
+def test_a_script_gets_the_ticks_that_a_goal_was_missed_and_since_when():
+    flown = replace(outcome((0, 901, 934, 856, 901, 986)), missed=(0, 0, 0, 288, 1000, 1))
+
+    *_, third, fourth, fifth, _ = goals_as_json(paper_mission(), flown)
+
+    assert fourth == {
+        "id": "g4",
+        "task": "GatherSamples",
+        "believed": 856,
+        "true": 428,
+        "phantom": 428,
+        "masked": 0,
+        "missed": 288,
+        "missed_since": 712,
+        "samples": 0,
+    }
+    assert (third["missed"], third["missed_since"]) == (0, None)
+    assert (fifth["missed"], fifth["missed_since"]) == (1000, 0)
 
 
 @pytest.mark.parametrize("n_goals", [11, 40])

@@ -47,7 +47,8 @@ def test_goal_vector_keeps_the_order_of_the_chosen_goals():
 
 
 @pytest.mark.parametrize(
-    ("violations", "expected"), [("believed", (10.0, 3)), ("true", (8.0, 4)), ("masked", (3.0, 2))]
+    ("violations", "expected"),
+    [("believed", (10.0, 3)), ("true", (8.0, 4)), ("masked", (3.0, 2)), ("missed", (5.0, 0))],
 )
 def test_a_campaign_chooses_which_violations_are_judged(violations, expected):
     counts = {
@@ -55,7 +56,7 @@ def test_a_campaign_chooses_which_violations_are_judged(violations, expected):
         "true": (4, 1, 4),
         "phantom": (1, 0, 4),
         "masked": (2, 1, 1),
-        "missed": (0, 9, 0),
+        "missed": (0, 9, 5),
     }
     padded = {name: (*count, 0, 0, 0) for name, count in counts.items()}
     outcome = Outcome(**padded, samples=(0,) * 6, applied=(), changed=(), digest="")
