@@ -1,7 +1,7 @@
 """Whole missions that hypothesis draws fly alike, interpreted and compiled, bit for bit."""
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field, fields
 from struct import iter_unpack
 
 import pytest
@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from m2t.generate import generate
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
@@ -38,19 +39,19 @@ MANY = {
 
 
 class Watch:
-    """Observer that keeps every field of belief and truth at every tick."""
+    """Observer that keeps every field of belief and truth, and all verdicts, at every tick."""
 
     def __init__(self):
         self.moments = []
 
-    def __call__(self, world, belief, true, believed):
+    def __call__(self, world, belief, verdicts):
         self._state = belief
         packed = state_bytes(world), state_bytes(belief)
-        self.moments.append((*packed, tuple(true), tuple(believed)))
+        self.moments.append((*packed, *map(tuple, astuple(verdicts))))
 
     def first_difference(self, other):
         """Return where two flights part: tick, side, field and both values."""
-        sides = ("true", "believed", "truly violated", "believed violated")
+        sides = ("true", "believed", *(each.name for each in fields(Verdicts)))
         names = [
             f"{name}[{index}].{column}"
             for name, columns in COLUMNS.items()

@@ -1,6 +1,8 @@
 """What every engine does, however it flies."""
 
+import csv
 from dataclasses import replace
+from io import StringIO
 
 import pytest
 
@@ -9,6 +11,7 @@ from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 from tests.support.trace import traced
 from tests.support.world import code_of, paper_code, specifications
 
@@ -76,6 +79,30 @@ def test_an_observer_sees_every_tick_once(engine):
     )
 
     assert seen == [(tick, tick) for tick in range(150)]
+
+
+def test_log_and_trace_say_from_which_tick_on_a_goal_is_missed(engine):
+    mission = engine.code.mission
+    log, trace = StringIO(), StringIO()
+    observers = SimulationLog(mission, log), TraceTable(mission, trace)
+
+    outcome = engine.evaluate(
+        specifications(engine.code, 3)[2],
+        observer=lambda *tick: [observer(*tick) for observer in observers],
+    )
+
+    since = outcome.missed_since(150)
+    assert None in since
+    assert any(since)
+    header, *rows = csv.reader(trace.getvalue().splitlines())
+    ticks = log.getvalue().split("tick ")[1:]
+    for goal, first in zip(mission.goal_ids, since, strict=True):
+        column = header.index(f"{goal}.missed.true")
+        flags = [row[column] for row in rows]
+        event = f"  event {goal} missed: no -> yes\n"
+        found = [number for number, text in enumerate(ticks) if event in text]
+        assert flags == ["0" if first is None or tick < first else "1" for tick in range(150)]
+        assert found == ([] if first is None else [first])
 
 
 def test_conflicting_faults_are_refused_before_the_flight(engine):

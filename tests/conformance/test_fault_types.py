@@ -27,7 +27,7 @@ class Flight:
     def __init__(self):
         self.true, self.believed, self.commanded, self.forced = [], [], [], []
 
-    def __call__(self, world, belief, true, believed):
+    def __call__(self, world, belief, verdicts):
         self.true.append(self._values(world))
         self.believed.append(self._values(belief))
         self.commanded.append([command.speed for command in belief.commands])

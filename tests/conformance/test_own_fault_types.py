@@ -127,7 +127,7 @@ class Beliefs:
         self.rows = []
         self.true = []
 
-    def __call__(self, world, belief, true, believed):
+    def __call__(self, world, belief, verdicts):
         for state, rows in ((world, self.true), (belief, self.rows)):
             robot = state.robots[2]
             rows.append((robot.speed, robot.energy, state.sensors[3].count, state.obstacles[4].x))

@@ -31,8 +31,8 @@ def generated(tmp_path, own_metamodels):
 def flown(engine, seen=None):
     digest = TraceDigest()
 
-    def observer(world, belief, true, believed):
-        digest(world, belief, true, believed)
+    def observer(world, belief, verdicts):
+        digest(world, belief, verdicts)
         if seen is not None:
             seen.append((list(world.goals[1].memory), list(belief.goals[1].memory)))
 

@@ -5,12 +5,13 @@ means that a mission now flies differently.
 """
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from random import Random
 
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Specification, TimedFault
@@ -54,10 +55,10 @@ def frozen_outcome(
     """Evaluate a specification, with its digest in the frozen encoding."""
     last: list[State] = []
 
-    def watch(world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]) -> None:
+    def watch(world: State, belief: State, verdicts: Verdicts) -> None:
         last[:] = world, belief
         if trace is not None:
-            trace(world, belief, true, believed)
+            trace(world, belief, verdicts)
 
     outcome = engine.evaluate(specification, observer=watch)
     return replace(outcome, digest=outcome_digest(outcome, *last))

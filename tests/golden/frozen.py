@@ -6,8 +6,9 @@ field has moved since, ``MOVED`` says where it stands now; the order of the byte
 
 import hashlib
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
+from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.outcome import Outcome
 
@@ -55,13 +56,11 @@ class FrozenTrace:
     def __init__(self) -> None:
         self._sha = hashlib.sha256()
 
-    def __call__(
-        self, world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]
-    ) -> None:
+    def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Add one tick."""
         self._sha.update(state_bytes(world))
         self._sha.update(state_bytes(belief))
-        self._sha.update(bytes([*true, *believed]))
+        self._sha.update(bytes([*verdicts.is_true, *verdicts.is_believed]))
 
     def hexdigest(self) -> str:
         """Return the SHA-256 of all ticks so far."""

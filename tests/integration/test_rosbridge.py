@@ -218,7 +218,7 @@ def test_one_simulation_answers_messages_and_bundles(server, simulation):
 
 
 def killer(opened, tick, pid):
-    def observe(world, belief, true, believed):
+    def observe(world, belief, verdicts):
         if world.mission.tick == tick:
             os.kill(pid, signal.SIGKILL)
 
@@ -247,7 +247,7 @@ def test_a_simulation_that_is_killed_on_a_server_of_its_own_times_out(server):
 
 
 def test_a_stopped_simulation_times_out():
-    def observe(world, belief, true, believed):
+    def observe(world, belief, verdicts):
         if world.mission.tick == 20:
             os.kill(opened.simulation_pid, signal.SIGSTOP)
 
@@ -261,7 +261,7 @@ def test_a_stopped_simulation_times_out():
 
 
 def test_a_server_that_closes_is_told_with_its_tick(server):
-    def observe(world, belief, true, believed):
+    def observe(world, belief, verdicts):
         if world.mission.tick == 20:
             threading.Thread(target=server.close).start()
 
@@ -273,7 +273,7 @@ def test_a_server_that_closes_is_told_with_its_tick(server):
 
 
 def test_an_observer_that_raises_ends_its_run_only():
-    def observe(world, belief, true, believed):
+    def observe(world, belief, verdicts):
         if world.mission.tick == 20:
             raise TransportError("nothing to write on")
 

@@ -71,7 +71,7 @@ def test_what_no_active_fault_touches_is_believed_as_it_is(specification, seed):
         for timed in specification
     ]
 
-    def watch(world, belief, true, believed):
+    def watch(world, belief, verdicts):
         tick = world.mission.tick
         active = {
             target
@@ -107,8 +107,8 @@ def test_what_no_active_fault_touches_is_believed_as_it_is(specification, seed):
 def test_violations_are_counted_once_per_goal_and_tick(specification, seed):
     ticks = []
 
-    def watch(world, belief, true, believed):
-        ticks.append((tuple(true), tuple(believed)))
+    def watch(world, belief, verdicts):
+        ticks.append((tuple(verdicts.is_true), tuple(verdicts.is_believed)))
 
     outcome = ReferenceEngine(CODE, seed).evaluate(specification, observer=watch)
 

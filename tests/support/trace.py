@@ -1,9 +1,9 @@
 """The digest of every tick of a flight."""
 
 import hashlib
-from collections.abc import Sequence
 
 from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.faults import Specification
@@ -11,18 +11,17 @@ from mrsfi_runtime.model.outcome import Outcome
 
 
 class TraceDigest:
-    """Observer that digests every field of belief and truth at every tick."""
+    """Observer that digests every field of belief and truth, and what is judged, at every tick."""
 
     def __init__(self) -> None:
         self._sha = hashlib.sha256()
 
-    def __call__(
-        self, world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]
-    ) -> None:
+    def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Add one tick."""
+        is_missed = (ticks > 0 for ticks in verdicts.missed)
         self._sha.update(state_bytes(world))
         self._sha.update(state_bytes(belief))
-        self._sha.update(bytes([*true, *believed]))
+        self._sha.update(bytes([*verdicts.is_true, *verdicts.is_believed, *is_missed]))
 
     def hexdigest(self) -> str:
         """Return the SHA-256 of all ticks so far."""

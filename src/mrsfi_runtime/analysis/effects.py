@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.forecast import energy_reserve, sample_reserve
 from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import AvoidCollision
@@ -40,11 +41,9 @@ class Reserves:
     samples: float = float("inf")
     gap: float = float("inf")
 
-    def __call__(
-        self, world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]
-    ) -> None:
+    def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Look at one tick."""
-        del world, true, believed
+        del world, verdicts
         for goal in belief.goals:
             members = range(goal.first_member, goal.first_member + goal.n_members)
             if goal.task == _SUFFICIENT_ENERGY:

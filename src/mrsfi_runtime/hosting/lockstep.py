@@ -5,22 +5,21 @@ References
 Source paper, section III-G and Figure 4.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
-from mrsfi_runtime.kernel.flight import MissionFunctions, answer, no_verdicts
+from mrsfi_runtime.kernel.flight import MissionFunctions, Verdicts, answer, no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.kernel.state import State, SwitchState
 from mrsfi_runtime.model.mission import Mission
 
-Observer: TypeAlias = Callable[[State, State, Sequence[bool], Sequence[bool]], None]
-"""Called at the end of every tick with the true state, the belief, and for each goal whether
-it is truly violated and whether it is believed so."""
+Observer: TypeAlias = Callable[[State, State, Verdicts], None]
+"""Called at the end of every tick with the true state, the belief, and the verdicts until now."""
 
 
 class Flight:
@@ -48,7 +47,7 @@ class Flight:
     plan
         Faults of the run.
     observer
-        Sees every tick; must not change what it sees.
+        Sees every tick; must not change what it sees, which the next tick will.
     """
 
     def __init__(
@@ -112,9 +111,7 @@ class Flight:
         )
         self._send()
         if self._observer is not None:
-            true = [*map(bool, self.verdicts.is_true)]
-            believed = [*map(bool, self.verdicts.is_believed)]
-            self._observer(self.world, self.belief, true, believed)
+            self._observer(self.world, self.belief, self.verdicts)
 
     def _send(self, *, tells_all: bool = False) -> None:
         """Send what differs from what was sent before, or all."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import TextIO
 
+from mrsfi_runtime.kernel.flight import Verdicts, no_verdicts
 from mrsfi_runtime.kernel.geometry import distance
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
@@ -15,7 +16,8 @@ class TraceTable:
     """Observer that writes a CSV row a tick; floats are written so that no bit is lost.
 
     Columns are the tick, then per robot, sensor and goal its ID with ``.true`` and
-    ``.believed`` forms, for example ``r1.x.true``, ``s4.count.believed``, ``g3.violated.true``.
+    ``.believed`` forms, for example ``r1.x.true``, ``s4.count.believed``, ``g3.violated.true``;
+    and last, for each goal, whether it is certain to be missed: ``g3.missed.true``.
 
     Parameters
     ----------
@@ -36,18 +38,25 @@ class TraceTable:
         ]
         names += [f"{goal}.{name}" for goal in mission.goal_ids for name in ("count", "violated")]
         self._writer.writerow(
-            ["tick", *(f"{name}.{side}" for side in ("true", "believed") for name in names)]
+            [
+                "tick",
+                *(f"{name}.{side}" for side in ("true", "believed") for name in names),
+                *(f"{goal}.missed.true" for goal in mission.goal_ids),
+            ]
         )
 
-    def __call__(
-        self, world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]
-    ) -> None:
+    def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Write one tick."""
         self._writer.writerow(
-            [world.mission.tick, *self._values(world, true), *self._values(belief, believed)]
+            [
+                world.mission.tick,
+                *self._values(world, verdicts.is_true),
+                *self._values(belief, verdicts.is_believed),
+                *(int(missed > 0) for missed in verdicts.missed),
+            ]
         )
 
-    def _values(self, state: State, violated: Sequence[bool]) -> list[str]:
+    def _values(self, state: State, violated: Sequence[int]) -> list[str]:
         robots = [repr(getattr(r, name)) for r in state.robots for name in self._ROBOT_FIELDS]
         sensors = [repr(getattr(s, name)) for s in state.sensors for name in self._SENSOR_FIELDS]
         goals = [
@@ -61,8 +70,9 @@ class TraceTable:
 class SimulationLog:
     """Observer that writes the true state and what happened in it.
 
-    Events are changes of speed, heading and activation, and the beginning and end of
-    collisions and goal violations (true ones, and whether they are believed).
+    Events are changes of speed, heading and activation, the beginning and end of collisions and
+    goal violations (true ones, and whether they are believed), and that a goal is from now on
+    certain to be missed.
 
     Parameters
     ----------
@@ -75,18 +85,16 @@ class SimulationLog:
     def __init__(self, mission: Mission, stream: TextIO) -> None:
         self._mission = mission
         self._stream = stream
-        self._known: dict[str, str] = {}
+        self._known = dict(self._judged(no_verdicts(len(mission.goals))))
 
-    def __call__(
-        self, world: State, belief: State, true: Sequence[bool], believed: Sequence[bool]
-    ) -> None:
+    def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Write one tick."""
         del belief
         tick = world.mission.tick
         lines = [f"tick {tick}"]
         for index, robot in enumerate(self._mission.robots):
             lines.append(f"  {robot.id} {self._robot(world, index)}")
-        facts = dict(self._facts(world, true, believed))
+        facts = dict([*self._facts(world), *self._judged(verdicts)])
         for subject, fact in facts.items():
             before = self._known.get(subject)
             if before is not None and before != fact:
@@ -106,9 +114,7 @@ class SimulationLog:
             f"energy={robot.energy:.1f} samples {samples}"
         ).rstrip()
 
-    def _facts(
-        self, world: State, true: Sequence[bool], believed: Sequence[bool]
-    ) -> Iterator[tuple[str, str]]:
+    def _facts(self, world: State) -> Iterator[tuple[str, str]]:
         """Yield what is worth an event when it changes, as subject and value."""
         mission = self._mission
         for index, robot in enumerate(mission.robots):
@@ -120,9 +126,13 @@ class SimulationLog:
             yield f"{sensor.id} activation", "on" if world.sensors[k].active else "off"
         for name, gap in self._gaps(world):
             yield f"collision of {name}", "yes" if gap < 0.0 else "no"
-        for goal, is_true, is_believed in zip(mission.goal_ids, true, believed, strict=True):
-            yield f"{goal} violated", "yes" if is_true else "no"
-            yield f"{goal} believed violated", "yes" if is_believed else "no"
+
+    def _judged(self, verdicts: Verdicts) -> Iterator[tuple[str, str]]:
+        """Yield what is said of each goal; before the first tick, nothing is violated or missed."""
+        for index, goal in enumerate(self._mission.goal_ids):
+            yield f"{goal} violated", "yes" if verdicts.is_true[index] else "no"
+            yield f"{goal} believed violated", "yes" if verdicts.is_believed[index] else "no"
+            yield f"{goal} missed", "yes" if verdicts.missed[index] else "no"
 
     def _gaps(self, world: State) -> Iterator[tuple[str, float]]:
         """Yield the gap between the discs of every two robots, and of robots and obstacles."""

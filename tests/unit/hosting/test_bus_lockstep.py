@@ -325,7 +325,7 @@ def test_a_simulation_that_never_answers_is_told_before_tick_0():
 
 
 def test_a_lost_connection_ends_the_run_at_its_tick():
-    def observe(world, belief, true, believed):
+    def observe(world, belief, verdicts):
         if world.mission.tick == 23:
             transport.cut()
 

@@ -72,8 +72,9 @@ def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int)
             send(world, inbox)
             answer(functions, world, belief, inbox, world, plan, result, tick)
             if tick < len(moments):
-                record(moments[tick], arrays.words, result)
-        record(result, arrays.words, result)
+                record(moments[tick], arrays.words)
+                keep(moments[tick], result)
+        record(result, arrays.words)
         first_tally = arrays.ends[k, 4]
         n_tallies = arrays.ends[k, 5] - first_tally
         copy(plan.tallies[:n_tallies], arrays.tallies[first_tally:])
@@ -98,12 +99,22 @@ def copy_injections(listed: Any, injections: Any, first: int, last: int) -> None
 
 
 @kernel
-def record(moment: Any, words: Any, verdicts: Any) -> None:
-    """Write down what is recorded of truth and belief, and which goals are violated."""
+def record(moment: Any, words: Any) -> None:
+    """Write down what is recorded of truth and belief."""
     copy(words[0, : len(moment.world)], moment.world)
     copy(words[1, : len(moment.belief)], moment.belief)
+
+
+@kernel
+def keep(moment: Any, verdicts: Any) -> None:
+    """Write down what was judged until now."""
     copy(verdicts.is_true, moment.is_true)
     copy(verdicts.is_believed, moment.is_believed)
+    copy(verdicts.believed, moment.believed)
+    copy(verdicts.true, moment.true)
+    copy(verdicts.phantom, moment.phantom)
+    copy(verdicts.masked, moment.masked)
+    copy(verdicts.missed, moment.missed)
 
 
 @kernel

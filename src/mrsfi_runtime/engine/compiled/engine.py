@@ -16,13 +16,13 @@ from mrsfi_runtime.engine.compiled.batch import Batch
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
 from mrsfi_runtime.engine.compiled.compiling import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import (
+    VERDICTS,
     Records,
     moment_type,
     plan_type,
     read_recorded,
     read_words,
     recorded_type,
-    result_type,
     split,
     state_type,
     write_state,
@@ -31,6 +31,7 @@ from mrsfi_runtime.engine.flights import Engine, Evaluated
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.hosting.lockstep import Observer
+from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import plan_rows
 from mrsfi_runtime.mission import MissionCode
@@ -75,7 +76,6 @@ class CompiledEngine(Engine):
         state_layout = state_type(state)
         self._fresh = cache(partial(_fresh_states, code.mission, state_layout))
         self._moment_type = moment_type(state)
-        self._result_type = result_type(state)
         self._recorded_type = recorded_type(state)
         self._reference = ReferenceEngine(code, seed)
         self._is_checked = False
@@ -156,7 +156,7 @@ class CompiledEngine(Engine):
     def _batch(self, specifications: Sequence[Specification], pool: FaultPool) -> Batch:
         mission = self.code.mission
         plans = [plan_rows(mission, pool, specification) for specification in specifications]
-        return Batch(plans, self._result_type, self._recorded_type)
+        return Batch(plans, self._moment_type, self._recorded_type)
 
     def _fly(
         self, batch: Batch, fresh: Records, first: int, last: int, moments: Records | None = None
@@ -205,8 +205,7 @@ class CompiledEngine(Engine):
             world.mission.tick = belief.mission.tick = tick
             read_recorded(world, worlds[tick])
             read_recorded(belief, beliefs[tick])
-            true, believed = moment["is_true"].tolist(), moment["is_believed"].tolist()
-            observer(world, belief, [*map(bool, true)], [*map(bool, believed)])
+            observer(world, belief, Verdicts(*(moment[name].tolist() for name in VERDICTS)))
 
 
 def _fresh_states(mission: Mission, layout: np.dtype[Any], seed: int) -> Records:

@@ -26,6 +26,9 @@ NEVER = 2**62
 TABLES = tuple(name for name, hint in get_type_hints(State).items() if get_origin(hint) is tuple)
 """Parts of a state that no flight may change, so that they need not be laid out anew for each."""
 
+VERDICTS = tuple(get_type_hints(Verdicts))
+"""What is judged and counted for each goal."""
+
 _KINDS: Mapping[Any, Any] = {int: "<i8", float: "<f8", MutableSequence[float]: ("<f8", (N_MEMORY,))}
 
 
@@ -136,18 +139,9 @@ def moment_type(state: State) -> np.dtype[Any]:
         [
             ("world", "<i8", words),
             ("belief", "<i8", words),
-            ("is_true", "<i8", goals),
-            ("is_believed", "<i8", goals),
+            *((name, "<i8", goals) for name in VERDICTS),
         ]
     )
-
-
-def result_type(state: State) -> np.dtype[Any]:
-    """Return the layout of what is left of a flight: the last moment, and the other verdicts."""
-    moment = moment_type(state)
-    counts = [name for name in get_type_hints(Verdicts) if name not in (moment.names or ())]
-    goals = (len(state.goals),)
-    return np.dtype([*moment.descr, *((name, "<i8", goals) for name in counts)])
 
 
 def read_words(values: Records, kind: np.dtype[Any]) -> Records:
