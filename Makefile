@@ -91,11 +91,11 @@ check: $(DEV) ## check formatting, lint, types, imports and that generated code 
 
 docs: $(BASE) ## regenerate docs/fault-effects/: what each fault of a pool does, alone
 	@mkdir -p docs/fault-effects
-	$(BIN)/mrsfi simulate uuv_sampling --each-fault 100:900 \
+	$(BIN)/mrsfi simulate uuv_sampling --each-fault 100:900 --seeds 40 \
 	  --markdown docs/fault-effects/uuv_sampling.md
-	$(BIN)/mrsfi simulate tight_margins --each-fault 60:180 \
+	$(BIN)/mrsfi simulate tight_margins --each-fault 60:180 --seeds 40 \
 	  --markdown docs/fault-effects/tight_margins.md
-	$(BIN)/mrsfi simulate tight_energy --each-fault 60:340 \
+	$(BIN)/mrsfi simulate tight_energy --each-fault 60:340 --seeds 40 \
 	  --markdown docs/fault-effects/tight_energy.md
 
 clean: ## remove .venv, caches and build products; campaigns in runs/ stay

@@ -1,17 +1,15 @@
 """The command ``mrsfi simulate``: one flight, or one for each fault of the pool."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
-from rich.table import Table
 
 from m2t.generate import fault_loader_text
 from m2t.load import load_specification
-from mrsfi_runtime.analysis.effects import AuditRow, audit
-from mrsfi_runtime.analysis.markdown import plain, table_row
+from mrsfi_runtime.analysis.effects import audit
 from mrsfi_runtime.cli.console import print_json, print_table, tell, written_file
 from mrsfi_runtime.cli.engines import (
     SIMULATION,
@@ -20,10 +18,10 @@ from mrsfi_runtime.cli.engines import (
     recorder,
     recording_options,
 )
+from mrsfi_runtime.cli.fault_effects import Effects
 from mrsfi_runtime.cli.folders import find_mission, generated_option, mission_argument
-from mrsfi_runtime.cli.tables import fault_table, goal_table, goals_as_json, plain_table
-from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.cli.tables import fault_table, goal_table, goals_as_json
+from mrsfi_runtime.engine.settings import AUTO, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.engine.simulation_process import serve_simulation
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.simulation_host import SimulationHost
@@ -32,28 +30,7 @@ from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.manifest import BOTH, CI
-from mrsfi_runtime.record.measure import violated
 from mrsfi_runtime.transport.rosbridge import without_token
-
-_PAGE = """# What each fault does alone
-
-Made by `make docs`; do not edit. Mission `{name}` ({duration} ticks, seed {seed}) was
-flown {n_faults} times, each time with one fault of its pool, with the pool's values, active
-from tick {start} to tick {finish}.
-
-- *touches*: the properties that the fault can change.
-- *applied*, *changed*: ticks at which it was active, and at which it changed a value.
-- *violations*: for every goal with violations, ticks believed / ticks true, and the tick from which
-  on it was certain that the goal's purpose is not met, if it was.
-- *why none*: for a fault that changes no goal in this mission, the reason, as measured.
-
-| fault | type | touches | applied | changed | violations | why none |
-|---|---|---|--:|--:|---|---|
-{lines}
-
-{n_effective} of {n_faults} faults change a goal.{silent}
-"""
-
 
 _HELP = """Fly MISSION once and print what happened to each goal.
 
@@ -67,7 +44,7 @@ Examples:
   mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
   mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
   mrsfi simulate uuv_sampling --each-fault 100:900
-  mrsfi simulate uuv_sampling --each-fault 100:900 --markdown effects.md
+  mrsfi simulate uuv_sampling --each-fault 100:900 --seeds 40 --markdown effects.md
   mrsfi simulate uuv_sampling --engine rosbridge
 
 \b
@@ -98,13 +75,22 @@ _WINDOW = re.compile(r"(\d+):(\d+)")
 @click.option(
     "--each-fault",
     metavar="START:FINISH",
-    help="Fly once per fault of the pool, alone and active in these ticks.",
+    help="Fly with each fault of the pool alone, active in these ticks; what changes no goal "
+    "also with other values, unless over rosbridge. The engine is auto without --engine.",
 )
 @click.option(
     "--markdown",
     type=click.Path(path_type=Path, dir_okay=False),
     metavar="FILE",
     help="With --each-fault: write the page to FILE.",
+)
+@click.option(
+    "--seeds",
+    "n_seeds",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    help="With --each-fault: fly in so many mission seeds, from --seed on.",
 )
 @click.option(
     "--seed", type=click.IntRange(0), default=1, show_default=True, help="Seed of the weather."
@@ -121,6 +107,7 @@ def command(  # noqa: PLR0913 - one parameter per option
     faults: Path | None,
     each_fault: str | None,
     markdown: Path | None,
+    n_seeds: int,
     seed: int,
     log: Path | None,
     trace: Path | None,
@@ -129,18 +116,26 @@ def command(  # noqa: PLR0913 - one parameter per option
     """Fly a mission once and print what happened to each goal."""
     ways = [way for way in (no_faults or None, faults, each_fault) if way is not None]
     _require_one_way(ways, is_each=each_fault is not None, has_log=bool(log or trace))
-    if markdown is not None and each_fault is None:
-        raise click.UsageError("--markdown needs --each-fault")
-    settings = engine.settings()
+    if each_fault is None and (markdown is not None or n_seeds > 1):
+        option = "--seeds" if markdown is None else "--markdown"
+        raise click.UsageError(f"{option} needs --each-fault")
+    settings = engine.settings(default=REFERENCE if each_fault is None else AUTO)
     folders = find_mission(mission, generated)
     code = folders.load()
     if engine.side == SIMULATION:
         _require_nothing_else(ways, is_json=is_json, has_log=bool(log or trace))
         _serve(folders.name, code, settings)
         return
+    if settings.name == AUTO:
+        settings = settings.tried(code, seed, tell)
     with settings.open(code, seed) as opened:
         if each_fault is not None:
-            _fly_each(folders.name, opened, _window(each_fault), markdown, is_json=is_json)
+            window = _window(each_fault)
+            tries_values = settings.name != ROSBRIDGE
+            rows = audit(opened, *window, n_seeds, tries_values=tries_values)
+            name, found = folders.name, code.mission
+            effects = Effects(name, found, seed, n_seeds, *window, rows, tries_values)
+            _tell_effects(effects, markdown, is_json=is_json)
             return
         pool = code.pool if faults is None else _specification_pool(faults)
         specification = () if faults is None else pool.written_specification()
@@ -228,89 +223,12 @@ def _as_json(
     }
 
 
-def _fly_each(
-    name: str,
-    engine: Engine,
-    window: tuple[int, int],
-    markdown: Path | None,
-    *,
-    is_json: bool,
-) -> None:
-    rows = audit(engine, *window)
-    mission = engine.code.mission
+def _tell_effects(effects: Effects, markdown: Path | None, *, is_json: bool) -> None:
     if markdown is not None:
         with written_file(markdown) as file:
-            file.write(effects_page(name, engine, window, rows))
+            file.write(effects.page())
         tell(f"written    {markdown}")
     if is_json:
-        print_json([_row_as_json(mission, row) for row in rows])
+        print_json(effects.as_json())
     elif markdown is None:
-        alone = f"Each fault of {name} alone, ticks {window[0]} to {window[1]}"
-        print_table(f"{alone}; violations believed/true", effects_table(mission, rows))
-
-
-def _row_as_json(mission: Mission, row: AuditRow) -> dict[str, Any]:
-    return {
-        "fault": row.fault.id,
-        "type": row.fault.type,
-        "touched": list(row.touched),
-        "applied": row.outcome.applied[0],
-        "changed": row.outcome.changed[0],
-        **{
-            name: dict(zip(mission.goal_ids, counts, strict=True))
-            for name, counts in row.outcome.told(mission.duration).items()
-        },
-        "reason": row.reason,
-    }
-
-
-def effects_table(mission: Mission, rows: Sequence[AuditRow]) -> Table:
-    """Return the audit for a terminal."""
-    cells = (
-        (
-            row.fault.id,
-            row.fault.type,
-            row.outcome.applied[0],
-            row.outcome.changed[0],
-            ", ".join(_violations(mission, row)) or row.reason,
-        )
-        for row in rows
-    )
-    words = ("violations, or why there are none",)
-    return plain_table(("fault", "type"), ("applied", "changed"), cells, words)
-
-
-def effects_page(
-    name: str, engine: Engine, window: tuple[int, int], rows: Sequence[AuditRow]
-) -> str:
-    """Return the audit as a page in Markdown."""
-    mission = engine.code.mission
-    lines = (
-        (
-            row.fault.id,
-            row.fault.type,
-            ", ".join(row.touched) or "–",
-            row.outcome.applied[0],
-            row.outcome.changed[0],
-            ", ".join(_violations(mission, row)) or "–",
-            row.reason or "–",
-        )
-        for row in rows
-    )
-    silent = ", ".join(plain(row.fault.type) for row in rows if row.reason)
-    return _PAGE.format(
-        name=plain(name),
-        duration=mission.duration,
-        seed=engine.seed,
-        n_faults=len(rows),
-        start=window[0],
-        finish=window[1],
-        lines="\n".join(map(table_row, lines)),
-        n_effective=sum(1 for row in rows if not row.reason),
-        silent=f" These change none, for the reasons given: {silent}." if silent else "",
-    )
-
-
-def _violations(mission: Mission, row: AuditRow) -> Iterator[str]:
-    found = zip(mission.goal_ids, violated(row.outcome, mission.duration), strict=True)
-    return (f"{goal} {words}" for goal, words in found if words != "0/0")
+        print_table(effects.title, effects.table())
