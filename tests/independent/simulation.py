@@ -1,0 +1,697 @@
+"""A second simulation of a mission, written from the documents and not from the code.
+
+``docs/semantics.md`` (S) and ``docs/faults.md`` (F) promise that with them, the metamodels and a
+mission's models "somebody who never saw our code can write the same simulation". This is it. It
+imports nothing of the product and has nothing from it; it is plain and slow on purpose. Sections
+and paragraphs that it follows are named in brackets, their sentences quoted.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import combinations
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lxml import etree
+
+METAMODEL = Path(__file__).parents[2] / "metamodels" / "faults.ecore"
+WORD = 0xFFFFFFFF
+DIRECTIONS = [(math.cos(math.radians(d)), math.sin(math.radians(d))) for d in range(360)]
+FIRST_HEADING, SAMPLES, ROAMING = 1, 2, 3
+PURPOSES = {"ENERGY": 4, "COST": 5, "SPEED": 6, "RATE": 7, "POSITION": 8, "OBSTACLE": 10}
+"""By the table of all draws in [S Randomness]; directions of places have the number after."""
+
+Place = tuple[float, float, float]
+Direction = tuple[float, float]
+
+
+def mixed(v: int) -> int:
+    v ^= v >> 16
+    v = v * 0x7FEB352D & WORD
+    v ^= v >> 15
+    v = v * 0x846CA68B & WORD
+    return v ^ v >> 16
+
+
+class Weather:
+    """Every draw is "a hash of mission seed, tick, entity and purpose" [S Randomness]."""
+
+    def __init__(self, seed: int) -> None:
+        self.key = mixed(seed & WORD) ^ 0x9E3779B9
+        while seed := seed >> 32:  # "For each 32 bits of the seed, the lowest first"
+            self.key = mixed(self.key ^ seed & WORD) ^ 0x9E3779B9
+
+    def draw(self, tick: int, entity: int, purpose: int) -> int:
+        return mixed(mixed(self.key ^ tick) ^ (256 * entity + purpose))
+
+    def uniform(self, *key: int) -> float:
+        return self.draw(*key) * 2.0**-32
+
+    def choice(self, n: int, *key: int) -> int:
+        return self.draw(*key) * n >> 32
+
+    def between(self, low: float, high: float, tick: int, entity: int, prop: str) -> float:
+        """Return a random value: [F Random values]."""
+        key = tick, entity, PURPOSES[prop]
+        if prop in ("ENERGY", "COST"):
+            return low + (high - low) * self.uniform(*key)
+        first, last = math.ceil(low), math.floor(high)
+        return first + self.choice(max(last - first + 1, 1), *key)
+
+    def direction(self, *key: int) -> Direction:
+        return DIRECTIONS[self.choice(360, *key)]
+
+
+def bounds_of_samples(n: int) -> list[int]:
+    """Return the bounds of [S Motion, "Valid samples"], which each draw is held against."""
+    bounds: list[int] = []
+    p = total = (1 - 1 / n) ** n
+    for k in range(n):
+        if round(total * 2.0**32) >= 2**32:
+            break
+        bounds.append(round(total * 2.0**32))
+        p *= (n - k) / ((k + 1) * (n - 1))
+        total += p
+    return bounds
+
+
+def exceeds(value: float, limit: float) -> bool:
+    return value - limit > 1e-9 * limit  # [S What counts as equal]
+
+
+def falls_short(value: float, limit: float) -> bool:
+    return limit - value > 1e-9 * limit
+
+
+def distance(a: Sequence[float], b: Sequence[float]) -> float:
+    return math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2)
+
+
+def within(value: float, low: float, high: float) -> float:
+    return max(low, min(value, high))
+
+
+def ahead(place: Place, way: float, direction: Direction) -> Place:
+    return place[0] + way * direction[0], place[1] + way * direction[1], place[2]
+
+
+class Disc(NamedTuple):
+    center: Place
+    radius: float
+
+    def has(self, place: Place) -> bool:
+        return not exceeds(distance(self.center, place), self.radius)
+
+    def has_well(self, place: Place) -> bool:
+        return distance(self.center, place) <= 0.999 * self.radius
+
+
+class Sensor:  # absent features have "the default of their metamodel, 0 if that names none"
+    def __init__(self, element: Any, index: int, robot: int) -> None:
+        self.id, self.index, self.robot = element.get("ID"), index, robot
+        self.type = element.get("type")
+        self.cost = float(element.get("energyPerSample", 0))
+        self.rate = int(element.get("samplesPerSecond", 0))
+        self.bounds = [] if self.rate == 1 else bounds_of_samples(self.rate)
+
+
+class Robot:  # [S What the model says]
+    def __init__(self, element: Any, index: int, first_sensor: int) -> None:
+        self.id, self.index = element.get("ID"), index
+        self.speed = float(element.get("speed", 0))
+        self.max_speed = float(element.get("maxSpeed", 2 * self.speed))
+        self.position = place_of(element.find("position"))
+        self.energy = sum(float(each.get("totalEnergy", 0)) for each in element.iter("batteries"))
+        drives = element.iter("motionSources")
+        self.cost = sum(float(each.get("energyPerDistanceUnit", 0)) for each in drives)
+        sensors = enumerate(element.iter("sensors"), first_sensor)
+        self.sensors = [Sensor(each, k, index) for k, each in sensors]
+        self.gps = next((each for each in self.sensors if each.type == "GPS_POSITION"), None)
+
+
+def place_of(element: Any) -> Place:
+    """ "a robot without `position` and an area without `center` are at the origin"."""
+    x, y, z = (0.0 if element is None else float(element.get(axis, 0)) for axis in "xyz")
+    return x, y, z
+
+
+def disc_of(element: Any) -> Disc:
+    return Disc(place_of(element.find("center")), float(element.get("radius", 0)))
+
+
+class Mission:
+    """What mission.xmi says: all "numbered from 0, in the order of the model"."""
+
+    def __init__(self, path: Path) -> None:
+        root = etree.parse(path).getroot()
+        self.duration = int(root.get("duration"))
+        self.area = disc_of(root.find("missionArea"))
+        self.robots: list[Robot] = []
+        self.sensors: list[Sensor] = []
+        for element in root.findall("robots"):
+            self.robots.append(Robot(element, len(self.robots), len(self.sensors)))
+            self.sensors += self.robots[-1].sensors
+        self.obstacles = [disc_of(each.find("area")) for each in root.findall("obstacles")]
+        hazards = enumerate(root.findall("obstacles"))
+        self.number = {each.id: each.index for each in (*self.robots, *self.sensors)}
+        self.number |= {each.get("ID"): k for k, each in hazards}  # IDs are unique in a file
+        self.goals = [Goal(self, each, k) for k, each in enumerate(root.findall("goals"))]
+        self.messages = {each.get("ID"): each for each in root.iter("messages")}
+
+
+class Goal:
+    def __init__(self, mission: Mission, goal: Any, index: int) -> None:
+        task = goal.find("task")
+        self.id, self.index = goal.get("ID"), index
+        self.task = task.get("{http://www.w3.org/2001/XMLSchema-instance}type").split(":")[1]
+        self.members = [mission.number[name] for name in goal.get("members").split()]
+        # "AvoidCollision concerns the `robots` and `obstacles` of its task"
+        self.robots = [mission.number[name] for name in task.get("robots", "").split()]
+        self.obstacles = [mission.number[name] for name in task.get("obstacles", "").split()]
+        # "GatherSamples uses the area of its goal, Patrol and Stay that of their task"
+        area = (goal if self.task == "GatherSamples" else task).find("area")
+        self.area = mission.area if area is None else disc_of(area)
+        self.sensor = mission.number.get(task.get("sensor"), -1)
+        self.target = int(task.get("targetSampleNumber", 0))
+        self.period = int(task.get("period", 0))
+        self.deadline = int(task.get("deadline", 0))
+        self.tolerance = float(task.get("tolerance", 1))
+        self.point = Disc(place_of(task.find("coordinates")), self.tolerance)
+        self.trajectory = [place_of(each) for each in task.findall("trajectory")]
+        self.distance = float(task.get("fixedDistance", 0))
+
+
+class Notes:
+    """The progress of a goal, noted "in belief and in truth on their own" [S Belief]."""
+
+    def __init__(self, goal: Goal) -> None:
+        self.count = 0  # of samples
+        self.seen = 0  # count of the sensor, "when progress was noted last"
+        self.counted_at: tuple[float, ...] = ()
+        self.since = dict.fromkeys(goal.members, -1)
+        self.reached = dict.fromkeys(goal.members, False)
+        self.waypoint = dict.fromkeys(goal.members, 0)
+
+
+class View:
+    """What one side, truth or belief, knows at a tick."""
+
+    def __init__(self, mission: Mission) -> None:
+        """ "Both truth and belief are what the model says" [S Before tick 0]."""
+        self.mission = mission
+        self.tick, self.left = -1, mission.duration
+        self.position = [robot.position for robot in mission.robots]
+        self.speed = [robot.speed for robot in mission.robots]
+        self.energy = [robot.energy for robot in mission.robots]
+        self.count = [0 for _ in mission.sensors]
+        self.active = [True for _ in mission.sensors]
+        self.notes = [Notes(goal) for goal in mission.goals]
+        self.forget()
+
+    def forget(self) -> None:
+        """ "What travels in no message starts anew from the model at every tick" [S Belief]."""
+        self.obstacle = [disc.center for disc in self.mission.obstacles]
+        self.rate: list[float] = [sensor.rate for sensor in self.mission.sensors]
+        self.cost = [sensor.cost for sensor in self.mission.sensors]
+
+    def of(self, prop: str) -> list[Any]:
+        """Return the values of a property, in words of the metamodel."""
+        return getattr(self, prop.lower())
+
+    def reports(self) -> dict[str, list[Any]]:
+        """Return a copy of what messages say: [S Belief], first sentence."""
+        return {p: list(self.of(p)) for p in ("POSITION", "SPEED", "ENERGY", "COUNT", "ACTIVE")}
+
+    def sensing(self, robot: int) -> float:
+        """Return Σ over active sensors of rate × cost."""
+        own = [sensor.index for sensor in self.mission.robots[robot].sensors]
+        return sum(self.rate[k] * self.cost[k] for k in own if self.active[k])
+
+    def power(self, robot: int) -> float:
+        return self.speed[robot] * self.mission.robots[robot].cost + self.sensing(robot)
+
+
+class Intelligence(View):
+    """The belief, and the commands as they stand [S Reference reactions]."""
+
+    def __init__(self, mission: Mission, weather: Weather) -> None:
+        super().__init__(mission)
+        self.weather = weather
+        n_robots = range(len(mission.robots))
+        self.heading = [weather.direction(0, robot, FIRST_HEADING) for robot in n_robots]
+        self.command = list(self.speed)
+        self.switch = list(self.active)
+        self.sent_speed = list(self.command)
+        self.sent_switch = list(self.switch)
+        self.taken: set[tuple[str, int]] = set()
+
+    def take(self, channel: str, index: int) -> bool:
+        """ "The first goal that commands a channel in this tick keeps it" [S The story]."""
+        is_free = (channel, index) not in self.taken
+        self.taken.add((channel, index))
+        return is_free
+
+    def head(self, robot: int, x: float, y: float) -> None:
+        """ "One of length 1e-9 or less commands nothing, and leaves the channel free"."""
+        length = distance((0, 0), (x, y))
+        if length > 1e-9 and self.take("heading", robot):
+            self.heading[robot] = (x / length, y / length)
+
+    def head_to(self, robot: int, place: Place) -> None:
+        self.head(robot, place[0] - self.position[robot][0], place[1] - self.position[robot][1])
+
+    def set_speed(self, robot: int, speed: float) -> None:
+        """ "A speed is set within 0 and the robot's maximum, when it is commanded"."""
+        if self.take("speed", robot):
+            self.command[robot] = within(speed, 0.0, self.mission.robots[robot].max_speed)
+
+    def pace(self, robot: int) -> float:
+        """ "the larger of the CI's own speed command, as it stands now, and its nominal speed"."""
+        return max(self.command[robot], self.mission.robots[robot].speed)
+
+    def after(self, steps: int, robot: int, direction: Direction) -> Place:
+        return ahead(self.position[robot], steps * self.pace(robot), direction)
+
+
+def note(goal: Goal, view: View) -> None:
+    """Second column of the table of [S Goals]."""
+    notes = view.notes[goal.index]
+    if goal.task == "GatherSamples":
+        note_samples(goal, view, notes)
+    for robot in goal.members:
+        place = view.position[robot]
+        match goal.task:
+            case "Patrol" if goal.area.has(place):
+                notes.since[robot] = view.tick
+            case "Visit":
+                notes.reached[robot] |= goal.point.has(place)
+            case "Stay":
+                notes.reached[robot] |= goal.area.has(place)
+            case "Track":  # "it may pass several in one tick"
+                for waypoint in goal.trajectory[notes.waypoint[robot] :]:
+                    if exceeds(distance(place, waypoint), goal.tolerance):
+                        break
+                    notes.waypoint[robot] += 1
+
+
+def note_samples(goal: Goal, view: View, notes: Notes) -> None:
+    """The item "Samples that count" of [S Goals]."""
+    new = view.count[goal.sensor] - notes.seen
+    notes.seen = view.count[goal.sensor]
+    place = view.position[view.mission.sensors[goal.sensor].robot]
+    has_moved = notes.count == 0 or place[:2] != notes.counted_at
+    if new > 0 and goal.area.has(place) and has_moved:
+        notes.count += new
+        notes.counted_at = place[:2]
+
+
+def is_violated(goal: Goal, view: View) -> bool:
+    """Third column of the table of [S Goals]."""
+    notes = view.notes[goal.index]
+    places = [view.position[robot] for robot in goal.robots or goal.members]
+    match goal.task:
+        case "AvoidCollision":
+            sizes = {k: view.mission.obstacles[k].radius + 1 for k in goal.obstacles}
+            near = [(distance(a, b), 2) for a, b in combinations(places, 2)]
+            near += [(distance(a, view.obstacle[k]), sizes[k]) for a in places for k in sizes]
+            found = any(falls_short(*each) for each in near)
+        case "StayWithinMissionArea":
+            found = not all(view.mission.area.has(place) for place in places)
+        case "SufficientEnergy":
+            energies = [(view.energy[k], view.left * view.power(k)) for k in goal.members]
+            found = any(falls_short(energy, need) or energy == 0 for energy, need in energies)
+        case "GatherSamples":
+            sensor = view.mission.sensors[goal.sensor]
+            forecast = notes.count + view.left * (view.rate[goal.sensor] / sensor.rate)
+            is_there = view.active[goal.sensor] and goal.area.has(view.position[sensor.robot])
+            is_failing = not is_there or falls_short(forecast, goal.target)
+            found = notes.count < goal.target and is_failing
+        case "Patrol":
+            found = any(view.tick - since >= goal.period for since in notes.since.values())
+        case "Visit":
+            found = view.tick >= goal.deadline and not all(notes.reached.values())
+        case "Track":
+            found = any(is_off_track(goal, view, robot) for robot in goal.members)
+        case "Stay":
+            entered = [robot for robot in goal.members if notes.reached[robot]]
+            found = not all(goal.area.has(view.position[robot]) for robot in entered)
+        case "FixedDistanceBetweenRobots":
+            off = [abs(distance(a, b) - goal.distance) for a, b in combinations(places, 2)]
+            found = any(exceeds(each, goal.tolerance) for each in off)
+    return found
+
+
+def is_off_track(goal: Goal, view: View, robot: int) -> bool:
+    """ "a member that has passed a waypoint and not the last is farther from its segment"."""
+    place, n = view.position[robot], view.notes[goal.index].waypoint[robot]
+    if not 0 < n < len(goal.trajectory):
+        return False
+    one, two = goal.trajectory[n - 1 : n + 1]
+    dx, dy = two[0] - one[0], two[1] - one[1]
+    square = dx * dx + dy * dy
+    along = ((place[0] - one[0]) * dx + (place[1] - one[1]) * dy) / square if square else 0
+    along = within(along, 0, 1)
+    return exceeds(distance(place, (one[0] + along * dx, one[1] + along * dy)), goal.tolerance)
+
+
+def is_missed(goal: Goal, truth: View) -> bool:
+    """Second table of [S Measures]; what it says of one tick, before "from then on"."""
+    notes = truth.notes[goal.index]
+    if goal.task == "SufficientEnergy":
+        return any(truth.energy[robot] == 0 for robot in goal.members)
+    if goal.task == "GatherSamples":
+        sensor = truth.mission.sensors[goal.sensor]
+        is_over = truth.energy[sensor.robot] == 0
+        most = notes.count + truth.left * sensor.rate
+        return notes.count < goal.target and (is_over or most < goal.target)
+    is_short = goal.task == "Stay" and not all(notes.reached.values())
+    if goal.task == "Track":
+        is_short = any(n < len(goal.trajectory) for n in notes.waypoint.values())
+    return is_violated(goal, truth) or (truth.left == 0 and is_short)
+
+
+def react(goal: Goal, ci: Intelligence) -> None:
+    """The table of [S What each task does], "members one after the other, in model order"."""
+    notes = ci.notes[goal.index]
+    if goal.task == "GatherSamples":
+        if ci.take("sensor", goal.sensor):
+            ci.switch[goal.sensor] = notes.count < goal.target
+        roam(ci, ci.mission.sensors[goal.sensor].robot, goal.area)
+    for robot in goal.robots:
+        evade(goal, ci, robot)
+    for before, robot in zip([-1, *goal.members], goal.members, strict=False):
+        match goal.task:
+            case "StayWithinMissionArea":
+                if not ci.mission.area.has_well(ci.after(2, robot, ci.heading[robot])):
+                    ci.head_to(robot, ci.mission.area.center)
+            case "SufficientEnergy":
+                regulate(ci, robot)
+            case "Patrol" | "Stay":
+                roam(ci, robot, goal.area)
+            case "Visit":
+                approach(ci, robot, [] if notes.reached[robot] else [goal.point.center])
+            case "Track":
+                approach(ci, robot, goal.trajectory[notes.waypoint[robot] :])
+            case "FixedDistanceBetweenRobots" if before >= 0:
+                keep_distance(goal, ci, robot, before)
+
+
+def approach(ci: Intelligence, robot: int, points: list[Place]) -> None:
+    """ "towards it, at the smaller of nominal speed and distance"; then nominal speed."""
+    speed = ci.mission.robots[robot].speed
+    for point in points[:1]:
+        ci.head_to(robot, point)
+        speed = min(speed, distance(ci.position[robot], point))
+    ci.set_speed(robot, speed)
+
+
+def keep_distance(goal: Goal, ci: Intelligence, robot: int, before: int) -> None:
+    (x, y, _), (to_x, to_y, _) = ci.position[robot], ci.position[before]
+    gap = distance((x, y), (to_x, to_y))
+    if exceeds(gap - goal.distance, goal.tolerance / 2):
+        ci.head(robot, to_x - x, to_y - y)
+    elif exceeds(goal.distance - gap, goal.tolerance / 2):
+        ci.head(robot, x - to_x, y - to_y)
+    else:
+        ci.head(robot, *ci.heading[before])
+
+
+def regulate(ci: Intelligence, robot: int) -> None:
+    """The paragraph "Regulating speed"."""
+    wanted, cost = ci.mission.robots[robot].speed, ci.mission.robots[robot].cost
+    if ci.left > 0 and cost > 0:
+        affordable = (0.999 * ci.energy[robot] / ci.left - ci.sensing(robot)) / cost
+        wanted = within(affordable, 0.0, wanted)
+    ci.set_speed(robot, ci.sent_speed[robot] + wanted - ci.speed[robot])
+
+
+def roam(ci: Intelligence, robot: int, area: Disc) -> None:
+    """The paragraph "Roaming"."""
+    if not area.has_well(ci.position[robot]):
+        ci.head_to(robot, area.center)
+    elif not area.has_well(ci.after(1, robot, ci.heading[robot])):
+        for attempt in range(8):
+            direction = ci.weather.direction(ci.tick, 8 * robot + attempt, ROAMING)
+            if area.has_well(ci.after(2, robot, direction)):
+                ci.head(robot, *direction)
+                return
+        ci.head_to(robot, area.center)
+
+
+def evade(goal: Goal, ci: Intelligence, robot: int) -> None:
+    """The paragraph "Evading"."""
+    if not falls_short(gap_along(goal, ci, robot, ci.heading[robot], 1), 1):
+        return
+    best: tuple[float, Direction] | None = None
+    for direction in DIRECTIONS[::15]:
+        if ci.mission.area.has_well(ci.after(10, robot, direction)):
+            gap = gap_along(goal, ci, robot, direction, 20 * ci.pace(robot))
+            if best is None or gap - best[0] > 1e-9:
+                best = gap, direction
+    if best is not None:
+        ci.head(robot, *best[1])
+
+
+def gap_along(goal: Goal, ci: Intelligence, robot: int, way: Direction, limit: float) -> float:
+    """Return the gap: "every robot and obstacle of the goal counts"."""
+    place, pace = ci.position[robot], ci.pace(robot)
+    x, y = pace * way[0], pace * way[1]
+    gap = limit
+    for k in goal.obstacles:
+        size = ci.mission.obstacles[k].radius + 1
+        gap = min(gap, closest(place, ci.obstacle[k], -x, -y) - size)
+    for other in goal.robots:
+        if other != robot:
+            its_x, its_y = (ci.pace(other) * part for part in ci.heading[other])
+            gap = min(gap, closest(place, ci.position[other], its_x - x, its_y - y) - 2)
+    return gap
+
+
+def closest(own: Place, other: Place, vx: float, vy: float) -> float:
+    """ "|Δ + s·v| with s = -(Δ·v)/(v·v) within 1 and 10, and 1 if v·v = 0"."""
+    dx, dy = other[0] - own[0], other[1] - own[1]
+    square = vx * vx + vy * vy
+    s = within(-(dx * vx + dy * vy) / square, 1, 10) if square else 1
+    return distance((0, 0), (dx + s * vx, dy + s * vy))
+
+
+def fault_types() -> Iterable[tuple[str, tuple[str, str, list[str]]]]:
+    """Yield name in XMI, mode, property and parameters: [F Types in the metamodel]."""
+    for each in etree.parse(METAMODEL).getroot().findall("eClassifiers"):
+        path = "eAnnotations[@source='http://mrsfi.org/meaning']/details"
+        meaning = {detail.get("key"): detail.get("value") for detail in each.findall(path)}
+        names = [feature.get("name") for feature in each.findall("eStructuralFeatures")]
+        parameters = [name for name in names if not name.endswith(("_MIN", "_MAX"))]
+        name = each.get("name")[0].lower() + each.get("name")[1:]
+        yield name, (meaning.get("mode", ""), meaning.get("property", ""), parameters)
+
+
+TYPES = dict(fault_types())
+
+
+class Fault:
+    """A fault of the pool, or, with start and finish, of a specification in XMI."""
+
+    def __init__(self, mission: Mission, element: Any) -> None:
+        (content,) = element.iterchildren("*")
+        (struck,) = content.iterchildren("*")
+        self.id = element.get("ID")
+        self.mode, self.property, parameters = TYPES[content.tag]
+        self.values = [float(content.get(name, 0)) for name in parameters]
+        self.start, self.finish = (int(element.get(name, 0)) for name in ("start", "finish"))
+        self.targets = list(self._targets(mission, struck.tag, struck.get("href").split("#")[1]))
+
+    def _targets(self, mission: Mission, tag: str, name: str) -> Iterable[tuple[str, int]]:
+        """Yield what the fault touches: [F What a fault touches]."""
+        prop = self.property
+        if tag != "affectedMessage":
+            yield prop, mission.number[name]
+            return
+        message = mission.messages[name]
+        if message.get("sender") not in mission.number:
+            return  # "Messages of a server report nothing of a robot."
+        sender = mission.robots[mission.number[message.get("sender")]]
+        if prop in ("RATE", "COST"):
+            # "If the task of the goal that contains the message is GatherSamples and its sensor
+            # is one of the sender's, that sensor is touched; otherwise all sensors of the sender"
+            gathering = message.getparent().find("task").get("sensor")
+            own = [each for each in sender.sensors if each.id == gathering]
+            yield from ((prop, each.index) for each in own or sender.sensors)
+        for field in (each.get("name") for each in message.findall("body")):
+            if field in ("POSITION", "SPEED", "ENERGY"):
+                if prop in ("", field):
+                    yield field, sender.index
+            elif prop == "":
+                yield from (("COUNT", each.index) for each in sender.sensors if each.type == field)
+
+
+class Timed:
+    """A timed fault with its values, and at how many ticks it was applied and changed something."""
+
+    def __init__(self, fault: Fault, start: int, finish: int, values: Sequence[float]) -> None:
+        self.mode, self.targets = fault.mode, fault.targets
+        self.is_forged = fault.property in ("MOTION", "ACTIVATION")
+        self.start, self.finish, self.values = start, finish, values
+        self.applied = self.changed = 0
+        if self.mode in ("DELAY", "BLOCK"):
+            self.late = round(values[0])  # "rounded to whole ones (half to even)"
+            if self.late < 1 or self.mode == "BLOCK":
+                self.finish = min(finish, start + self.late - 1)
+
+    def is_active(self, tick: int) -> bool:
+        return self.start <= tick <= self.finish
+
+    def count(self, changes: list[bool]) -> None:
+        """Count a tick: [F Windows, repetition, conflicts, "What it did"]."""
+        self.applied += bool(changes)
+        self.changed += any(changes)
+
+
+def read_faults(mission: Mission, path: Path) -> dict[str, Fault]:
+    faults = (Fault(mission, each) for each in etree.parse(path).getroot().findall("faults"))
+    return {fault.id: fault for fault in faults}
+
+
+def read_specification(mission: Mission, path: Path) -> list[Timed]:
+    faults = read_faults(mission, path).values()
+    return [Timed(fault, fault.start, fault.finish, fault.values) for fault in faults]
+
+
+class Flight:
+    """One flight; afterwards it has the counts. ``reactions`` replace those of goals, by ID."""
+
+    def __init__(
+        self,
+        mission: Mission,
+        faults: Sequence[Timed] = (),
+        seed: int = 0,
+        reactions: Mapping[str, Callable[[Goal, Intelligence], None]] | None = None,
+    ) -> None:
+        self.mission, self.faults, self.reactions = mission, faults, reactions or {}
+        self.weather = Weather(seed)
+        self.truth = View(mission)
+        self.belief = Intelligence(mission, self.weather)
+        self.published = [self.truth.reports()]  # "as if every message had arrived once"
+        measures = ("believed", "true", "phantom", "masked", "missed")
+        self.counts = {name: [0 for _ in mission.goals] for name in measures}
+
+    def fly(self) -> Iterator[int]:
+        """Fly tick by tick, in the order of [S The story], and yield the end of each."""
+        self.send(0)
+        for tick in range(self.mission.duration):
+            self.truth.tick = self.belief.tick = tick
+            self.truth.left = self.belief.left = self.mission.duration - 1 - tick  # [S Goals]
+            for robot in self.mission.robots:
+                self.move(robot)
+            self.publish()
+            self.true = self.judge(self.truth)
+            self.deliver()
+            self.believed = self.judge(self.belief)
+            self.belief.taken = set()
+            for goal in self.mission.goals:
+                self.reactions.get(goal.id, react)(goal, self.belief)
+            self.send(tick + 1)
+            self.tally()
+            yield tick
+
+    def move(self, robot: Robot) -> None:
+        """[S Motion, energy and samples]"""
+        truth, k = self.truth, robot.index
+        if truth.energy[k] == 0:  # "stands still from now on"
+            truth.speed[k] = 0.0
+            for sensor in robot.sensors:
+                truth.active[sensor.index] = False
+            return
+        truth.speed[k] = within(self.belief.sent_speed[k], 0.0, robot.max_speed)
+        truth.position[k] = ahead(truth.position[k], truth.speed[k], self.belief.heading[k])
+        for sensor in robot.sensors:
+            truth.active[sensor.index] = self.belief.sent_switch[sensor.index]
+            if truth.active[sensor.index]:
+                draw = self.weather.draw(truth.tick, sensor.index, SAMPLES)
+                n_valid = sum(draw >= bound for bound in sensor.bounds)
+                truth.count[sensor.index] += 1 if sensor.rate == 1 else n_valid
+        spent = truth.power(k)
+        rest = truth.energy[k] - spent
+        truth.energy[k] = 0.0 if rest <= 1e-9 * spent else rest
+
+    def publish(self) -> None:
+        """[S Motion, "Position"]: without its first GPS sensor, the newest is an earlier one."""
+        reports = self.truth.reports()
+        for robot in self.mission.robots:
+            if robot.gps is not None and not self.truth.active[robot.gps.index]:
+                reports["POSITION"][robot.index] = self.published[-1]["POSITION"][robot.index]
+        self.published.append(reports)
+
+    def judge(self, view: View) -> list[bool]:
+        """ "every goal notes its progress, then every goal is checked"."""
+        for goal in self.mission.goals:
+            note(goal, view)
+        return [is_violated(goal, view) for goal in self.mission.goals]
+
+    def deliver(self) -> None:
+        """Messages become belief [S Belief], and faults act on it [F All types]."""
+        was = self.belief.reports()
+        for prop, values in self.published[-1].items():
+            self.belief.of(prop)[:] = values
+        self.belief.forget()
+        for fault in self.faults:
+            if fault.is_active(self.belief.tick) and not fault.is_forged:
+                changes = []
+                for prop, k in fault.targets:
+                    delivered = self.belief.of(prop)[k]
+                    value = self.false_value(fault, prop, k, delivered, was)
+                    self.belief.of(prop)[k] = value
+                    is_place = isinstance(value, tuple)  # "a place (x or y)"
+                    changes.append(value[:2] != delivered[:2] if is_place else value != delivered)
+                fault.count(changes)
+
+    def false_value(self, fault: Timed, prop: str, k: int, v: Any, was: dict[str, Any]) -> Any:
+        """Return what a fault makes of "v", what was delivered; ``was``: "as it was"."""
+        tick, mode, values = self.belief.tick, fault.mode, fault.values
+        if mode in ("DELAY", "BLOCK"):
+            is_there = mode == "DELAY" and tick - fault.late >= fault.start
+            return (self.published[tick - fault.late + 1] if is_there else was)[prop][k]
+        if prop in ("POSITION", "OBSTACLE"):
+            if mode == "FIXED":
+                return tuple(values)
+            # "C + R × √u × direction"; "a robot keeps its reported z" [F Random values]
+            center, radius = self.mission.area
+            far = radius * math.sqrt(self.weather.uniform(tick, k, PURPOSES[prop]))
+            x, y, _ = ahead(center, far, self.weather.direction(tick, k, PURPOSES[prop] + 1))
+            return x, y, v[2]
+        number = {
+            "ZERO": lambda: 0,
+            "FIXED": lambda: values[0],
+            "RANDOM": lambda: self.weather.between(*values, tick, k, prop),
+            "INCREMENT": lambda: v + values[0],
+            "DECREMENT": lambda: v - values[0],
+            "INCREMENT_PERCENT": lambda: (1 + values[0] / 100) * v,
+            "DECREMENT_PERCENT": lambda: (1 - values[0] / 100) * v,
+        }[mode]()
+        return max(0, number)  # "Whatever comes out is 0 if it is below 0, places excepted."
+
+    def send(self, tick: int) -> None:
+        """Send the commands for the motion of a tick: [S Forged commands], [F Forged commands]."""
+        ci = self.belief
+        ci.sent_speed, ci.sent_switch = list(ci.command), list(ci.switch)
+        for fault in self.faults:
+            if fault.is_forged and fault.is_active(tick) and tick < self.mission.duration:
+                ((prop, k),) = fault.targets
+                own, sent = ci.switch, ci.sent_switch
+                forged = fault.mode == "ACTIVATE"
+                if prop == "MOTION":
+                    own, sent = ci.command, ci.sent_speed
+                    forged = self.mission.robots[k].speed if fault.mode == "START" else 0.0
+                sent[k] = forged
+                fault.count([sent[k] != own[k]])
+
+    def tally(self) -> None:
+        """Count what was found, "once per goal and tick" [S Measures]."""
+        for goal, true, believed in zip(self.mission.goals, self.true, self.believed, strict=True):
+            k = goal.index
+            self.counts["believed"][k] += believed
+            self.counts["true"][k] += true
+            self.counts["phantom"][k] += believed and not true
+            self.counts["masked"][k] += true and not believed
+            # "counts from the tick at which it first holds to the last of the mission"
+            self.counts["missed"][k] += self.counts["missed"][k] > 0 or is_missed(goal, self.truth)
