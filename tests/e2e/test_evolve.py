@@ -1,4 +1,13 @@
-from tests.support.cli import MISSION, SMALL, contents, edit, interrupted, mrsfi, mrsfi_json
+from tests.support.cli import (
+    MISSION,
+    SMALL,
+    contents,
+    edit,
+    interrupted,
+    mrsfi,
+    mrsfi_json,
+    workspace,
+)
 
 
 def test_it_ends_with_the_ten_most_critical_the_front_and_the_folder(place):
@@ -58,6 +67,25 @@ def test_stale_generated_code_ends_with_4_and_makes_no_folder(place):
 
     assert "mrsfi generate" in mrsfi("evolve", MISSION, cwd=place, expected=4).stderr
     assert not (place / "runs").exists()
+
+
+def test_a_campaign_can_count_how_long_goals_were_missed(tmp_path):
+    quick = workspace(tmp_path, "tight_margins")
+    (quick / "mine.toml").write_text(
+        '[search]\nviolations = "missed"\nfitness = "focused"\ngoals = ["within", "depths"]\n'
+        "population = 6\ngenerations = 1\nfaults = 6\n",
+        encoding="utf-8",
+    )
+
+    found = mrsfi_json("evolve", "tight_margins", "--case", "mine.toml", "--out", "out", cwd=quick)
+
+    best = found["best"]
+    assert found["measure"] == {"violations": "missed", "mission_seeds": 1}
+    assert best["fitness"] == sum(best["missed"][goal] for goal in ("within", "depths")) > 0
+    assert best["measured"] == best["missed"]
+    for goal, ticks in best["missed"].items():
+        assert best["missed_since"][goal] == (200 - ticks if ticks else None)
+    assert best["evaluation"] in [point["evaluation"] for point in found["front"]["points"]]
 
 
 def test_a_wrong_key_in_a_campaign_file_ends_with_2_and_names_it(place):

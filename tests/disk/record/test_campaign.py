@@ -162,7 +162,7 @@ CHANGES = {
     "fitness": replace(FOUND, fitness=(math.nextafter(9.0, 0),)),
     **{
         name: replace(FOUND, outcome=replace(FOUND.outcome, **{name: (9, 9)}))
-        for name in ("believed", "true", "phantom", "masked", "samples", "applied", "changed")
+        for name in encoding.COUNTS
     },
     "digest": replace(FOUND, outcome=replace(FOUND.outcome, digest="f" * 64)),
 }
@@ -238,6 +238,7 @@ def test_an_outcome_keeps_each_count_in_its_place(store):
         true=(3, 4),
         phantom=(5, 6),
         masked=(7, 8),
+        missed=(13, 14),
         samples=(9, 10),
         applied=(11,),
         changed=(12,),
