@@ -250,7 +250,9 @@ def in_words(mission: Mission, flights: Sequence[Differences]) -> str:
 
 def _ticks(counts: Sequence[int]) -> str:
     least, most = min(counts), max(counts)
-    return f"{most} ticks" if least == most else f"{least} to {most} ticks"
+    if least == most:
+        return f"{most} tick{'s' if most != 1 else ''}"
+    return f"{least} to {most} ticks"
 
 
 def _near(mission: Mission, flights: Iterable[Differences]) -> Iterator[str]:
