@@ -53,7 +53,7 @@ def last_goal(folder: Path) -> str:
 
 def number(text: str, measure: str) -> str:
     """Return a quartile as the page writes it."""
-    value = float(text)
+    value = float(text or "inf")  # empty: never reached
     if value == float("inf"):
         return "never"
     if measure == "hypervolume":
