@@ -355,7 +355,7 @@ def is_off_track(goal: Goal, view: View, robot: int) -> bool:
 
 
 def is_missed(goal: Goal, truth: View) -> bool:
-    """Second table of [S Measures]; what it says of one tick, before "from then on"."""
+    """Second table of [S Measures]; of one tick, "whatever is true in between"."""
     notes = truth.notes[goal.index]
     if goal.task == "SufficientEnergy":
         return any(truth.energy[robot] == 0 for robot in goal.members)
@@ -371,7 +371,7 @@ def is_missed(goal: Goal, truth: View) -> bool:
 
 
 def react(goal: Goal, ci: Intelligence) -> None:
-    """The table of [S What each task does], "members one after the other, in model order"."""
+    """The table of [S What each task does], "one after the other, in model order"."""
     notes = ci.notes[goal.index]
     if goal.task == "GatherSamples":
         if ci.take("sensor", goal.sensor):
@@ -499,7 +499,8 @@ class Fault:
         self.mode, self.property, parameters = TYPES[content.tag]
         self.values = [float(content.get(name, 0)) for name in parameters]
         self.start, self.finish = (int(element.get(name, 0)) for name in ("start", "finish"))
-        self.targets = list(self._targets(mission, struck.tag, struck.get("href").split("#")[1]))
+        touched = self._targets(mission, struck.tag, struck.get("href").split("#")[1])
+        self.targets = list(dict.fromkeys(touched))  # "Each target is touched once"
 
     def _targets(self, mission: Mission, tag: str, name: str) -> Iterable[tuple[str, int]]:
         """Yield what the fault touches: [F What a fault touches]."""
@@ -509,7 +510,7 @@ class Fault:
             return
         message = mission.messages[name]
         if message.get("sender") not in mission.number:
-            return  # "Messages of a server report nothing of a robot."
+            return  # "A message whose sender is a server reports nothing of a robot"
         sender = mission.robots[mission.number[message.get("sender")]]
         if prop in ("RATE", "COST"):
             # "If the task of the goal that contains the message is GatherSamples and its sensor

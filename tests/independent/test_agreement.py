@@ -6,7 +6,10 @@ what the pages say, or the pages do not say enough.
 
 import ast
 import inspect
+import io
+import re
 import sys
+import tokenize
 from pathlib import Path
 from random import Random
 
@@ -108,6 +111,26 @@ def test_the_simulation_imports_nothing_of_the_product_and_is_short():
 
     assert {name.split(".")[0] for name in names} - sys.stdlib_module_names == {"lxml"}
     assert len(text.splitlines()) < 700
+
+
+def test_the_simulation_quotes_the_pages_as_they_are():
+    """Who changes a sentence of the pages sees here what followed it."""
+    pages = {"S": (ROOT / "docs/semantics.md"), "F": (ROOT / "docs/faults.md")}
+    texts = {name: path.read_text("utf-8") for name, path in pages.items()}
+    said = " ".join(re.sub("[*`]", "", "\n".join(texts.values())).split())
+    tokens = tokenize.generate_tokens(io.StringIO(inspect.getsource(simulation)).readline)
+    comments = " ".join(
+        token.string[1:] if token.type == tokenize.COMMENT else token.string[3:-3]
+        for token in tokens
+        if token.type == tokenize.COMMENT or token.string.startswith('"""')
+    )
+    comments = " ".join(comments.replace("`", "").split())
+    quoted = {quote.rstrip(".,") for quote in re.findall(r'"([^"]+)"', comments)}
+    sections = set(re.findall(r'\[([SF]) ([^],"]+)', comments))
+
+    assert len(quoted) > 20
+    assert [quote for quote in sorted(quoted) if quote not in said] == []
+    assert [each for each in sorted(sections) if f"## {each[1]}" not in texts[each[0]]] == []
 
 
 @pytest.mark.parametrize("seed", seeds(range(5), 2))
