@@ -6,13 +6,13 @@ What a look-up leaves out that is near, or puts where it is not, shows in a crow
 from random import Random
 
 _XMI = 'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
-_MISSION = f"""<?xml version="1.0" encoding="ASCII"?>
+MISSION = f"""<?xml version="1.0" encoding="ASCII"?>
 <mission:Mission {_XMI} xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" \
 xmlns:mission="http://mrsfi.org/mission/1.0" name="crowd" duration="{{duration}}">
-<missionArea ID="whole" radius="{{radius}}"><center x="-40.0" y="25.0"/></missionArea>
+<missionArea ID="whole" radius="{{radius}}"><center x="{{x}}" y="{{y}}"/></missionArea>
 {{content}}</mission:Mission>
 """
-_FAULTS = f"""<?xml version="1.0" encoding="ASCII"?>
+FAULTS = f"""<?xml version="1.0" encoding="ASCII"?>
 <faults:FaultSpecification {_XMI} xmlns:faults="http://mrsfi.org/faults/1.0" ID="pool">
 {{content}}</faults:FaultSpecification>
 """
@@ -61,7 +61,7 @@ def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[str, str]:
         )  # fmt: skip
     for task in ("StayWithinMissionArea", "SufficientEnergy"):
         text += _GOAL.format(id=task, members=" ".join(robots), task=task, more="", messages="")
-    mission = _MISSION.format(duration=40, radius=1.2 * side, content=text)
+    mission = MISSION.format(x=-40.0, y=25.0, duration=40, radius=1.2 * side, content=text)
 
     kinds = ["randomRobotCoordinates", "zeroSpeed", 'blockMessage BLOCK_DURATION="8.0"']
     kinds += ['delayMessage DELAY="3.0"', *(f"fixedRobotCoordinates {place()}" for _ in range(3))]
@@ -76,7 +76,7 @@ def draw_crowd(rng: Random, n_robots: int, room: float) -> tuple[str, str]:
         f"</{kind.split()[0]}></faults>\n"
         for n, (kind, what, target) in enumerate(struck)
     )
-    return mission, _FAULTS.format(content=pool)
+    return mission, FAULTS.format(content=pool)
 
 
 def _upper(kind: str) -> str:

@@ -20,6 +20,7 @@ from m2t.specification import write_specification
 from mrsfi_runtime.model.faults import TimedFault
 from tests.independent import simulation
 from tests.independent.crowd import draw_crowd
+from tests.independent.limits import limits
 from tests.independent.simulation import read_specification
 from tests.independent.twins import Twins
 from tests.support.models.shapes import draw_mission, draw_pool, draw_specification, shape, write
@@ -160,3 +161,15 @@ def test_crowds_fly_alike(tmp_path, n_robots, room):
 
     for seed in range(3):
         twins.fly(specification(twins.code, seed, 8), seed)
+
+
+@pytest.mark.parametrize("off", [-1e-3, -2e-9, -5e-10, -1e-12, 0.0, 1e-12, 5e-10, 2e-9, 1e-3])
+def test_what_stands_at_a_limit_is_judged_alike(tmp_path, off):
+    models = write(tmp_path / "models", *limits(off))
+    generate(models, tmp_path / "generated")
+    twins = Twins(models, tmp_path / "generated")
+    moved = [TimedFault(fault.id, 2, 8, fault.values) for fault in twins.code.pool]
+
+    for seed in range(3):
+        twins.fly((), seed)
+        twins.fly(tuple(moved), seed)
