@@ -19,6 +19,7 @@ WORD = 0xFFFFFFFF
 DIRECTIONS = [(math.cos(math.radians(d)), math.sin(math.radians(d))) for d in range(360)]
 FIRST_HEADING, SAMPLES, ROAMING = 1, 2, 3
 PURPOSES = {"ENERGY": 4, "COST": 5, "SPEED": 6, "RATE": 7, "POSITION": 8, "OBSTACLE": 10}
+PURPOSES["COUNT"] = 12
 """By the table of all draws in [S Randomness]; directions of places have the number after."""
 
 Place = tuple[float, float, float]
@@ -193,9 +194,7 @@ class Notes:
         self.waypoint = dict.fromkeys(goal.members, 0)
 
 
-class View:
-    """What one side, truth or belief, knows at a tick."""
-
+class View:  # what one side, truth or belief, knows at a tick
     def __init__(self, mission: Mission) -> None:
         """ "Both truth and belief are what the model says" [S Before tick 0]."""
         self.mission = mission
@@ -222,8 +221,7 @@ class View:
         """Return a copy of what messages say: [S Belief], first sentence."""
         return {p: list(self.of(p)) for p in ("POSITION", "SPEED", "ENERGY", "COUNT", "ACTIVE")}
 
-    def sensing(self, robot: int) -> float:
-        """Return Σ over active sensors of rate × cost."""
+    def sensing(self, robot: int) -> float:  # "Σ over active sensors of rate × cost"
         own = [sensor.index for sensor in self.mission.robots[robot].sensors]
         return sum(self.rate[k] * self.cost[k] for k in own if self.active[k])
 
@@ -475,9 +473,9 @@ def closest(own: Place, other: Place, vx: float, vy: float) -> float:
     return distance((0, 0), (dx + s * vx, dy + s * vy))
 
 
-def fault_types() -> Iterable[tuple[str, tuple[str, str, list[str]]]]:
+def fault_types(metamodel: Path) -> Iterable[tuple[str, tuple[str, str, list[str]]]]:
     """Yield name in XMI, mode, property and parameters: [F Types in the metamodel]."""
-    for each in etree.parse(METAMODEL).getroot().findall("eClassifiers"):
+    for each in etree.parse(metamodel).getroot().findall("eClassifiers"):
         path = "eAnnotations[@source='http://mrsfi.org/meaning']/details"
         meaning = {detail.get("key"): detail.get("value") for detail in each.findall(path)}
         names = [feature.get("name") for feature in each.findall("eStructuralFeatures")]
@@ -486,7 +484,7 @@ def fault_types() -> Iterable[tuple[str, tuple[str, str, list[str]]]]:
         yield name, (meaning.get("mode", ""), meaning.get("property", ""), parameters)
 
 
-TYPES = dict(fault_types())
+TYPES = dict(fault_types(METAMODEL))
 
 
 class Fault:
@@ -522,7 +520,7 @@ class Fault:
             if field in ("POSITION", "SPEED", "ENERGY"):
                 if prop in ("", field):
                     yield field, sender.index
-            elif prop == "":
+            elif prop in ("", "COUNT"):
                 yield from (("COUNT", each.index) for each in sender.sensors if each.type == field)
 
 
@@ -538,9 +536,6 @@ class Timed:
             self.late = round(values[0])  # "rounded to whole ones (half to even)"
             if self.late < 1 or self.mode == "BLOCK":
                 self.finish = min(finish, start + self.late - 1)
-
-    def is_active(self, tick: int) -> bool:
-        return self.start <= tick <= self.finish
 
     def count(self, changes: list[bool]) -> None:
         """Count a tick: [F Windows, repetition, conflicts, "What it did"]."""
@@ -636,7 +631,7 @@ class Flight:
             self.belief.of(prop)[:] = values
         self.belief.forget()
         for fault in self.faults:
-            if fault.is_active(self.belief.tick) and not fault.is_forged:
+            if fault.start <= self.belief.tick <= fault.finish and not fault.is_forged:
                 changes = []
                 for prop, k in fault.targets:
                     delivered = self.belief.of(prop)[k]
@@ -669,6 +664,9 @@ class Flight:
             "INCREMENT_PERCENT": lambda: (1 + values[0] / 100) * v,
             "DECREMENT_PERCENT": lambda: (1 - values[0] / 100) * v,
         }[mode]()
+        number = (
+            int(number) if prop == "COUNT" else number
+        )  # "loses what follows the decimal point"
         return max(0, number)  # "Whatever comes out is 0 if it is below 0, places excepted."
 
     def send(self, tick: int) -> None:
@@ -676,7 +674,8 @@ class Flight:
         ci = self.belief
         ci.sent_speed, ci.sent_switch = list(ci.command), list(ci.switch)
         for fault in self.faults:
-            if fault.is_forged and fault.is_active(tick) and tick < self.mission.duration:
+            is_flown = fault.start <= tick <= fault.finish and tick < self.mission.duration
+            if fault.is_forged and is_flown:
                 ((prop, k),) = fault.targets
                 own, sent = ci.switch, ci.sent_switch
                 forged = fault.mode == "ACTIVATE"

@@ -8,6 +8,7 @@ import ast
 import inspect
 import io
 import re
+import shutil
 import sys
 import tokenize
 from pathlib import Path
@@ -24,6 +25,7 @@ from tests.independent.limits import limits
 from tests.independent.simulation import read_specification
 from tests.independent.twins import Twins
 from tests.support.models.shapes import draw_mission, draw_pool, draw_specification, shape, write
+from tests.support.own_metamodels import add_fault_type, add_faults, meaning, parameter
 from tests.support.tree import ROOT
 from tests.support.world import specification
 from tests.tiers import seeds, slow
@@ -173,3 +175,35 @@ def test_what_stands_at_a_limit_is_judged_alike(tmp_path, off):
     for seed in range(3):
         twins.fly((), seed)
         twins.fly(tuple(moved), seed)
+
+
+def test_types_of_a_teams_own_fly_alike(own_metamodels, tmp_path, monkeypatch):
+    """False counts, which no type of ours makes, and another property of a robot."""
+    faults = own_metamodels.folder / "faults.ecore"
+    modes = {
+        "ZERO": (), "FIXED": (7.9,), "INCREMENT": (2.5,), "DECREMENT": (3.5,),
+        "INCREMENT_PERCENT": (33.0,), "DECREMENT_PERCENT": (12.5,), "RANDOM": (2.5, 40.5),
+    }  # fmt: skip
+    models = Path(shutil.copytree(HARBOUR, tmp_path / "models"))
+    for mode, values in modes.items():
+        for parent, struck in (("Sensor", "ferry_stern"), ("Message", "soundings_ferry")):
+            name = f"{mode.title().replace('_', '')}{parent}Count"
+            tag, kind = name[0].lower() + name[1:], "PERCENT" if "PERCENT" in mode else "COUNT"
+            roles = ("LOWEST", "HIGHEST") if mode == "RANDOM" else ("",) * len(values)
+            said = [
+                parameter(f"BY{n}", range=kind, **({"role": role} if role else {}))
+                for n, role in enumerate(roles)
+            ]
+            content = meaning(mode=mode, property="COUNT") + "".join(said)
+            add_fault_type(faults, name, f"{parent}Fault", content)
+            given = "".join(f' BY{n}="{value}"' for n, value in enumerate(values))
+            element = f'<{tag}{given}><affected{parent} href="mission.xmi#{struck}"/></{tag}>'
+            add_faults(models / "faults.xmi", {name: element})
+    generate(models, tmp_path / "generated")
+    monkeypatch.setattr(simulation, "TYPES", dict(simulation.fault_types(faults)))
+    twins = Twins(models, tmp_path / "generated")
+
+    own = [fault for fault in twins.code.pool if fault.id.endswith("Count")]
+    assert len(own) == 2 * len(modes)
+    for fault in own:
+        twins.fly((TimedFault(fault.id, 20, 90, fault.values),), 1)
