@@ -94,6 +94,27 @@ def test_what_was_falsified_is_kept_by_the_block_that_follows(harbour):
     harbour.fly((false, blocked, late), 4)
 
 
+def unmixed(v):
+    """Undo ``mixed``: every step of it can be undone."""
+    v ^= v >> 16
+    v = v * pow(0x846CA68B, -1, 2**32) % 2**32
+    v ^= v >> 15 ^ v >> 30
+    v = v * pow(0x7FEB352D, -1, 2**32) % 2**32
+    return v ^ v >> 16
+
+
+@pytest.mark.parametrize("tick", [0, 5])
+def test_a_draw_that_is_a_bound_is_not_below_it(harbour, tick):
+    """The seed follows from the draw that is wanted, which chance would bring about never."""
+    sensor = next(each for each in harbour.mission.sensors if each.id == "ferry_stern")
+    for bound in sensor.bounds:
+        key = tick ^ unmixed(unmixed(bound) ^ (256 * sensor.index + simulation.SAMPLES))
+        seed = unmixed(key ^ 0x9E3779B9)
+        assert simulation.Weather(seed).draw(tick, sensor.index, simulation.SAMPLES) == bound
+
+        harbour.fly((), seed)
+
+
 def test_specifications_in_xmi_are_read_and_fly_alike(harbour, tmp_path):
     faults = (TimedFault("h23", 10, 40, (1.5, -3.0, 0.25)), TimedFault("h15", 5, 99, (12.0,)))
     rows = [
