@@ -7,7 +7,7 @@ and paragraphs that it follows are named in brackets, their sentences quoted.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -182,9 +182,7 @@ class Goal:
         self.distance = float(task.get("fixedDistance", 0))
 
 
-class Notes:
-    """The progress of a goal, noted "in belief and in truth on their own" [S Belief]."""
-
+class Notes:  # "Progress of goals is noted in belief and in truth on their own" [S Belief]
     def __init__(self, goal: Goal) -> None:
         self.count = 0  # of samples
         self.seen = 0  # count of the sensor, "when progress was noted last"
@@ -229,9 +227,7 @@ class View:  # what one side, truth or belief, knows at a tick
         return self.speed[robot] * self.mission.robots[robot].cost + self.sensing(robot)
 
 
-class Intelligence(View):
-    """The belief, and the commands as they stand [S Reference reactions]."""
-
+class Intelligence(View):  # the belief, and commands as they stand [S Reference reactions]
     def __init__(self, mission: Mission, weather: Weather) -> None:
         super().__init__(mission)
         self.weather = weather
@@ -493,42 +489,46 @@ class Fault:
     def __init__(self, mission: Mission, element: Any) -> None:
         (content,) = element.iterchildren("*")
         (struck,) = content.iterchildren("*")
-        self.id = element.get("ID")
-        self.mode, self.property, parameters = TYPES[content.tag]
+        self.id, self.type = element.get("ID"), content.tag
+        self.mode, self.property, parameters = TYPES[self.type]
         self.values = [float(content.get(name, 0)) for name in parameters]
         self.start, self.finish = (int(element.get(name, 0)) for name in ("start", "finish"))
         touched = self._targets(mission, struck.tag, struck.get("href").split("#")[1])
-        self.targets = list(dict.fromkeys(touched))  # "Each target is touched once"
+        once = dict.fromkeys(touched)  # "Each target is touched once"
+        # of types of mode OWN, "a message that does not carry all of it is left alone"
+        props = self.property.split()
+        self.targets = [(p, k) for p, k in once if all((each, k) in once for each in props)]
 
     def _targets(self, mission: Mission, tag: str, name: str) -> Iterable[tuple[str, int]]:
         """Yield what the fault touches: [F What a fault touches]."""
-        prop = self.property
+        props = self.property.split()
         if tag != "affectedMessage":
-            yield prop, mission.number[name]
+            yield from ((prop, mission.number[name]) for prop in props)
             return
         message = mission.messages[name]
         if message.get("sender") not in mission.number:
             return  # "A message whose sender is a server reports nothing of a robot"
         sender = mission.robots[mission.number[message.get("sender")]]
-        if prop in ("RATE", "COST"):
+        for prop in set(props) & {"RATE", "COST"}:
             # "If the task of the goal that contains the message is GatherSamples and its sensor
             # is one of the sender's, that sensor is touched; otherwise all sensors of the sender"
             gathering = message.getparent().find("task").get("sensor")
             own = [each for each in sender.sensors if each.id == gathering]
             yield from ((prop, each.index) for each in own or sender.sensors)
         for field in (each.get("name") for each in message.findall("body")):
+            same = [each.index for each in sender.sensors if each.type == field]
+            reported = [("COUNT", k) for k in same]
             if field in ("POSITION", "SPEED", "ENERGY"):
-                if prop in ("", field):
-                    yield field, sender.index
-            elif prop in ("", "COUNT"):
-                yield from (("COUNT", each.index) for each in sender.sensors if each.type == field)
+                reported = [(field, sender.index)]
+            yield from (each for each in reported if not props or each[0] in props)
 
 
 class Timed:
     """A timed fault with its values, and at how many ticks it was applied and changed something."""
 
     def __init__(self, fault: Fault, start: int, finish: int, values: Sequence[float]) -> None:
-        self.mode, self.targets = fault.mode, fault.targets
+        self.type, self.mode, self.targets = fault.type, fault.mode, fault.targets
+        self.memory = {k: [0.0] * 8 for _, k in self.targets}
         self.is_forged = fault.property in ("MOTION", "ACTIVATION")
         self.start, self.finish, self.values = start, finish, values
         self.applied = self.changed = 0
@@ -537,10 +537,11 @@ class Timed:
             if self.late < 1 or self.mode == "BLOCK":
                 self.finish = min(finish, start + self.late - 1)
 
-    def count(self, changes: list[bool]) -> None:
+    def count(self, delivered: list[Any], found: list[Any]) -> None:
         """Count a tick: [F Windows, repetition, conflicts, "What it did"]."""
-        self.applied += bool(changes)
-        self.changed += any(changes)
+        pairs = zip(delivered, found, strict=True)  # "a number or a place (x or y)"
+        self.applied += bool(delivered)
+        self.changed += any(v[:2] != w[:2] if isinstance(v, tuple) else v != w for v, w in pairs)
 
 
 def read_faults(mission: Mission, path: Path) -> dict[str, Fault]:
@@ -554,16 +555,14 @@ def read_specification(mission: Mission, path: Path) -> list[Timed]:
 
 
 class Flight:
-    """One flight; afterwards it has the counts. ``reactions`` replace those of goals, by ID."""
+    """One flight; afterwards it has the counts.
 
-    def __init__(
-        self,
-        mission: Mission,
-        faults: Sequence[Timed] = (),
-        seed: int = 0,
-        reactions: Mapping[str, Callable[[Goal, Intelligence], None]] | None = None,
-    ) -> None:
-        self.mission, self.faults, self.reactions = mission, faults, reactions or {}
+    ``regions`` has what a team does itself: the reaction of a goal by its ID, the effect of a fault
+    type by its name in XMI.
+    """
+
+    def __init__(self, mission: Mission, faults: Sequence[Timed], seed: int, regions: Any) -> None:
+        self.mission, self.faults, self.regions = mission, faults, regions
         self.weather = Weather(seed)
         self.truth = View(mission)
         self.belief = Intelligence(mission, self.weather)
@@ -585,7 +584,7 @@ class Flight:
             self.believed = self.judge(self.belief)
             self.belief.taken = set()
             for goal in self.mission.goals:
-                self.reactions.get(goal.id, react)(goal, self.belief)
+                self.regions.get(goal.id, react)(goal, self.belief)
             self.send(tick + 1)
             self.tally()
             yield tick
@@ -630,16 +629,16 @@ class Flight:
         for prop, values in self.published[-1].items():
             self.belief.of(prop)[:] = values
         self.belief.forget()
-        for fault in self.faults:
+        # "after all reports were falsified, by start and then in the order of the specification"
+        for fault in sorted(self.faults, key=lambda each: (each.mode == "OWN", each.start)):
             if fault.start <= self.belief.tick <= fault.finish and not fault.is_forged:
-                changes = []
-                for prop, k in fault.targets:
-                    delivered = self.belief.of(prop)[k]
-                    value = self.false_value(fault, prop, k, delivered, was)
-                    self.belief.of(prop)[k] = value
-                    is_place = isinstance(value, tuple)  # "a place (x or y)"
-                    changes.append(value[:2] != delivered[:2] if is_place else value != delivered)
-                fault.count(changes)
+                delivered = [self.belief.of(prop)[k] for prop, k in fault.targets]
+                for k in {k: 0 for _, k in fault.targets} if fault.mode == "OWN" else ():
+                    self.regions[fault.type](self.belief, self.published[-1], fault, k)
+                for (prop, k), v in zip(fault.targets, delivered, strict=True):
+                    if fault.mode != "OWN":
+                        self.belief.of(prop)[k] = self.false_value(fault, prop, k, v, was)
+                fault.count(delivered, [self.belief.of(prop)[k] for prop, k in fault.targets])
 
     def false_value(self, fault: Timed, prop: str, k: int, v: Any, was: dict[str, Any]) -> Any:
         """Return what a fault makes of "v", what was delivered; ``was``: "as it was"."""
@@ -683,7 +682,7 @@ class Flight:
                     own, sent = ci.command, ci.sent_speed
                     forged = self.mission.robots[k].speed if fault.mode == "START" else 0.0
                 sent[k] = forged
-                fault.count([sent[k] != own[k]])
+                fault.count([own[k]], [sent[k]])
 
     def tally(self) -> None:
         """Count what was found, "once per goal and tick" [S Measures]."""

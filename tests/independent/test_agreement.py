@@ -24,6 +24,7 @@ from tests.independent.crowd import draw_crowd
 from tests.independent.limits import limits
 from tests.independent.simulation import read_specification
 from tests.independent.twins import Twins
+from tests.support.edited import write_body
 from tests.support.models.shapes import draw_mission, draw_pool, draw_specification, shape, write
 from tests.support.own_metamodels import add_fault_type, add_faults, meaning, parameter
 from tests.support.tree import ROOT
@@ -228,3 +229,76 @@ def test_types_of_a_teams_own_fly_alike(own_metamodels, tmp_path, monkeypatch):
     assert len(own) == 2 * len(modes)
     for fault in own:
         twins.fly((TimedFault(fault.id, 20, 90, fault.values),), 1)
+
+
+STUCK = """    robot = ci.robots[fault.target]
+    if fault.age == 0:
+        fault.memory[0] = inbox.robots[fault.target].speed + fault.memory[1]
+    fault.memory[1] += 1.0
+    robot.speed = fault.memory[0] + fault.values[0]
+    robot.energy = robot.energy + fault.memory[1] * fault.values[1]
+"""
+DRIFT = """    obstacle = ci.obstacles[fault.target]
+    obstacle.x += fault.values[0] * (fault.age + fault.memory[0])
+    fault.memory[0] += 1.0
+"""
+LOSS = """    sensor = ci.sensors[fault.target]
+    sensor.count = max(sensor.count - fault.age, 0)
+    sensor.rate = sensor.rate + 1.0
+"""
+
+
+def stuck(ci, inbox, fault, k):
+    memory = fault.memory[k]
+    if ci.tick == fault.start:
+        memory[0] = inbox["SPEED"][k] + memory[1]
+    memory[1] += 1.0
+    ci.speed[k] = memory[0] + fault.values[0]
+    ci.energy[k] += memory[1] * fault.values[1]
+
+
+def drift(ci, inbox, fault, k):
+    x, y, z = ci.obstacle[k]
+    ci.obstacle[k] = x + fault.values[0] * (ci.tick - fault.start + fault.memory[k][0]), y, z
+    fault.memory[k][0] += 1.0
+
+
+def loss(ci, inbox, fault, k):
+    ci.count[k] = max(ci.count[k] - (ci.tick - fault.start), 0)
+    ci.rate[k] += 1.0
+
+
+def test_effects_of_a_teams_own_fly_alike(own_metamodels, tmp_path, monkeypatch):
+    faults = own_metamodels.folder / "faults.ecore"
+    models = Path(shutil.copytree(HARBOUR, tmp_path / "models"))
+    types = {
+        "Stuck": ("MessageFault", "SPEED ENERGY", "SPEED", "ENERGY"),
+        "Drift": ("ObstacleFault", "OBSTACLE", "SHARE"),
+        "Loss": ("MessageFault", "COUNT RATE"),
+    }
+    for name, (parent, properties, *ranges) in types.items():
+        said = "".join(parameter(f"BY{n}", range=each) for n, each in enumerate(ranges))
+        content = meaning(mode="OWN", property=properties) + said
+        add_fault_type(faults, name, parent, content)
+    element = "<{0} {1}><affected{2} href='mission.xmi#{3}'/></{0}>".format
+    elements = {
+        "stuck": element("stuck", 'BY0="1.5" BY1="2.0"', "Message", "fuel_ferry"),
+        "silent": element("stuck", 'BY0="1.5" BY1="2.0"', "Message", "soundings_ferry"),
+        "drift": element("drift", 'BY0="0.5"', "Obstacle", "buoy"),
+        "loss": element("loss", "", "Message", "soundings_ferry"),
+    }
+    add_faults(models / "faults.xmi", elements)
+    generate(models, tmp_path / "generated")
+    for name, body in {"Stuck": STUCK, "Drift": DRIFT, "Loss": LOSS}.items():
+        write_body(tmp_path / "generated" / "fault_effects.py", f"{name}.apply", body)
+    monkeypatch.setattr(simulation, "TYPES", dict(simulation.fault_types(faults)))
+    own = {"stuck": stuck, "drift": drift, "loss": loss}
+    twins = Twins(models, tmp_path / "generated", own)
+
+    for name in elements:
+        values = twins.code.pool[name].values
+        twins.fly((TimedFault(name, 20, 60, values), TimedFault(name, 70, 90, values)), 1)
+    every = [
+        TimedFault(name, 30 - n, 60, twins.code.pool[name].values) for n, name in enumerate(own)
+    ]
+    twins.fly(tuple(every), 2)

@@ -28,11 +28,11 @@ REACTIONS = {"tight_margins": {"energy": hurry}}
 class Twins:
     """A mission twice: as the independent simulation reads it, and as it is generated."""
 
-    def __init__(self, models, generated):
+    def __init__(self, models, generated, regions=None):
         self.mission = Mission(models / "mission.xmi")
         self.pool = read_faults(self.mission, models / "faults.xmi")
         self.code = load_code(generated)
-        self._reactions = REACTIONS.get(models.name)
+        self._regions = REACTIONS.get(models.name, {}) | (regions or {})
 
     def timed(self, faults):
         """Return timed faults of the engine as those of the independent simulation."""
@@ -45,7 +45,7 @@ class Twins:
     def fly(self, faults, seed, timed=None):
         """Fly a specification twice, and name the first tick and field that differ."""
         timed = self.timed(faults) if timed is None else timed
-        flight = Flight(self.mission, timed, seed, self._reactions)
+        flight = Flight(self.mission, timed, seed, self._regions)
         ticks = flight.fly()
         differences = []
 
