@@ -28,6 +28,8 @@ from pathlib import Path
 from threading import Lock, local
 from typing import Any
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[1]
 PRODUCT = ("m2t", "src")
 TIERS = ("quick", "test", "rest")
@@ -241,6 +243,11 @@ class Copy:
                 _end(process.pid)
         if process.returncode == -signal.SIGKILL:
             message = "the tests were killed from outside: nothing is known of the mutant"
+            raise RuntimeError(message)
+        if process.returncode == pytest.ExitCode.NO_TESTS_COLLECTED:
+            message = (
+                f"no test takes part in {tier}: correct --tests and --tiers, or mend what fails"
+            )
             raise RuntimeError(message)
         lines = [line.split(" - ")[0] for line in output.splitlines()]
         named = [line.split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]
