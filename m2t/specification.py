@@ -6,7 +6,6 @@ Source paper, section III-A, step 6, and section III-B b).
 """
 
 import math
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -19,6 +18,7 @@ from m2t.metamodels import load_metamodels
 from m2t.saving import addresses
 from m2t.write.xmi import dumps, write_atomically
 from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.faults import numbered
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
 """ID of a pool fault, first tick, last tick, and values by parameter name."""
@@ -30,6 +30,7 @@ def write_specification(
     path: Path,
     *,
     identifier: str,
+    names: Sequence[str] | None = None,
 ) -> None:
     """Write timed faults as XMI.
 
@@ -43,6 +44,8 @@ def write_specification(
         File to write, replaced as a whole.
     identifier
         ID of the fault specification.
+    names
+        IDs of the timed faults; those of ``numbered`` if left out.
 
     Raises
     ------
@@ -54,15 +57,15 @@ def write_specification(
 
     Notes
     -----
-    The copies of pool fault ``f9`` have the IDs ``f9.1``, ``f9.2`` and so on, and its name.
+    The copies of a pool fault keep its name.
     """
     models = load_mission_folder(models) if isinstance(models, Path) else models
     folder = models.mission_path.parent
     pool = {fault.ID: fault for fault in models.pool}
     specification = load_metamodels().faults_class()
     specification.ID = identifier
-    n_copies: Counter[str] = Counter()
-    for fault_id, start, finish, given in rows:
+    names = numbered(row[0] for row in rows) if names is None else names
+    for name, (fault_id, start, finish, given) in zip(names, rows, strict=True):
         if fault_id not in pool:
             known = ", ".join(pool) or "none"
             raise SpecificationError(
@@ -72,9 +75,8 @@ def write_specification(
             raise SpecificationError(
                 f"fault '{fault_id}' has window {start} ... {finish}; expected 0 <= start <= finish"
             )
-        n_copies[fault_id] += 1
         fault = copies([pool[fault_id]])[pool[fault_id]]
-        fault.ID = f"{fault_id}.{n_copies[fault_id]}"
+        fault.ID = name
         fault.start, fault.finish = start, finish
         _set_values(fault, given)
         specification.faults.append(fault)

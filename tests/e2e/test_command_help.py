@@ -10,6 +10,7 @@ COMMANDS = (
     "generate",
     "simulate",
     "evolve",
+    "explain",
     "replay",
     "report",
     "compare",

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from m2t.generate import fault_loader_text, mission_loader_text, stale
-from m2t.load import load_mission_folder
+from m2t.load import LoadedModels, load_mission_folder, load_specification
 from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.engine.region_lint import require_sound_regions
 from mrsfi_runtime.errors import GenerationError, RecordError, UsageError
@@ -98,18 +98,45 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
     UsageError
         If there is no such mission.
     """
-    for models in (_MODELS / mission, Path(mission)):
-        if (models / _MISSION_FILE).is_file():
-            folder = models.resolve()
-            root = folder.parent.parent if folder.parent.name == _MODELS.name else folder.parent
-            usual = root / "generated" / folder.name
-            return MissionFolders(folder.name, models, generated or _from_here(usual))
+    for models in _places(mission):
+        folder = models.resolve()
+        root = folder.parent.parent if folder.parent.name == _MODELS.name else folder.parent
+        usual = root / "generated" / folder.name
+        return MissionFolders(folder.name, models, generated or _from_here(usual))
     known = sorted(path.parent.name for path in _MODELS.glob(f"*/{_MISSION_FILE}"))
     raise UsageError(
         f"found no mission '{mission}'; expected the name of a folder in models/ "
         f"({', '.join(known) or 'there is none here'}) or the path of one that holds "
         f"{_MISSION_FILE}"
     )
+
+
+def is_mission(mission: str) -> bool:
+    """Return whether ``find_mission`` would find it."""
+    return next(_places(mission), None) is not None
+
+
+def _places(mission: str) -> Iterator[Path]:
+    """Yield the folders of models that a name or path stands for."""
+    for models in (_MODELS / mission, Path(mission)):
+        if (models / _MISSION_FILE).is_file():
+            yield models
+
+
+def read_specification(path: Path) -> tuple[LoadedModels, FaultPool]:
+    """Return a written fault specification, and its faults with windows and values.
+
+    Raises
+    ------
+    UsageError
+        If there is no such file.
+    ModelError
+        If it cannot be used.
+    """
+    if not path.is_file():
+        raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
+    models = load_specification(path)
+    return models, pool_from_text(fault_loader_text(models))
 
 
 def campaign_file(folders: MissionFolders, case: str) -> Path:

@@ -23,6 +23,7 @@ _COMMANDS = MappingProxyType(
         "generate": "Generate the middleware of a mission from its models.",
         "simulate": "Fly a mission once, with or without faults.",
         "evolve": "Search the most critical fault specifications.",
+        "explain": "Find out which faults of a specification break which goal.",
         "replay": "Fly evaluations of a campaign again and compare.",
         "report": "Write figures, tables and summary of a campaign anew.",
         "compare": "Compare search algorithms on a mission, with several seeds.",
@@ -50,6 +51,7 @@ In this order:
   mrsfi simulate uuv_sampling            does it fly without faults?
   mrsfi evolve uuv_sampling --case a     search; ends with the ten worst
   mrsfi replay runs/uuv_sampling-a-1 --best --log flight.log
+  mrsfi explain runs/uuv_sampling-a-1    which faults did it?
   mrsfi report runs/uuv_sampling-a-1
 
 \b

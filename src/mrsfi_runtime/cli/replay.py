@@ -62,14 +62,21 @@ def command(
             if is_all:
                 _replay_all(campaign, opened, is_json=is_json)
                 return
-            recorded = _one(campaign, evaluation)
+            recorded = find_evaluation(campaign, evaluation)
             with recorder(campaign.mission, log, trace) as observer:
                 outcome = opened.evaluate(recorded.specification, observer=observer)
-        _require_same(folder, recorded, outcome)
+        require_same(folder, recorded, outcome)
         _print_one(campaign, recorded, is_json=is_json)
 
 
-def _one(campaign: OpenCampaign, index: int | None) -> Evaluation:
+def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
+    """Return an evaluation of a campaign, the most critical one if none is named.
+
+    Raises
+    ------
+    RecordError
+        If it has none of that index, or none at all.
+    """
     if index is not None:
         return campaign.store.evaluation(index)
     best = top(campaign.store.evaluations(), 1)
@@ -82,7 +89,7 @@ def _replay_all(campaign: FlyableCampaign, engine: Engine, *, is_json: bool) -> 
     evaluations = campaign.store.evaluations()
     console = progress_console()
     for recorded in track(evaluations, "replay", console=console, disable=not console.is_terminal):
-        _require_same(campaign.folder.path, recorded, engine.evaluate(recorded.specification))
+        require_same(campaign.folder.path, recorded, engine.evaluate(recorded.specification))
     digest = campaign.store.digest()
     if is_json:
         print_json({"n_evaluations": len(evaluations), "is_same": True, "digest": digest})
@@ -90,7 +97,7 @@ def _replay_all(campaign: FlyableCampaign, engine: Engine, *, is_json: bool) -> 
         click.echo(f"same: all {len(evaluations)} evaluations, campaign digest {digest}")
 
 
-def _require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
+def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
     """Compare a replay with its record.
 
     Raises

@@ -7,8 +7,6 @@ from typing import Any
 
 import click
 
-from m2t.generate import fault_loader_text
-from m2t.load import load_specification
 from mrsfi_runtime.analysis.effects import audit
 from mrsfi_runtime.cli.console import print_json, print_table, tell, written_file
 from mrsfi_runtime.cli.engines import (
@@ -19,13 +17,18 @@ from mrsfi_runtime.cli.engines import (
     recording_options,
 )
 from mrsfi_runtime.cli.fault_effects import Effects
-from mrsfi_runtime.cli.folders import find_mission, generated_option, mission_argument
+from mrsfi_runtime.cli.folders import (
+    find_mission,
+    generated_option,
+    mission_argument,
+    read_specification,
+)
 from mrsfi_runtime.cli.tables import fault_table, goal_table, goals_as_json
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.engine.simulation_process import serve_simulation
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.simulation_host import SimulationHost
-from mrsfi_runtime.mission import MissionCode, pool_from_text
+from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
@@ -137,7 +140,7 @@ def command(  # noqa: PLR0913 - one parameter per option
             effects = Effects(name, found, seed, n_seeds, *window, rows, tries_values)
             _tell_effects(effects, markdown, is_json=is_json)
             return
-        pool = code.pool if faults is None else _specification_pool(faults)
+        pool = code.pool if faults is None else read_specification(faults)[1]
         specification = () if faults is None else pool.written_specification()
         with recorder(code.mission, log, trace) as observer:
             outcome = opened.evaluate(specification, pool=pool, observer=observer)
@@ -149,21 +152,6 @@ def command(  # noqa: PLR0913 - one parameter per option
     print_table(title, goal_table(code.mission, outcome))
     if specification:
         print_table("Faults", fault_table(pool, specification, outcome))
-
-
-def _specification_pool(path: Path) -> FaultPool:
-    """Return the faults of a written fault specification, with windows and values.
-
-    Raises
-    ------
-    UsageError
-        If there is no such file.
-    ModelError
-        If it cannot be used.
-    """
-    if not path.is_file():
-        raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
-    return pool_from_text(fault_loader_text(load_specification(path)))
 
 
 def _require_one_way(ways: Sequence[object], *, is_each: bool, has_log: bool) -> None:

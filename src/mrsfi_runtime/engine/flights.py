@@ -110,7 +110,7 @@ class Engine(Evaluator):
             is late.
         """
         pool = self.code.pool if pool is None else pool
-        _require_effects(self.code.pool, pool)
+        require_effects(self.code.pool, pool)
         require_no_overlap(self.code.mission, pool, specification)
         seed = self.seed if seed is None else seed
         return self._evaluate(specification, seed, pool, observer)
@@ -170,8 +170,21 @@ class PlainEngine(Engine):
         return _outcome(flight, laid_out)
 
 
-def _require_effects(known: FaultPool, pool: FaultPool) -> None:
-    """Refuse faults whose effects are regions that this mission has not."""
+def require_effects(known: FaultPool, pool: FaultPool) -> None:
+    """Refuse faults whose effects are regions that this mission has not.
+
+    Parameters
+    ----------
+    known
+        Pool that the mission's regions were generated for.
+    pool
+        The faults.
+
+    Raises
+    ------
+    SpecificationError
+        Naming the fault.
+    """
     if pool is known:
         return
     regions = {fault.type for fault in known}

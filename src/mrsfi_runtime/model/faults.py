@@ -5,7 +5,8 @@ References
 Source paper, sections III-B b) and III-E a).
 """
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
@@ -58,6 +59,22 @@ class TimedFault(NamedTuple):
 
 Specification: TypeAlias = tuple[TimedFault, ...]
 """A fault specification: the timed faults of one run, no two conflicting ones overlapping."""
+
+
+def numbered(faults: Iterable[str]) -> tuple[str, ...]:
+    """Return a name for each timed fault of a specification: ``f9.1``, ``f9.2`` for two of ``f9``.
+
+    Parameters
+    ----------
+    faults
+        IDs of their pool faults, in order.
+    """
+    n_met: Counter[str] = Counter()
+    names = []
+    for fault in faults:
+        n_met[fault] += 1
+        names.append(f"{fault}.{n_met[fault]}")
+    return tuple(names)
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,8 @@ class CampaignFolder:
         Locked by the process that runs the campaign.
     critical
         The most critical specifications as XMI.
+    causes
+        Their cause sets as XMI.
     figures
         Plots as PNG and SVG.
     tables
@@ -47,6 +49,7 @@ class CampaignFolder:
         self.database = path / "campaign.sqlite"
         self.lock = path / "campaign.lock"
         self.critical = path / "critical"
+        self.causes = path / "causes"
         self.figures = path / "figures"
         self.tables = path / "tables"
         self.summary = path / "summary.json"

@@ -1,0 +1,114 @@
+"""The cause set: the faults of a specification without which a finding would not be.
+
+References
+----------
+A. Zeller and R. Hildebrandt, "Simplifying and Isolating Failure-Inducing Input", IEEE Transactions
+on Software Engineering 28(2), 2002: the algorithm ddmin, and what 1-minimal means.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from random import Random
+from typing import TypeAlias
+
+from mrsfi_runtime.causes.counts import Counts, Flights
+from mrsfi_runtime.model.faults import Specification
+
+KEEP = 0.95
+"""Share of its violations that a cause set keeps of every goal."""
+
+N_ORDERS = 5
+"""Shuffled orders in which other minima are looked for."""
+
+_ORDER_SEED = 1
+
+Places: TypeAlias = tuple[int, ...]
+"""Faults of a specification, by their places in it, ascending."""
+
+Floor: TypeAlias = Mapping[int, int]
+"""The least that has to be left of counts, by column."""
+
+
+def floor(counts: Counts, keep: float, columns: Iterable[int]) -> Floor:
+    """Return what a set of faults has to keep of counts; columns without violations ask nothing."""
+    share = Fraction(str(keep))  # as written: 0.95 of 20 is 19, not a little more
+    return {k: math.ceil(share * counts[k]) for k in columns if counts[k]}
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """Which faults of a specification some counts are due to.
+
+    Attributes
+    ----------
+    flights
+        Flies sets of the faults.
+    specification
+        All faults.
+    floor
+        What has to be left.
+    """
+
+    flights: Flights
+    specification: Specification
+    floor: Floor
+
+    def is_kept_by(self, places: Iterable[int]) -> bool:
+        """Return whether these faults, flown without the others, keep enough of every count."""
+        counts = self.flights.counts(chosen(self.specification, places))
+        return all(counts[k] >= least for k, least in self.floor.items())
+
+    def minimum(self, order: Iterable[int] | None = None) -> Places:
+        """Return a 1-minimal set: without any one of its faults, some count is too low.
+
+        Parameters
+        ----------
+        order
+            The places of all faults, in which to look for what can go; that of the specification
+            if left out. Another order may lead to another set.
+        """
+        places = range(len(self.specification)) if order is None else order
+        return tuple(sorted(_minimum(tuple(places), self.is_kept_by)))
+
+    def minima(self) -> tuple[Places, ...]:
+        """Return the different minima that shuffled orders lead to, as often ``N_ORDERS`` says."""
+        random = Random(_ORDER_SEED)
+        places = range(len(self.specification))
+        orders = [random.sample(places, len(places)) for _ in range(N_ORDERS)]
+        return tuple(dict.fromkeys(self.minimum(order) for order in orders))
+
+
+def chosen(specification: Specification, places: Iterable[int]) -> Specification:
+    """Return some faults of a specification, in its order."""
+    return tuple(specification[place] for place in sorted(places))
+
+
+def _minimum(order: tuple[int, ...], is_kept: Callable[[Iterable[int]], bool]) -> tuple[int, ...]:
+    """Return a 1-minimal part of an order, of which all of it is kept: ddmin."""
+    if is_kept(()):
+        return ()
+    left, n_parts = order, 2
+    while len(left) > 1:
+        parts = _divided(left, n_parts)
+        part = next(filter(is_kept, parts), None)
+        if part is not None:
+            left, n_parts = part, 2
+            continue
+        rests = (tuple(place for place in left if place not in part) for part in parts)
+        rest = next(filter(is_kept, rests), None)
+        if rest is not None:
+            left, n_parts = rest, max(n_parts - 1, 2)
+        elif n_parts == len(left):
+            break
+        else:
+            n_parts = min(2 * n_parts, len(left))
+    return left
+
+
+def _divided(order: Sequence[int], n_parts: int) -> list[tuple[int, ...]]:
+    """Return an order in parts as equal as can be, none of them empty."""
+    cuts = [len(order) * part // n_parts for part in range(n_parts + 1)]
+    return [tuple(order[first:last]) for first, last in pairwise(cuts)]

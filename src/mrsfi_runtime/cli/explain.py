@@ -1,0 +1,328 @@
+"""The command ``mrsfi explain``: which faults of a specification break which goal, and why."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from pathlib import Path
+
+import click
+
+from m2t.load import LoadedModels, load_mission_folder
+from m2t.specification import write_specification
+from mrsfi_runtime.analysis.fronts import top
+from mrsfi_runtime.analysis.report import specification_rows
+from mrsfi_runtime.causes.cause_set import KEEP
+from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.explanation import Explanation, explain
+from mrsfi_runtime.cli.console import print_json, tell
+from mrsfi_runtime.cli.engines import EngineOptions, engine_options
+from mrsfi_runtime.cli.explained import Shown, as_json, print_explanation
+from mrsfi_runtime.cli.folders import (
+    FlyableCampaign,
+    MissionFolders,
+    find_mission,
+    generated_option,
+    is_mission,
+    open_to_fly,
+    read_specification,
+)
+from mrsfi_runtime.cli.replay import find_evaluation, require_same
+from mrsfi_runtime.engine.flights import Engine, require_effects
+from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.errors import ReplayMismatch, UsageError
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.faults import Specification, numbered
+from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.manifest import BOTH, CI
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings
+
+_HELP = """Find out which faults of a specification break which goal.
+
+RUN is the folder of a campaign, whose most critical specification is explained, or those that an
+option names. With --faults, MISSION is a mission, and FILE a fault specification in XMI: one that
+search found, or one written by hand.
+
+\b
+Examples:
+  mrsfi explain runs/uuv_sampling-a-1
+  mrsfi explain runs/uuv_sampling-a-1 --evaluation 412
+  mrsfi explain runs/uuv_sampling-a-1 --top 10 --json
+  mrsfi explain uuv_sampling --faults models/uuv_sampling/mine.xmi --measure masked
+
+The cause set are the faults without which the violations would not be: flown alone, they keep a
+share of every goal's violations, believed (or what the campaign measures) and true ones alike, and
+without any single one of them they do not. It is written as XMI: fly it with mrsfi simulate
+--faults. Labels say what each fault is to each goal:
+
+\b
+  sole       in the goal's cause set, and enough alone
+  joint      in the goal's cause set with others
+  redundant  could take the place of one in it
+  masking    without it there would be more violations
+  bystander  none of these
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A specification that is to be explained.
+
+    Attributes
+    ----------
+    name
+        Stem of what is written about it.
+    title
+        What it is, for people.
+    specification, fault_names
+        Its timed faults, and a name for each.
+    recorded
+        What a campaign found under it, if it comes from one.
+    """
+
+    name: str
+    title: str
+    specification: Specification
+    fault_names: tuple[str, ...]
+    recorded: Evaluation | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """All that specifications are explained with.
+
+    Attributes
+    ----------
+    code
+        The mission, its pool that of the specifications.
+    measure
+        What is counted.
+    mission_seeds
+        Weathers that are counted together.
+    models
+        Returns what the specifications' faults are copied from.
+    folder
+        Where the cause sets are written.
+    """
+
+    code: MissionCode
+    measure: Measure
+    mission_seeds: tuple[int, ...]
+    models: Callable[[], LoadedModels]
+    folder: Path
+
+
+@click.command(name="explain", help=_HELP)
+@click.argument("target", metavar="RUN|MISSION")
+@generated_option
+@click.option(
+    "--faults",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Explain this fault specification of MISSION.",
+)
+@click.option("--best", is_flag=True, help="The most critical evaluation of RUN, as without it.")
+@click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N of RUN.")
+@click.option("--top", "n_top", type=click.IntRange(1), metavar="K", help="The K most critical.")
+@click.option(
+    "--keep",
+    type=click.FloatRange(0.0, 1.0, min_open=True),
+    default=KEEP,
+    show_default=True,
+    help="Share of its violations that a cause set keeps of every goal.",
+)
+@click.option(
+    "--measure",
+    "kind",
+    type=click.Choice(VIOLATIONS),
+    show_default="that of RUN, else believed",
+    help="Violations that it keeps beside the true ones.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    show_default="that of RUN, else 1",
+    help="With --faults: seed of the weather.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Where to write the cause sets [default: RUN/causes, or the folder of FILE].",
+)
+@engine_options(BOTH, CI, default=AUTO)
+@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+def command(  # noqa: PLR0913 - one parameter per option
+    target: str,
+    generated: Path | None,
+    *,
+    engine: EngineOptions,
+    faults: Path | None,
+    best: bool,
+    evaluation: int | None,
+    n_top: int | None,
+    keep: float,
+    kind: str | None,
+    seed: int | None,
+    out: Path | None,
+    is_json: bool,
+) -> None:
+    """Find out which faults of a specification break which goal."""
+    chosen = {"--best": best or None, "--evaluation": evaluation, "--top": n_top}
+    given = [option for option, value in chosen.items() if value is not None]
+    if len(given) > 1:
+        raise click.UsageError(f"{' and '.join(given)} exclude each other")
+    if faults is not None:
+        if given:
+            raise click.UsageError(f"{given[0]} is about a campaign; --faults names a file")
+        settings = engine.settings(default=AUTO)
+        case, subject = _of_file(find_mission(target, generated), faults, kind, seed, out)
+        _explain_all(case, [subject], settings, keep, is_json=is_json)
+        return
+    if seed is not None or generated is not None:
+        option = "--generated" if seed is None else "--seed"
+        raise click.UsageError(
+            f"{option} needs --faults; a campaign has code and weather of its own"
+        )
+    with open_to_fly(_run(target)) as campaign:
+        recorded_by = campaign.store.manifest.engine
+        settings = engine.settings(recorded_by if recorded_by.is_foreign else None, AUTO)
+        subjects = _of_run(campaign, evaluation, n_top)
+        _explain_all(_case_of_run(campaign, kind, out), subjects, settings, keep, is_json=is_json)
+
+
+def _of_file(
+    folders: MissionFolders, path: Path, kind: str | None, seed: int | None, out: Path | None
+) -> tuple[Case, Subject]:
+    """Return a written specification, and what it is explained with."""
+    code = folders.load()
+    models, pool = read_specification(path)
+    require_effects(code.pool, pool)
+    specification = pool.written_specification()
+    case = Case(
+        code=replace(code, pool=pool),
+        measure=Measure.of(CampaignSettings(violations=kind or VIOLATIONS[0]), code.mission),
+        mission_seeds=(1 if seed is None else seed,),
+        models=lambda: models,
+        folder=path.parent if out is None else out,
+    )
+    names = tuple(timed.fault for timed in specification)
+    return case, Subject(path.stem, str(path), specification, names)
+
+
+def _run(target: str) -> Path:
+    """Return the folder of a campaign.
+
+    Raises
+    ------
+    UsageError
+        If it is none, but the name of a mission.
+    """
+    path = Path(target)
+    if not CampaignFolder(path).database.is_file() and is_mission(target):
+        raise UsageError(
+            f"found mission '{target}'; expected the folder of a campaign, or --faults FILE with a "
+            "fault specification of the mission"
+        )
+    return path
+
+
+def _case_of_run(campaign: FlyableCampaign, kind: str | None, out: Path | None) -> Case:
+    settings = campaign.store.settings
+    measure = Measure.of(settings, campaign.mission)
+    if ":" in settings.fitness:
+        tell(f"fitness {settings.fitness} plays no part: causes are about {measure.words}")
+    return Case(
+        code=campaign.code,
+        measure=measure if kind is None else replace(measure, kind=kind),
+        mission_seeds=settings.mission_seeds,
+        models=cache(partial(load_mission_folder, campaign.folder.model)),
+        folder=campaign.folder.causes if out is None else out,
+    )
+
+
+def _of_run(campaign: FlyableCampaign, index: int | None, n_top: int | None) -> list[Subject]:
+    """Return evaluations of a campaign, the most critical one if neither is given."""
+    evaluations = (
+        (find_evaluation(campaign, index),)
+        if n_top is None
+        else top(campaign.store.evaluations(), n_top)
+    )
+    return [
+        Subject(
+            f"evaluation_{each.index}",
+            f"evaluation {each.index} of {campaign.folder.path}, fitness {each.fitness[0]:.2f}",
+            each.specification,
+            numbered(timed.fault for timed in each.specification),
+            each,
+        )
+        for each in evaluations
+    ]
+
+
+def _explain_all(
+    case: Case, subjects: Sequence[Subject], settings: EngineSettings, keep: float, *, is_json: bool
+) -> None:
+    """Explain specifications one after the other; print each, and write its cause set."""
+    seeds = case.mission_seeds
+    if settings.name == AUTO:
+        settings = settings.tried(case.code, seeds[0], tell)
+    told = []
+    with settings.open(case.code, seeds[0], os.cpu_count() or 1) as engine:
+        for subject in subjects:
+            if not settings.has_simulation:
+                _require_repeatable(engine, subject)
+            evaluators = [partial(engine.evaluate_many, seed=seed) for seed in seeds]
+            flights = Flights(evaluators, case.measure)
+            if subject.recorded is not None:
+                (outcome, *_) = flights.outcomes(subject.specification)
+                require_same(case.folder.parent, subject.recorded, outcome)
+            explanation = explain(flights, subject.specification, keep)
+            path = _write(case, subject, explanation)
+            shown = Shown(case.code, case.measure, subject.title, subject.fault_names, keep, path)
+            if is_json:
+                told.append(as_json(shown, explanation))
+            else:
+                print_explanation(shown, explanation)
+    if is_json:
+        print_json(told)
+
+
+def _require_repeatable(engine: Engine, subject: Subject) -> None:
+    """Refuse somebody else's simulation on which the same specification flies differently.
+
+    Raises
+    ------
+    ReplayMismatch
+        If two flights of it differ.
+    """
+    first, second = (engine.evaluate(subject.specification) for _ in range(2))
+    if first != second:
+        raise ReplayMismatch(
+            f"{subject.title}: flown twice, it had violations {first.believed} and "
+            f"{second.believed} believed, {first.true} and {second.true} true; expected a "
+            "simulation that repeats itself; without one, no cause can be told from chance"
+        )
+
+
+def _write(case: Case, subject: Subject, explanation: Explanation | None) -> Path | None:
+    """Write the cause set as XMI; return its file, or nothing if there is no cause."""
+    if explanation is None or not explanation.cause_set:
+        return None
+    path = case.folder / f"{subject.name}-cause.xmi"
+    try:
+        case.folder.mkdir(parents=True, exist_ok=True)
+        write_specification(
+            case.models(),
+            specification_rows(case.code.pool, explanation.cause),
+            path,
+            identifier=f"{subject.name}_cause",
+            names=[subject.fault_names[place] for place in explanation.cause_set],
+        )
+    except OSError as error:
+        raise UsageError(
+            f"{path}: cannot be written: {error.strerror}; name another folder with --out"
+        ) from error
+    return path

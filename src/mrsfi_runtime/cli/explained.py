@@ -1,0 +1,210 @@
+"""What ``mrsfi explain`` prints of an explanation, and what scripts get in its place."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.table import Table
+
+from mrsfi_runtime.analysis.summary import parameter_values
+from mrsfi_runtime.causes.counts import Counts
+from mrsfi_runtime.causes.explanation import Explanation
+from mrsfi_runtime.causes.labels import BYSTANDER
+from mrsfi_runtime.cli.console import counted, print_table
+from mrsfi_runtime.cli.tables import plain_table
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.record.measure import Measure, ticks
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What is said of a specification beside its explanation.
+
+    Attributes
+    ----------
+    code, measure
+        The mission, and what is counted.
+    title
+        What the specification is.
+    names
+        Of its timed faults.
+    keep
+        Share of the counts that the cause set keeps.
+    path
+        Where the cause set was written; ``None`` if there is none.
+    """
+
+    code: MissionCode
+    measure: Measure
+    title: str
+    names: tuple[str, ...]
+    keep: float
+    path: Path | None
+
+    def ticks(self, count: float) -> str:
+        """Return a sum over the mission seeds as text: a count, or a mean of counts."""
+        n_seeds = self.measure.n_seeds
+        return ticks(count if n_seeds == 1 else count / n_seeds)
+
+
+def print_explanation(shown: Shown, found: Explanation | None) -> None:
+    """Print an explanation for people, or that there is nothing to explain."""
+    n = counted(len(shown.names), "faults")
+    if found is None:
+        click.echo(f"{shown.title}: {n}, and no goal is violated; there is nothing to explain")
+        return
+    click.echo(f"{shown.title}: {_answer(shown, found, n)}")
+    if shown.measure.n_seeds > 1:
+        click.echo(f"Counts are means of {shown.measure.n_seeds} mission seeds.")
+    click.echo()
+    if found.cause_set:
+        print_table("Cause set", _fault_table(shown, found))
+    print_table("Violations", _counts_table(shown, found))
+    if found.cause_set:
+        print_table("Due to each fault of the cause set", _share_table(shown, found))
+    _print_labels(shown, found)
+    for part, n_flown in found.n_flown.items():
+        click.echo(f"{n_flown:>6} evaluations  {part}")
+    if shown.path is not None:
+        click.echo(f"cause set  {shown.path}")
+    click.echo()
+
+
+def _answer(shown: Shown, found: Explanation, n: str) -> str:
+    """Return in one sentence what came out for so many faults."""
+    words = shown.measure.words
+    if shown.measure.kind != "true":
+        words = f"{words.removesuffix(' violations')} and true violations"
+    kept = f"{100 * shown.keep:g} % of every goal's {words}"
+    if not found.cause_set:
+        return f"{n}, and none is the cause: without any, {kept} are there as well"
+    others = "" if found.n_minima == 1 else f"; other orders give {found.n_minima} different sets"
+    return f"{len(found.cause_set)} of {n} keep {kept}{others}"
+
+
+def _fault_table(shown: Shown, found: Explanation) -> Table:
+    pool = shown.code.pool
+    rows = []
+    for place in found.cause_set:
+        timed = found.specification[place]
+        fault = pool[timed.fault]
+        values = " ".join(f"{name}={value:g}" for name, value in _values(shown, found, place))
+        rows.append(
+            (shown.names[place], fault.type, fault.target, timed.start, timed.finish, values)
+        )
+    return plain_table(("fault", "type", "of"), ("start", "finish"), rows, ("values",))
+
+
+def _values(shown: Shown, found: Explanation, place: int) -> list[tuple[str, float]]:
+    return [*parameter_values(shown.code.pool, found.specification[place]).items()]
+
+
+def _counts_table(shown: Shown, found: Explanation) -> Table:
+    """Return what each goal's violations are under all faults, the cause set, and none."""
+    rows = [
+        (column.goal, column.kind, *map(shown.ticks, (before, after, without)))
+        for column, before, after, without in zip(
+            found.columns, found.counts, found.kept, found.fault_free, strict=True
+        )
+        if before or after or without
+    ]
+    header = ("all faults", "cause set", "no fault")
+    return plain_table(("goal", "violations"), header, rows)
+
+
+def _share_table(shown: Shown, found: Explanation) -> Table:
+    """Return what part each fault of the cause set has in the counts."""
+    places = [k for k, _ in enumerate(found.columns) if found.kept[k] or found.fault_free[k]]
+    shares, margins = found.attribution.shares, found.attribution.margins
+    rows = [
+        (
+            shown.names[place],
+            *(
+                f"{float(shares[row][k]) / shown.measure.n_seeds:.1f}"
+                + (f" ±{margins[row][k] / shown.measure.n_seeds:.1f}" if margins else "")
+                for k in places
+            ),
+        )
+        for row, place in enumerate(found.cause_set)
+    ]
+    header = [f"{found.columns[k].goal}\n{found.columns[k].kind}" for k in places]
+    return plain_table(("fault",), header, rows)
+
+
+def _print_labels(shown: Shown, found: Explanation) -> None:
+    """Print what every fault is to each goal, and the counts under it alone and without it."""
+    goals = [each for each in found.goals if {*each.labels} != {BYSTANDER}]
+    places = range(len(found.specification))
+    named = [k for k in places if any(goal.labels[k] != BYSTANDER for goal in goals)]
+    header = [each.goal for each in goals]
+    rows = [(shown.names[k], *(goal.labels[k] for goal in goals)) for k in named]
+    print_table("What each fault is to each goal", plain_table(("fault", *header), (), rows))
+    for title, counts in (("alone", found.alone), ("left out", found.left_out)):
+        cells = [
+            (shown.names[k], *(_cell(shown, found, goal.goal, counts[k]) for goal in goals))
+            for k in named
+        ]
+        kinds = "/".join(dict.fromkeys(column.kind for column in found.columns))
+        print_table(
+            f"Violations with each {title}, {kinds}", plain_table(("fault",), header, cells)
+        )
+    rest = [shown.names[k] for k in places if k not in named]
+    if rest:
+        click.echo(f"bystanders to every goal: {' '.join(rest)}\n")
+
+
+def _cell(shown: Shown, found: Explanation, goal: str, counts: Counts) -> str:
+    pairs = zip(found.columns, counts, strict=True)
+    return "/".join(shown.ticks(count) for column, count in pairs if column.goal == goal)
+
+
+def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
+    """Return an explanation for scripts; counts are sums over the mission seeds."""
+    what = {
+        "specification": shown.title,
+        "n_faults": len(shown.names),
+        "keep": shown.keep,
+        "measure": shown.measure.kind,
+        "mission_seeds": shown.measure.n_seeds,
+        "is_violated": found is not None,
+    }
+    return what if found is None else what | _found_as_json(shown, found)
+
+
+def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
+    pool = shown.code.pool
+    cause = {place: row for row, place in enumerate(found.cause_set)}
+    shares = found.attribution.shares
+    return {
+        "columns": [column._asdict() for column in found.columns],
+        "counts": list(found.counts),
+        "fault_free": list(found.fault_free),
+        "cause_set": {
+            "faults": [shown.names[place] for place in found.cause_set],
+            "counts": list(found.kept),
+            "file": None if shown.path is None else str(shown.path),
+            "n_minima": found.n_minima,
+        },
+        "goals": [
+            {"goal": each.goal, "faults": [shown.names[place] for place in each.places]}
+            for each in found.goals
+        ],
+        "faults": [
+            {
+                "id": shown.names[place],
+                "fault": timed.fault,
+                "type": pool[timed.fault].type,
+                "target": pool[timed.fault].target,
+                "start": timed.start,
+                "finish": timed.finish,
+                "values": dict(_values(shown, found, place)),
+                "labels": {each.goal: each.labels[place] for each in found.goals},
+                "alone": list(found.alone[place]),
+                "left_out": list(found.left_out[place]),
+                "share": [float(x) for x in shares[cause[place]]] if place in cause else None,
+            }
+            for place, timed in enumerate(found.specification)
+        ],
+        "evaluations": dict(found.n_flown),
+    }

@@ -1,0 +1,122 @@
+"""What ``mrsfi explain`` prints and writes, held to what other commands fly."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.support.cli import MISSION, mrsfi, mrsfi_json, stop_specification
+
+FAST = ("--engine", "reference")
+
+
+@pytest.fixture
+def campaign(flown: Path, tmp_path: Path) -> Path:
+    """Copy of a finished campaign."""
+    return Path(shutil.copytree(flown, tmp_path / "runs" / "copy"))
+
+
+def by_hand(place: Path, *windows: tuple[int, int]) -> Path:
+    return stop_specification(place / "models" / MISSION / "stop.xmi", windows)
+
+
+def flown_counts(flight, columns):
+    goals = {goal["id"]: goal for goal in flight["goals"]}
+    return [goals[column["goal"]][column["kind"]] for column in columns]
+
+
+def test_a_cause_set_flown_again_has_the_counts_that_were_printed(campaign, place):
+    (found,) = mrsfi_json("explain", campaign, cwd=place)
+
+    cause = found["cause_set"]
+    flight = mrsfi_json("simulate", MISSION, "--faults", cause["file"], cwd=place)
+    assert [fault["id"] for fault in flight["faults"]] == cause["faults"]
+    assert flown_counts(flight, found["columns"]) == cause["counts"]
+    assert {column["goal"] for column in found["columns"]} == {"g1", "g3"}
+    kept = zip(cause["counts"], found["counts"], strict=True)
+    assert all(after >= 0.95 * before for after, before in kept)
+    assert 0 < len(cause["faults"]) < found["n_faults"] == 20
+    shares = [fault["share"] for fault in found["faults"] if fault["share"]]
+    for column, total in enumerate(map(sum, zip(*shares, strict=True))):
+        expected = cause["counts"][column] - found["fault_free"][column]
+        assert total == pytest.approx(expected, abs=1e-9)
+
+
+def test_what_is_explained_are_those_that_were_asked_for(campaign, place):
+    best, second = mrsfi_json("explain", campaign, "--top", "2", cwd=place)
+
+    assert mrsfi_json("explain", campaign, "--best", cwd=place) == [best]
+    name = Path(second["cause_set"]["file"]).stem
+    index = name.removeprefix("evaluation_").removesuffix("-cause")
+    assert mrsfi_json("explain", campaign, "--evaluation", index, cwd=place) == [second]
+    assert Path(second["cause_set"]["file"]).parent == campaign / "causes"
+
+
+def test_both_engines_explain_alike(place):
+    path = by_hand(place, (100, 500), (501, 900), (950, 951))
+    arguments = ("explain", MISSION, "--faults", path)
+
+    compiled = mrsfi(*arguments, "--engine", "compiled", cwd=place).stdout
+
+    assert mrsfi(*arguments, *FAST, cwd=place).stdout == compiled
+
+
+def test_a_fault_that_does_it_alone_is_named(place):
+    path = by_hand(place, (10, 11), (100, 900), (950, 951))
+
+    text = mrsfi("explain", MISSION, "--faults", path, *FAST, cwd=place).stdout
+
+    assert "stop.xmi: 1 of 3 faults keep 95 % of every goal's believed and true viol" in text
+    assert "\nh2      sole\n" in text
+    assert "bystanders to every goal: h1 h3\n" in text
+    assert "cause set  " in text
+    flight = mrsfi_json(
+        "simulate", MISSION, "--faults", path.with_name("stop-cause.xmi"), cwd=place
+    )
+    assert [(fault["id"], fault["start"]) for fault in flight["faults"]] == [("h2", 100)]
+
+
+@pytest.mark.parametrize(("windows", "n"), [([], "0 faults"), ([(100, 101)], "1 fault")])
+def test_what_violates_nothing_has_nothing_to_explain(windows, n, place):
+    path = by_hand(place, *windows)
+
+    text = mrsfi("explain", MISSION, "--faults", path, *FAST, cwd=place).stdout
+
+    assert text == f"{path}: {n}, and no goal is violated; there is nothing to explain\n"
+    (found,) = mrsfi_json("explain", MISSION, "--faults", path, *FAST, cwd=place)
+    assert not found["is_violated"]
+    assert not [*path.parent.glob("*-cause.xmi")]
+
+
+def test_the_measure_and_the_share_can_be_chosen(campaign, place):
+    (found,) = mrsfi_json("explain", campaign, "--measure", "true", "--keep", "0.5", cwd=place)
+
+    assert {column["kind"] for column in found["columns"]} == {"true"}
+    assert found["keep"] == 0.5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "expected"),
+    [
+        (("RUN", "--best", "--top", "2"), 2, "--best and --top exclude each other"),
+        (("RUN", "--seed", "3"), 2, "--seed needs --faults"),
+        ((MISSION,), 2, "--faults FILE"),
+        ((MISSION, "--faults", "FILE", "--top", "2"), 2, "--top is about a campaign"),
+        ((MISSION, "--faults", "nowhere.xmi"), 2, "nowhere.xmi: no such file"),
+        (("nowhere",), 9, "nowhere"),
+        (("RUN", "--evaluation", "9999"), 9, "found no evaluation 9999"),
+        (("RUN", "--keep", "0"), 2, "--keep"),
+        ((MISSION, "--faults", "OVERLAP"), 5, "h2"),
+    ],
+)
+def test_wrong_use_is_answered(arguments, code, expected, flown, place):
+    named = {
+        "RUN": flown,
+        "FILE": by_hand(place, (1, 2)),
+        "OVERLAP": stop_specification(
+            place / "models" / MISSION / "bad.xmi", [(100, 200), (150, 300)]
+        ),
+    }
+    words = [named.get(word, word) for word in arguments]
+
+    assert expected in mrsfi("explain", *words, cwd=place, expected=code).stderr

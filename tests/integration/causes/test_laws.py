@@ -1,0 +1,162 @@
+"""Laws of causes, by brute force: every subset of a drawn specification is flown."""
+
+from dataclasses import replace
+from functools import partial
+from itertools import chain, combinations
+from math import comb
+
+import pytest
+
+from mrsfi_runtime.causes.attribution import attribute
+from mrsfi_runtime.causes.cause_set import Question, floor
+from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.explanation import explain
+from mrsfi_runtime.causes.labels import BYSTANDER, JOINT, MASKING, REDUNDANT, SOLE
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import CampaignSettings
+from tests.support.world import code_of, specification
+from tests.tiers import seeds
+
+MISSIONS = ("tight_margins", "tight_energy")
+DRAWN = seeds([(mission, seed) for seed in range(10) for mission in MISSIONS], 4)
+KEEP = 0.95
+
+
+@pytest.fixture(scope="module", params=[1, 2], ids=["1 worker", "2 workers"])
+def engines(request):
+    """An engine for each mission."""
+    opened = {
+        mission: EngineSettings("compiled").open(code_of(mission), 1, request.param)
+        for mission in MISSIONS
+    }
+    yield opened
+    for engine in opened.values():
+        engine.close()
+
+
+def flights(engine, n_seeds=1, **settings):
+    measure = Measure.of(CampaignSettings(replications=n_seeds, **settings), engine.code.mission)
+    evaluators = [partial(engine.evaluate_many, seed=seed) for seed in range(1, n_seeds + 1)]
+    return Flights(evaluators, measure)
+
+
+def subsets(n):
+    return chain.from_iterable(combinations(range(n), size) for size in range(n + 1))
+
+
+def counted(engine, drawn):
+    """Return the counts under every subset, flown one by one."""
+    flown = flights(engine)
+    return {
+        places: flown.counts(tuple(drawn[place] for place in places))
+        for places in subsets(len(drawn))
+    }
+
+
+def is_kept(counts, whole, columns):
+    return all(20 * counts[k] >= 19 * whole[k] for k in columns)
+
+
+@pytest.mark.parametrize("case", DRAWN, ids=str)
+def test_causes_are_what_every_subset_flown_says(case, engines):
+    mission, seed = case
+    engine = engines[mission]
+    drawn = specification(engine.code, seed, 7)
+    of = counted(engine, drawn)
+    everyone = tuple(range(len(drawn)))
+    whole = of[everyone]
+
+    found = explain(flights(engine), drawn, KEEP)
+
+    if found is None:
+        assert not any(whole)
+        return
+    columns = range(len(whole))
+    assert (found.counts, found.fault_free, found.kept) == (whole, of[()], of[found.cause_set])
+    _require_minimal(of, found.cause_set, whole, columns)
+    for goal in found.goals:
+        own = [k for k, column in enumerate(found.columns) if column.goal == goal.goal]
+        _require_minimal(of, goal.places, whole, own)
+        for place in everyone:
+            assert goal.labels[place] == _label(of, goal.places, place, own)
+    _require_shares(of, found)
+    assert found.alone == tuple(of[place,] for place in everyone)
+    lacking = (tuple(k for k in everyone if k != place) for place in everyone)
+    assert found.left_out == tuple(map(of.__getitem__, lacking))
+
+
+def _require_minimal(of, places, whole, columns):
+    assert is_kept(of[places], whole, columns)
+    for place in places:
+        assert not is_kept(of[tuple(k for k in places if k != place)], whole, columns)
+
+
+def _label(of, places, place, columns):
+    everyone = max(of, key=len)
+    whole = of[everyone]
+    if place in places:
+        return SOLE if is_kept(of[place,], whole, columns) else JOINT
+    for member in places:
+        swapped = tuple(sorted({*places, place} - {member}))
+        if is_kept(of[swapped], whole, columns):
+            return REDUNDANT
+    without = of[tuple(k for k in everyone if k != place)]
+    return MASKING if any(20 * without[k] > 21 * whole[k] for k in columns) else BYSTANDER
+
+
+def _require_shares(of, found):
+    """Hold shares to the sum over subsets that defines them."""
+    cause, n = found.cause_set, len(found.cause_set)
+    for row, place in enumerate(cause):
+        others = [k for k in cause if k != place]
+        for column, share in enumerate(found.attribution.shares[row]):
+            expected = sum(
+                (of[tuple(sorted((*some, place)))][column] - of[some][column]) / comb(n - 1, size)
+                for size in range(n)
+                for some in combinations(others, size)
+            )
+            assert float(share) == pytest.approx(expected / n, abs=1e-9)
+    for column, total in enumerate(map(sum, zip(*found.attribution.shares, strict=True))):
+        assert total == found.kept[column] - found.fault_free[column]
+
+
+@pytest.mark.parametrize("mission", MISSIONS)
+def test_the_order_of_faults_and_what_was_explained_before_change_no_share(mission, engines):
+    engine = engines[mission]
+    drawn = specification(engine.code, 3, 6)
+    flown = flights(engine)
+    explain(flown, specification(engine.code, 4, 6), KEEP)
+
+    shares = attribute(flown, drawn).shares
+
+    backwards = attribute(flights(engine), drawn[::-1]).shares
+    assert shares == backwards[::-1]
+    after, alone = explain(flown, drawn, KEEP), explain(flights(engine), drawn, KEEP)
+    assert replace(after, n_flown={}) == replace(alone, n_flown={})
+
+
+def test_counts_over_mission_seeds_are_sums(engines):
+    engine = engines["tight_energy"]
+    drawn = specification(engine.code, 1, 4)
+    flown = flights(engine, 3, goals=engine.code.mission.goal_ids[:1], violations="masked")
+
+    counts = flown.counts(drawn)
+
+    outcomes = [engine.evaluate(drawn, seed) for seed in (1, 2, 3)]
+    assert counts == tuple(
+        sum(getattr(outcome, kind)[0] for outcome in outcomes) for kind in ("masked", "true")
+    )
+
+
+@pytest.mark.parametrize("mission", MISSIONS)
+def test_the_reference_engine_finds_the_same_cause_set(mission, engines):
+    drawn = specification(engines[mission].code, 2, 5)
+    found = []
+    for engine in (engines[mission], ReferenceEngine(engines[mission].code, 1)):
+        flown = flights(engine)
+        counts = flown.counts(drawn)
+        found.append(Question(flown, drawn, floor(counts, KEEP, range(len(counts)))).minimum())
+
+    assert found[0] == found[1]
