@@ -2,6 +2,7 @@
 
 import shutil
 from pathlib import Path
+from statistics import median
 
 import pytest
 
@@ -69,11 +70,33 @@ def test_a_fault_that_does_it_alone_is_named(place):
     assert "stop.xmi: 1 of 3 faults keep 95 % of every goal's believed and true viol" in text
     assert "\nh2      sole\n" in text
     assert "bystanders to every goal: h1 h3\n" in text
-    assert "cause set  " in text
+    assert "h2 (StopRobot) forged the speed command of r1 from tick 100 to 900: at tick" in text
+    assert "\ncause set  " in text
     flight = mrsfi_json(
         "simulate", MISSION, "--faults", path.with_name("stop-cause.xmi"), cwd=place
     )
     assert [(fault["id"], fault["start"]) for fault in flight["faults"]] == [("h2", 100)]
+
+
+def test_chances_of_the_weather_are_those_of_twenty_flights(place):
+    path = by_hand(place, (100, 900), (950, 951))
+    arguments = ("--faults", path, *FAST, "--seed", "7")
+
+    (found,) = mrsfi_json("explain", MISSION, *arguments, cwd=place)
+
+    cause = path.with_name("stop-cause.xmi")
+    by_seed = [
+        flown_counts(
+            mrsfi_json("simulate", MISSION, "--faults", cause, "--seed", seed, cwd=place),
+            found["columns"],
+        )
+        for seed in map(str, range(7, 27))
+    ]
+    for firm, counts in zip(found["firmness"], zip(*by_seed, strict=True), strict=True):
+        assert (firm["least"], firm["most"]) == (min(counts), max(counts))
+        assert firm["median"] == median(counts)
+        assert firm["n_violated"] == sum(count > 0 for count in counts)
+    assert by_seed[0] == found["cause_set"]["counts"]
 
 
 @pytest.mark.parametrize(("windows", "n"), [([], "0 faults"), ([(100, 101)], "1 fault")])

@@ -8,45 +8,19 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_FLOOR, Decimal
-from operator import attrgetter
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis.margins import Margins, margins
+from mrsfi_runtime.causes.observed import Read, known, sent
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Mission
-
-_KNOWN = {
-    "robots": attrgetter("x", "y", "z", "speed", "energy"),
-    "sensors": attrgetter("count", "active", "rate", "cost"),
-    "obstacles": attrgetter("x", "y"),
-    "goals": attrgetter("count", "seen", "sampled_x", "sampled_y"),
-    "members": attrgetter("since", "reached", "waypoint"),
-}
-_SENT = {
-    "belief": {
-        "commands": attrgetter("heading_x", "heading_y", "sent_speed"),
-        "switches": attrgetter("active"),
-    },
-    "world": {"sensors": attrgetter("active")},
-}
-
-_Read: TypeAlias = list[Any]
-
-
-def _read(state: State, columns: Mapping[str, Callable[[Any], Any]]) -> _Read:
-    return [get(record) for name, get in columns.items() for record in getattr(state, name)]
-
-
-def _sent(world: State, belief: State) -> _Read:
-    """Return headings, speeds and activations as sent; a forged activation shows a tick later."""
-    return _read(belief, _SENT["belief"]) + _read(world, _SENT["world"])
 
 
 class _Side(NamedTuple):
     """Truth or belief of a tick: what is known, what goals have to spare, which are violated."""
 
-    known: _Read
+    known: Read
     spare: list[Margins | None]
     violated: list[int]
 
@@ -55,7 +29,7 @@ class _Moment(NamedTuple):
     """A tick of the flight without the fault."""
 
     sides: tuple[_Side, _Side]
-    sent: _Read
+    sent: Read
 
 
 @dataclass(slots=True)
@@ -67,12 +41,12 @@ class Twin:
     def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Remember a tick."""
         sides = (_side(world, verdicts.is_true), _side(belief, verdicts.is_believed))
-        self.moments.append(_Moment(sides, _sent(world, belief)))
+        self.moments.append(_Moment(sides, sent(world, belief)))
 
 
 def _side(view: State, violated: Sequence[int]) -> _Side:
     spare = [margins(view, g) for g in range(len(view.goals))]
-    return _Side(_read(view, _KNOWN), spare, [*violated])
+    return _Side(known(view), spare, [*violated])
 
 
 _Limit: TypeAlias = tuple[int, str]
@@ -136,10 +110,10 @@ class Comparison:
         is_judged_alike = True
         for (name, view, violated), before in zip(views, moment.sides, strict=True):
             is_judged_alike &= before.violated == [*violated]
-            if _read(view, _KNOWN) != before.known:
+            if known(view) != before.known:
                 self._n[name] += 1
                 self._weigh(view, violated, before)
-        self._n["sent"] += _sent(world, belief) != moment.sent
+        self._n["sent"] += sent(world, belief) != moment.sent
         self._n["verdicts"] += not is_judged_alike
 
     def _weigh(self, view: State, violated: Sequence[int], before: _Side) -> None:

@@ -15,6 +15,7 @@ from random import Random
 from statistics import stdev
 from typing import TypeAlias
 
+from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.counts import Counts, Flights
 from mrsfi_runtime.model.faults import Specification, TimedFault
 
@@ -68,7 +69,7 @@ def _exact(flights: Flights, specification: Specification) -> Shares:
     orders = math.factorial(n)
     shares = []
     for place, fault in enumerate(specification):
-        others = (*specification[:place], *specification[place + 1 :])
+        others = without(specification, place)
         sums = [0] * len(flights.columns)
         for size in range(n):
             weight = math.factorial(size) * math.factorial(n - size - 1)

@@ -86,6 +86,11 @@ def chosen(specification: Specification, places: Iterable[int]) -> Specification
     return tuple(specification[place] for place in sorted(places))
 
 
+def without(specification: Specification, place: int) -> Specification:
+    """Return all faults of a specification but one."""
+    return (*specification[:place], *specification[place + 1 :])
+
+
 def _minimum(order: tuple[int, ...], is_kept: Callable[[Iterable[int]], bool]) -> tuple[int, ...]:
     """Return a 1-minimal part of an order, of which all of it is kept: ddmin."""
     if is_kept(()):

@@ -34,6 +34,8 @@ class Flights:
 
     Attributes
     ----------
+    measure
+        See above.
     columns
         What is counted: for each goal first its violations in the measure, then the true ones.
     n_flown
@@ -42,6 +44,7 @@ class Flights:
 
     def __init__(self, evaluators: Sequence[EvaluateMany], measure: Measure) -> None:
         kinds = tuple(dict.fromkeys((measure.kind, "true")))
+        self.measure = measure
         self.columns = tuple(Column(goal, kind) for goal in measure.chosen for kind in kinds)
         self._cells = [(measure.goals.index(goal), kind) for goal, kind in self.columns]
         self._evaluators = evaluators

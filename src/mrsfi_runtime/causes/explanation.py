@@ -2,13 +2,19 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 from mrsfi_runtime.causes.attribution import Attribution, attribute
-from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor
+from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
+from mrsfi_runtime.causes.chain import Chain, chains
 from mrsfi_runtime.causes.counts import Column, Counts, Flights
+from mrsfi_runtime.causes.firmness import N_SEEDS, Firmness, firmness
 from mrsfi_runtime.causes.labels import GoalCauses, goal_causes
+from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.settings import following
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +39,11 @@ class Explanation:
         Counts under each fault alone, and under all but it.
     attribution
         How much of each count is due to each fault of the cause set.
+    chains
+        What each fault of the cause set changes first, against the cause set without it, in the
+        first mission seed.
+    firmness
+        What each count under the cause set is in ``N_SEEDS`` mission seeds, the first one on.
     n_flown
         How many specifications were flown for each part of this.
     """
@@ -48,6 +59,8 @@ class Explanation:
     alone: tuple[Counts, ...]
     left_out: tuple[Counts, ...]
     attribution: Attribution
+    chains: tuple[Chain, ...]
+    firmness: tuple[Firmness, ...]
     n_flown: Mapping[str, int]
 
     @property
@@ -56,13 +69,17 @@ class Explanation:
         return chosen(self.specification, self.cause_set)
 
 
-def explain(flights: Flights, specification: Specification, keep: float) -> Explanation | None:
+def explain(
+    flights: Flights, engine: Engine, specification: Specification, keep: float
+) -> Explanation | None:
     """Find out why a specification breaks goals.
 
     Parameters
     ----------
     flights
         Flies its faults.
+    engine
+        Flies what has to be looked at, or to be in other weather; its seed is the first.
     specification
         All its faults.
     keep
@@ -92,7 +109,7 @@ def explain(flights: Flights, specification: Specification, keep: float) -> Expl
         minima = question.minima()
     with spent.on("each fault alone, and left out"):
         alone = tuple((fault,) for fault in specification)
-        left_out = tuple((*specification[:k], *specification[k + 1 :]) for k in range(n))
+        left_out = tuple(without(specification, place) for place in range(n))
         flights.fly((*alone, *left_out))
     with spent.on("cause set and labels of each goal"):
         goals = tuple(
@@ -101,6 +118,9 @@ def explain(flights: Flights, specification: Specification, keep: float) -> Expl
         )
     with spent.on("attribution"):
         attribution = attribute(flights, cause)
+    observe = partial(_observe, engine)
+    linked = chains(observe, engine.code.mission, cause) if cause else ()
+    firm = _firmness(flights, engine, cause)
     return Explanation(
         specification=specification,
         columns=columns,
@@ -113,7 +133,27 @@ def explain(flights: Flights, specification: Specification, keep: float) -> Expl
         alone=tuple(map(flights.counts, alone)),
         left_out=tuple(map(flights.counts, left_out)),
         attribution=attribution,
-        n_flown=spent.n_flown,
+        chains=linked,
+        firmness=firm,
+        n_flown=spent.n_flown
+        | {"chains": len(linked) + 1 if linked else 0, "other mission seeds": N_SEEDS},
+    )
+
+
+def _observe(engine: Engine, specification: Specification, observer: Observer) -> None:
+    engine.evaluate(specification, observer=observer)
+
+
+def _firmness(
+    flights: Flights, engine: Engine, specification: Specification
+) -> tuple[Firmness, ...]:
+    """Return what the counts of a specification are in other weather."""
+    measure = replace(flights.measure, n_seeds=1)
+    return firmness(
+        [
+            Flights([partial(engine.evaluate_many, seed=seed)], measure).counts(specification)
+            for seed in following(engine.seed, N_SEEDS)
+        ]
     )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from mrsfi_runtime.causes.cause_set import Places, Question, chosen
+from mrsfi_runtime.causes.cause_set import Places, Question, chosen, without
 
 SOLE = "sole"
 """In the goal's cause set, and enough alone."""
@@ -79,6 +79,6 @@ def _swaps(places: Places, other: int) -> Iterator[tuple[int, ...]]:
 def _hides(question: Question, other: int, goal: str) -> bool:
     """Return whether a count of a goal rises where a fault is left out."""
     flights, specification = question.flights, question.specification
-    without = flights.counts((*specification[:other], *specification[other + 1 :]))
-    found = zip(flights.columns, flights.counts(specification), without, strict=True)
+    lacking = flights.counts(without(specification, other))
+    found = zip(flights.columns, flights.counts(specification), lacking, strict=True)
     return any(left > _RISE * count for column, count, left in found if column.goal == goal)

@@ -279,7 +279,7 @@ def _explain_all(
             if subject.recorded is not None:
                 (outcome, *_) = flights.outcomes(subject.specification)
                 require_same(case.folder.parent, subject.recorded, outcome)
-            explanation = explain(flights, subject.specification, keep)
+            explanation = explain(flights, engine, subject.specification, keep)
             path = _write(case, subject, explanation)
             shown = Shown(case.code, case.measure, subject.title, subject.fault_names, keep, path)
             if is_json:

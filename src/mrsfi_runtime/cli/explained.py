@@ -1,6 +1,6 @@
 """What ``mrsfi explain`` prints of an explanation, and what scripts get in its place."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -8,13 +8,16 @@ import click
 from rich.table import Table
 
 from mrsfi_runtime.analysis.summary import parameter_values
+from mrsfi_runtime.causes.chain import Chain, First, FirstVerdicts
 from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
+from mrsfi_runtime.causes.firmness import N_SEEDS
 from mrsfi_runtime.causes.labels import BYSTANDER
+from mrsfi_runtime.causes.sentence import sentence
 from mrsfi_runtime.cli.console import counted, print_table
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.record.measure import Measure, ticks
+from mrsfi_runtime.record.measure import NONE, Measure, ticks
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +66,10 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
     print_table("Violations", _counts_table(shown, found))
     if found.cause_set:
         print_table("Due to each fault of the cause set", _share_table(shown, found))
+        click.echo(f"{_sentence(shown, found)}\n")
+        print_table("First differences that each fault makes", _chain_table(shown, found))
+        title = f"Violations under the cause set in {N_SEEDS} mission seeds"
+        print_table(title, _firmness_table(found))
     _print_labels(shown, found)
     for part, n_flown in found.n_flown.items():
         click.echo(f"{n_flown:>6} evaluations  {part}")
@@ -130,6 +137,53 @@ def _share_table(shown: Shown, found: Explanation) -> Table:
     ]
     header = [f"{found.columns[k].goal}\n{found.columns[k].kind}" for k in places]
     return plain_table(("fault",), header, rows)
+
+
+def _sentence(shown: Shown, found: Explanation) -> str:
+    """Return what the fault did to which most is due, and which faults it needs."""
+    shares = [sum(map(abs, of_fault)) for of_fault in found.attribution.shares]
+    leading = shares.index(max(shares))
+    place = found.cause_set[leading]
+    timed = found.specification[place]
+    said = sentence(shown.names[place], shown.code.pool[timed.fault], timed, found.chains[leading])
+    others = [shown.names[other] for other in found.cause_set if other != place]
+    return f"{said} With it: {' '.join(others)}." if others else said
+
+
+def _chain_table(shown: Shown, found: Explanation) -> Table:
+    """Return when and by how much belief, commands, truth and verdicts differ first."""
+    rows = [
+        (
+            shown.names[place],
+            *map(_first, (chain.belief, chain.command, chain.truth)),
+            " ".join(map(_verdicts, chain.verdicts)),
+        )
+        for place, chain in zip(found.cause_set, found.chains, strict=True)
+    ]
+    last = ("goal:believed/true/missed",)
+    return plain_table(("fault", "belief", "command", "truth"), (), rows, last)
+
+
+def _first(first: First | None) -> str:
+    if first is None:
+        return NONE
+    change = first.changes[0]
+    return f"{first.tick} {change.owner} {change.quantity}\nby {change.size:.2f}"
+
+
+def _verdicts(first: FirstVerdicts) -> str:
+    cells = (NONE if verdict is None else str(verdict.tick) for verdict in first[1:])
+    return f"{first.goal}:{'/'.join(cells)}"
+
+
+def _firmness_table(found: Explanation) -> Table:
+    rows = [
+        (*column, f"{firm.median:g}", firm.least, firm.most, firm.n_violated)
+        for column, firm in zip(found.columns, found.firmness, strict=True)
+        if firm.most
+    ]
+    header = ("median", "least", "most", "seeds violated")
+    return plain_table(("goal", "violations"), header, rows)
 
 
 def _print_labels(shown: Shown, found: Explanation) -> None:
@@ -202,9 +256,33 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
                 "labels": {each.goal: each.labels[place] for each in found.goals},
                 "alone": list(found.alone[place]),
                 "left_out": list(found.left_out[place]),
+                "chain": _chain_as_json(found.chains[cause[place]]) if place in cause else None,
                 "share": [float(x) for x in shares[cause[place]]] if place in cause else None,
             }
             for place, timed in enumerate(found.specification)
         ],
+        "firmness": [asdict(firm) for firm in found.firmness],
+        "sentence": _sentence(shown, found) if found.cause_set else None,
         "evaluations": dict(found.n_flown),
     }
+
+
+def _chain_as_json(chain: Chain) -> dict[str, Any]:
+    firsts = {"belief": chain.belief, "command": chain.command, "truth": chain.truth}
+    return {
+        **{
+            name: None if first is None else _first_as_json(first) for name, first in firsts.items()
+        },
+        "verdicts": {
+            each.goal: {
+                name: None if verdict is None else verdict._asdict()
+                for name, verdict in zip(each._fields[1:], each[1:], strict=True)
+            }
+            for each in chain.verdicts
+        },
+    }
+
+
+def _first_as_json(first: First) -> dict[str, Any]:
+    changes = [change._asdict() | {"size": change.size} for change in first.changes]
+    return {"tick": first.tick, "changes": changes}

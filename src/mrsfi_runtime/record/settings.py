@@ -141,10 +141,12 @@ class CampaignSettings:
     @property
     def mission_seeds(self) -> tuple[int, ...]:
         """The seeds over which fitness is averaged, ``mission_seed`` first."""
-        return tuple(
-            (self.mission_seed + number) % (_LARGEST_SEED + 1)
-            for number in range(self.replications)
-        )
+        return following(self.mission_seed, self.replications)
+
+
+def following(seed: int, n: int) -> tuple[int, ...]:
+    """Return mission seeds from one on; after the largest comes 0."""
+    return tuple((seed + number) % (_LARGEST_SEED + 1) for number in range(n))
 
 
 class _Rule(NamedTuple):

@@ -68,7 +68,7 @@ def test_causes_are_what_every_subset_flown_says(case, engines):
     everyone = tuple(range(len(drawn)))
     whole = of[everyone]
 
-    found = explain(flights(engine), drawn, KEEP)
+    found = explain(flights(engine), engine, drawn, KEEP)
 
     if found is None:
         assert not any(whole)
@@ -127,13 +127,16 @@ def test_the_order_of_faults_and_what_was_explained_before_change_no_share(missi
     engine = engines[mission]
     drawn = specification(engine.code, 3, 6)
     flown = flights(engine)
-    explain(flown, specification(engine.code, 4, 6), KEEP)
+    explain(flown, engine, specification(engine.code, 4, 6), KEEP)
 
     shares = attribute(flown, drawn).shares
 
     backwards = attribute(flights(engine), drawn[::-1]).shares
     assert shares == backwards[::-1]
-    after, alone = explain(flown, drawn, KEEP), explain(flights(engine), drawn, KEEP)
+    after, alone = (
+        explain(flown, engine, drawn, KEEP),
+        explain(flights(engine), engine, drawn, KEEP),
+    )
     assert replace(after, n_flown={}) == replace(alone, n_flown={})
 
 

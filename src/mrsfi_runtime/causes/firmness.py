@@ -1,0 +1,36 @@
+"""Whether a cause set breaks goals in other weather too, or only by chance in its own."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from mrsfi_runtime.causes.counts import Counts
+
+N_SEEDS = 20
+"""Mission seeds in which a cause set is flown, from its own on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Firmness:
+    """What a count is in several mission seeds.
+
+    Attributes
+    ----------
+    median, least, most
+        Of the seeds.
+    n_violated
+        In how many of them it is above 0.
+    """
+
+    median: float
+    least: int
+    most: int
+    n_violated: int
+
+
+def firmness(by_seed: Sequence[Counts]) -> tuple[Firmness, ...]:
+    """Return what each count is over mission seeds, one entry a column."""
+    return tuple(
+        Firmness(median(counts), min(counts), max(counts), sum(map(bool, counts)))
+        for counts in zip(*by_seed, strict=True)
+    )
