@@ -33,6 +33,18 @@ def test_a_cause_set_flown_again_has_the_counts_that_were_printed(campaign, plac
     flight = mrsfi_json("simulate", MISSION, "--faults", cause["file"], cwd=place)
     assert [fault["id"] for fault in flight["faults"]] == cause["faults"]
     assert flown_counts(flight, found["columns"]) == cause["counts"]
+    simple = found["simplest"]
+    flight = mrsfi_json("simulate", MISSION, "--faults", simple["file"], cwd=place)
+    assert flown_counts(flight, found["columns"]) == simple["counts"]
+    assert [
+        (fault["id"], fault["start"], fault["finish"], fault["values"])
+        for fault in flight["faults"]
+    ] == [
+        (fault["id"], fault["start"], fault["finish"], [*fault["values"].values()])
+        for fault in simple["faults"]
+    ]
+    kept = zip(simple["counts"], cause["counts"], strict=True)
+    assert all(after >= 0.99 * before for after, before in kept)
     assert {column["goal"] for column in found["columns"]} == {"g1", "g3"}
     kept = zip(cause["counts"], found["counts"], strict=True)
     assert all(after >= 0.95 * before for after, before in kept)
@@ -71,7 +83,7 @@ def test_a_fault_that_does_it_alone_is_named(place):
     assert "\nh2      sole\n" in text
     assert "bystanders to every goal: h1 h3\n" in text
     assert "h2 (StopRobot) forged the speed command of r1 from tick 100 to 900: at tick" in text
-    assert "\ncause set  " in text
+    assert "\ncause set      " in text
     flight = mrsfi_json(
         "simulate", MISSION, "--faults", path.with_name("stop-cause.xmi"), cwd=place
     )

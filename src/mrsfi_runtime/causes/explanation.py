@@ -11,6 +11,7 @@ from mrsfi_runtime.causes.chain import Chain, chains
 from mrsfi_runtime.causes.counts import Column, Counts, Flights
 from mrsfi_runtime.causes.firmness import N_SEEDS, Firmness, firmness
 from mrsfi_runtime.causes.labels import GoalCauses, goal_causes
+from mrsfi_runtime.causes.simplest import simplest
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.model.faults import Specification
@@ -31,6 +32,8 @@ class Explanation:
         Counts under all faults, under none, and under the cause set.
     cause_set
         The faults without which the violations would not be.
+    simplest, simplest_counts
+        Its simplest form, and the counts under that.
     n_minima
         How many different cause sets shuffled orders gave, this one among them or not.
     goals
@@ -54,6 +57,8 @@ class Explanation:
     fault_free: Counts
     kept: Counts
     cause_set: Places
+    simplest: Specification
+    simplest_counts: Counts
     n_minima: int
     goals: tuple[GoalCauses, ...]
     alone: tuple[Counts, ...]
@@ -118,6 +123,8 @@ def explain(
         )
     with spent.on("attribution"):
         attribution = attribute(flights, cause)
+    with spent.on("simplest form"):
+        simple = simplest(flights, engine.code.mission, engine.code.pool, cause)
     observe = partial(_observe, engine)
     linked = chains(observe, engine.code.mission, cause) if cause else ()
     firm = _firmness(flights, engine, cause)
@@ -128,6 +135,8 @@ def explain(
         fault_free=fault_free,
         kept=flights.counts(cause),
         cause_set=cause_set,
+        simplest=simple,
+        simplest_counts=flights.counts(simple),
         n_minima=len(minima),
         goals=goals,
         alone=tuple(map(flights.counts, alone)),

@@ -54,8 +54,9 @@ Examples:
 
 The cause set are the faults without which the violations would not be: flown alone, they keep a
 share of every goal's violations, believed (or what the campaign measures) and true ones alike, and
-without any single one of them they do not. It is written as XMI: fly it with mrsfi simulate
---faults. Labels say what each fault is to each goal:
+without any single one of them they do not. It is written as XMI, and beside it its simplest form,
+with shorter windows and plainer values: fly them with mrsfi simulate --faults. Labels say what each
+fault is to each goal:
 
 \b
   sole       in the goal's cause set, and enough alone
@@ -280,8 +281,8 @@ def _explain_all(
                 (outcome, *_) = flights.outcomes(subject.specification)
                 require_same(case.folder.parent, subject.recorded, outcome)
             explanation = explain(flights, engine, subject.specification, keep)
-            path = _write(case, subject, explanation)
-            shown = Shown(case.code, case.measure, subject.title, subject.fault_names, keep, path)
+            paths = _write(case, subject, explanation)
+            shown = Shown(case.code, case.measure, subject.title, subject.fault_names, keep, paths)
             if is_json:
                 told.append(as_json(shown, explanation))
             else:
@@ -307,22 +308,23 @@ def _require_repeatable(engine: Engine, subject: Subject) -> None:
         )
 
 
-def _write(case: Case, subject: Subject, explanation: Explanation | None) -> Path | None:
-    """Write the cause set as XMI; return its file, or nothing if there is no cause."""
-    if explanation is None or not explanation.cause_set:
-        return None
-    path = case.folder / f"{subject.name}-cause.xmi"
-    try:
-        case.folder.mkdir(parents=True, exist_ok=True)
-        write_specification(
-            case.models(),
-            specification_rows(case.code.pool, explanation.cause),
-            path,
-            identifier=f"{subject.name}_cause",
-            names=[subject.fault_names[place] for place in explanation.cause_set],
-        )
-    except OSError as error:
-        raise UsageError(
-            f"{path}: cannot be written: {error.strerror}; name another folder with --out"
-        ) from error
-    return path
+def _write(case: Case, subject: Subject, found: Explanation | None) -> list[Path]:
+    """Write cause set and simplest form as XMI; return the files, none if there is no cause."""
+    if found is None or not found.cause_set:
+        return []
+    names = [subject.fault_names[place] for place in found.cause_set]
+    paths = []
+    for kind, specification in (("cause", found.cause), ("simplest", found.simplest)):
+        path = case.folder / f"{subject.name}-{kind}.xmi"
+        rows = specification_rows(case.code.pool, specification)
+        try:
+            case.folder.mkdir(parents=True, exist_ok=True)
+            write_specification(
+                case.models(), rows, path, identifier=f"{subject.name}_{kind}", names=names
+            )
+        except OSError as error:
+            raise UsageError(
+                f"{path}: cannot be written: {error.strerror}; name another folder with --out"
+            ) from error
+        paths.append(path)
+    return paths

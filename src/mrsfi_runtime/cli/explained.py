@@ -1,5 +1,6 @@
 """What ``mrsfi explain`` prints of an explanation, and what scripts get in its place."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from mrsfi_runtime.causes.sentence import sentence
 from mrsfi_runtime.cli.console import counted, print_table
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.measure import NONE, Measure, ticks
 
 
@@ -34,8 +36,8 @@ class Shown:
         Of its timed faults.
     keep
         Share of the counts that the cause set keeps.
-    path
-        Where the cause set was written; ``None`` if there is none.
+    paths
+        Where the cause set was written, and its simplest form; empty if there is none.
     """
 
     code: MissionCode
@@ -43,7 +45,7 @@ class Shown:
     title: str
     names: tuple[str, ...]
     keep: float
-    path: Path | None
+    paths: Sequence[Path]
 
     def ticks(self, count: float) -> str:
         """Return a sum over the mission seeds as text: a count, or a mean of counts."""
@@ -62,7 +64,8 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
         click.echo(f"Counts are means of {shown.measure.n_seeds} mission seeds.")
     click.echo()
     if found.cause_set:
-        print_table("Cause set", _fault_table(shown, found))
+        print_table("Cause set", _fault_table(shown, found, found.cause))
+        print_table("Its simplest form", _fault_table(shown, found, found.simplest))
     print_table("Violations", _counts_table(shown, found))
     if found.cause_set:
         print_table("Due to each fault of the cause set", _share_table(shown, found))
@@ -73,8 +76,8 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
     _print_labels(shown, found)
     for part, n_flown in found.n_flown.items():
         click.echo(f"{n_flown:>6} evaluations  {part}")
-    if shown.path is not None:
-        click.echo(f"cause set  {shown.path}")
+    for what, path in zip(("cause set", "simplest form"), shown.paths, strict=False):
+        click.echo(f"{what:<13}  {path}")
     click.echo()
 
 
@@ -90,33 +93,34 @@ def _answer(shown: Shown, found: Explanation, n: str) -> str:
     return f"{len(found.cause_set)} of {n} keep {kept}{others}"
 
 
-def _fault_table(shown: Shown, found: Explanation) -> Table:
+def _fault_table(shown: Shown, found: Explanation, faults: Specification) -> Table:
     pool = shown.code.pool
     rows = []
-    for place in found.cause_set:
-        timed = found.specification[place]
+    for place, timed in zip(found.cause_set, faults, strict=True):
         fault = pool[timed.fault]
-        values = " ".join(f"{name}={value:g}" for name, value in _values(shown, found, place))
+        given = parameter_values(pool, timed).items()
+        values = " ".join(f"{name}={value:g}" for name, value in given)
         rows.append(
             (shown.names[place], fault.type, fault.target, timed.start, timed.finish, values)
         )
     return plain_table(("fault", "type", "of"), ("start", "finish"), rows, ("values",))
 
 
-def _values(shown: Shown, found: Explanation, place: int) -> list[tuple[str, float]]:
-    return [*parameter_values(shown.code.pool, found.specification[place]).items()]
-
-
 def _counts_table(shown: Shown, found: Explanation) -> Table:
     """Return what each goal's violations are under all faults, the cause set, and none."""
     rows = [
-        (column.goal, column.kind, *map(shown.ticks, (before, after, without)))
-        for column, before, after, without in zip(
-            found.columns, found.counts, found.kept, found.fault_free, strict=True
+        (column.goal, column.kind, *map(shown.ticks, counts))
+        for column, *counts in zip(
+            found.columns,
+            found.counts,
+            found.kept,
+            found.simplest_counts,
+            found.fault_free,
+            strict=True,
         )
-        if before or after or without
+        if any(counts)
     ]
-    header = ("all faults", "cause set", "no fault")
+    header = ("all faults", "cause set", "simplest", "no fault")
     return plain_table(("goal", "violations"), header, rows)
 
 
@@ -237,8 +241,21 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
         "cause_set": {
             "faults": [shown.names[place] for place in found.cause_set],
             "counts": list(found.kept),
-            "file": None if shown.path is None else str(shown.path),
+            "file": str(shown.paths[0]) if shown.paths else None,
             "n_minima": found.n_minima,
+        },
+        "simplest": {
+            "faults": [
+                {
+                    "id": shown.names[place],
+                    "start": timed.start,
+                    "finish": timed.finish,
+                    "values": parameter_values(pool, timed),
+                }
+                for place, timed in zip(found.cause_set, found.simplest, strict=True)
+            ],
+            "counts": list(found.simplest_counts),
+            "file": str(shown.paths[1]) if shown.paths else None,
         },
         "goals": [
             {"goal": each.goal, "faults": [shown.names[place] for place in each.places]}
@@ -252,7 +269,7 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
                 "target": pool[timed.fault].target,
                 "start": timed.start,
                 "finish": timed.finish,
-                "values": dict(_values(shown, found, place)),
+                "values": parameter_values(pool, timed),
                 "labels": {each.goal: each.labels[place] for each in found.goals},
                 "alone": list(found.alone[place]),
                 "left_out": list(found.left_out[place]),

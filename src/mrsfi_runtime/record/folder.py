@@ -31,7 +31,7 @@ class CampaignFolder:
     critical
         The most critical specifications as XMI.
     causes
-        Their cause sets as XMI.
+        Cause sets of specifications as XMI.
     figures
         Plots as PNG and SVG.
     tables

@@ -1,0 +1,93 @@
+"""Simplest forms of specifications whose violations are a function of windows and values."""
+
+from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.simplest import simplest
+from mrsfi_runtime.model.bounds import value_bounds
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.measure import Measure
+from tests.support.campaigns import outcome
+from tests.support.search import paper_mission, pool_of
+
+MISSION, POOL = paper_mission(), pool_of()
+SPEED = next(fault for fault in POOL if fault.type == "FixedSpeed")
+(OWN,), ((LOW, HIGH),) = SPEED.values, value_bounds(MISSION, SPEED)
+ODD = 17.123
+
+
+def simplified(violations, *drawn):
+    """Return the simplest form of faults whose believed violations are given."""
+
+    def evaluate_many(specifications):
+        return [outcome([violations(each)], len(each)) for each in specifications]
+
+    flights = Flights([evaluate_many], Measure("believed", 1, ("g1",), ("g1",), 1000))
+    return simplest(flights, MISSION, POOL, drawn)
+
+
+def timed(start, finish, value=ODD):
+    return TimedFault(SPEED.id, start, finish, (value,))
+
+
+def during(low, high):
+    """Return violations: the ticks of a window that a fault covers, some hundred to one."""
+    return lambda drawn: sum(
+        100 * max(0, min(each.finish, high) - max(each.start, low) + 1) for each in drawn
+    )
+
+
+def test_a_window_is_cut_from_both_ends_to_where_it_counts():
+    (found,) = simplified(during(300, 309), timed(7, 912))
+
+    assert (found.start, found.finish) == (300, 309)
+
+
+def test_what_follows_the_mission_is_cut():
+    (found,) = simplified(during(990, 2000), timed(990, 5000))
+
+    assert (found.start, found.finish) == (990, 999)
+
+
+def test_a_fault_that_needs_one_tick_keeps_one():
+    (found,) = simplified(lambda drawn: 10, timed(100, 200))
+
+    assert found.start == found.finish
+
+
+def test_of_the_values_that_do_the_pools_own_is_the_plainest():
+    (found,) = simplified(lambda drawn: 10, timed(100, 100))
+
+    assert LOW <= ODD <= HIGH
+    assert found.values == (OWN,)
+
+
+def test_else_a_bound_is():
+    (found,) = simplified(lambda drawn: 10 * (drawn[0].values[0] > OWN), timed(100, 100))
+
+    assert found.values == (HIGH,)
+
+
+def test_else_a_round_number_is():
+    for least, most, expected in ((15, 25, 20), (16.5, 17.5, 17), (17.05, 17.2, 17.1)):
+
+        def violations(drawn, least=least, most=most):
+            return 10 * (least <= drawn[0].values[0] <= most)
+
+        (found,) = simplified(violations, timed(100, 100))
+
+        assert found.values == (expected,)
+
+
+def test_a_value_that_nothing_can_replace_stays():
+    (found,) = simplified(lambda drawn: 10 * (drawn[0].values[0] == ODD), timed(100, 100))
+
+    assert found.values == (ODD,)
+
+
+def test_a_hundredth_may_be_lost_but_not_more():
+    def violations(drawn):
+        return 1000 - 3 * (drawn[0].finish < 200) - 18 * (drawn[0].start > 50)
+
+    (found,) = simplified(violations, timed(50, 200))
+
+    assert found.start == 50
+    assert found.finish < 200
