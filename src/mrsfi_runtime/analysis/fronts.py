@@ -7,7 +7,7 @@ Source paper, section III-A, step 6, section III-D, equation (3), and section V,
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2
 
 import numpy as np
@@ -46,10 +46,14 @@ def top(evaluations: Iterable[Evaluation], n: int) -> tuple[Evaluation, ...]:
 
 @dataclass(frozen=True, slots=True)
 class FrontPoint:
-    """A non-dominated specification: its evaluation and its violations of the chosen goals."""
+    """A non-dominated specification: its evaluation and its violations of the chosen goals.
+
+    ``cost`` is how much it has of what the front has few of; 0 if of nothing.
+    """
 
     evaluation: int
     violations: tuple[float, ...]
+    cost: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,12 +61,18 @@ class Front:
     """The non-dominated points over chosen goals (IDs), each vector of violations once.
 
     The points run from few violations of the first goal to many; ``counts`` says which
-    violations they are.
+    violations they are, ``minimised`` of what the front has few beside them, if of anything.
     """
 
     goals: tuple[str, ...]
     points: tuple[FrontPoint, ...]
     counts: str = "violations"
+    minimised: str | None = None
+
+    @property
+    def aims(self) -> tuple[str, ...]:
+        """What it is over."""
+        return self.goals if self.minimised is None else (*self.goals, self.minimised)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,12 +106,60 @@ def find_front(measure: Measure, evaluations: Iterable[Evaluation], goals: Seque
         If the record lacks the violations of one of the goals.
     """
     measure.require(goals)
-    earliest: dict[tuple[float, ...], int] = {}
-    for evaluation in distinct(evaluations):
-        vector = measure.violations(evaluation, goals)
-        earliest[vector] = min(evaluation.index, earliest.get(vector, evaluation.index))
-    points = tuple(FrontPoint(earliest[vector], vector) for vector in non_dominated(earliest))
-    return Front(tuple(goals), points, str(measure))
+    earliest: dict[tuple[float, ...], FrontPoint] = {}
+    for evaluation in sorted(distinct(evaluations), key=lambda each: each.index):
+        violations, cost = measure.violations(evaluation, goals), measure.cost(evaluation)
+        point = FrontPoint(evaluation.index, violations, cost)
+        earliest.setdefault((*violations, -cost), point)
+    points = tuple(earliest[vector] for vector in non_dominated(earliest))
+    return Front(tuple(goals), points, str(measure), measure.minimised)
+
+
+@dataclass(frozen=True, slots=True)
+class Harm:
+    """The most harm that so few faults, or ticks of faults, were found to do.
+
+    Attributes
+    ----------
+    cost
+        How many faults, or ticks of faults, a specification has at most.
+    n_violated
+        Most goals that one of these specifications violates, and ``n_violated_by`` its evaluation.
+    violations
+        Most violations of all looked at goals together, and ``violations_by`` their evaluation.
+    """
+
+    cost: int
+    n_violated: int
+    n_violated_by: int
+    violations: float
+    violations_by: int
+
+
+def find_harm(measure: Measure, evaluations: Iterable[Evaluation]) -> tuple[Harm, ...]:
+    """Return the front of harm against cost: an entry for each cost from which on there is more.
+
+    Of equally harmful specifications the one of least cost counts, then the earliest. Looked at
+    are the goals that the campaign chose.
+    """
+    found: dict[int, Harm] = {}
+    harm: Harm | None = None
+    for evaluation in sorted(evaluations, key=lambda each: (measure.cost(each), each.index)):
+        counts = measure.violations(evaluation, measure.chosen)
+        cost, index = measure.cost(evaluation), evaluation.index
+        new = Harm(cost, sum(count > 0 for count in counts), index, sum(counts), index)
+        if harm is None or new.n_violated > harm.n_violated or new.violations > harm.violations:
+            harm = found[cost] = new if harm is None else _more(new, harm)
+    return tuple(found.values())
+
+
+def _more(new: Harm, known: Harm) -> Harm:
+    """Return the later harm, with what the one before it did more of, or as much."""
+    if known.n_violated >= new.n_violated:
+        new = replace(new, n_violated=known.n_violated, n_violated_by=known.n_violated_by)
+    if known.violations >= new.violations:
+        new = replace(new, violations=known.violations, violations_by=known.violations_by)
+    return new
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from mrsfi_runtime.analysis.fronts import Front, Pick, score
+from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, score
 from mrsfi_runtime.analysis.patterns import Trend
 from mrsfi_runtime.analysis.summary import Summary
+from mrsfi_runtime.analysis.tables import front_table, harm_table, in_words
 from mrsfi_runtime.model.semantics import flown_by
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure, ticks, violated
@@ -32,6 +33,9 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
     ]
     if summary.front is not None:
         sections += ["## Pareto front", _front(summary.front), *_linked(captions, "front")]
+    if summary.harm is not None:
+        words = f"## Harm against {summary.measure.minimised}"
+        sections += [words, _harm(summary.harm, summary.measure), *_linked(captions, "harm")]
     if summary.pick is not None:
         sections += ["## Pick by ratio", pick_in_words(summary.pick, summary.measure)]
     sections += ["## Mission", *_linked(captions, "mission_map")]
@@ -143,11 +147,19 @@ def _patterns(summary: Summary) -> str:
 
 
 def _front(front: Front) -> str:
-    rows = [(point.evaluation, *map(ticks, point.violations)) for point in front.points]
-    goals = ", ".join(front.goals)
+    header, *rows = in_words(front_table(front))
     return (
-        f"{len(rows)} non-dominated specifications over {goals} ({front.counts}; of equal ones "
-        f"the earliest).\n\n{table(('evaluation', *front.goals), rows)}"
+        f"{len(rows)} non-dominated specifications over {', '.join(front.aims)} ({front.counts}; "
+        f"of equal ones the earliest).\n\n{table(header, rows)}"
+    )
+
+
+def _harm(harm: Sequence[Harm], measure: Measure) -> str:
+    header, *rows = in_words(harm_table(harm, str(measure.minimised)))
+    return (
+        f"The most goals violated, and the most violations in all, that a specification of at most "
+        f"so many {measure.minimised} was found to do ({measure}; {', '.join(measure.chosen)}). "
+        f"Numbers that are not listed do no more than the one above.\n\n{table(header, rows)}"
     )
 
 

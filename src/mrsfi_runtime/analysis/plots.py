@@ -22,10 +22,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Pick, Ratio
+from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.tables import goal_discs, working_window
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.measure import Measure
 
 INK, SOFT, GRID, PAPER = "#1f2933", "#66737f", "#e3e8ec", "#ffffff"
 BLUE, ORANGE, GREEN, ROCK, SAND = "#1b6ca8", "#d9622b", "#2a8c6a", "#6b7681", "#a9b4bd"
@@ -198,6 +199,25 @@ def whole_front(front: Front, cloud: Sequence[tuple[float, ...]], pick: Pick | N
         if pick is not None and pick.point is not None:
             _draw_pick(axes, pick.ratio, pick.point, front.goals)
         legend_below(figure, ncols=3)
+    return figure
+
+
+def harm_front(harm: Sequence[Harm], measure: Measure) -> Figure:
+    """Draw the most violations, and the most goals violated, against what is minimised."""
+    with drawing((7.6, 6.0)) as figure:
+        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+        costs = [each.cost for each in harm]
+        for axes, colour, label, most in (
+            (above, BLUE, f"{measure.words} (ticks)", [each.violations for each in harm]),
+            (below, ORANGE, "goals violated", [each.n_violated for each in harm]),
+        ):
+            axes.step(costs, most, where="post", color=colour, lw=1.2, alpha=0.75)
+            axes.scatter(costs, most, s=52, color=colour, ec=PAPER, lw=0.7, zorder=3)
+            axes.set(ylabel=label, ylim=(0, None))
+            axes.yaxis.set_major_locator(whole_numbers())
+        above.set_title(f"Most harm with how few {measure.minimised}")
+        below.set_xlabel(f"{measure.minimised} of a specification, at most")
+        below.xaxis.set_major_locator(whole_numbers())
     return figure
 
 

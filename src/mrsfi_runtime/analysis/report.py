@@ -7,13 +7,13 @@ Source paper, section V, figures 5 to 12.
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import astuple, fields
+from dataclasses import astuple, fields, replace
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.drawing_process import Draw, Drawing, draw_here
-from mrsfi_runtime.analysis.fronts import Front, Pick, find_front
+from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.summary import Summary, as_json, parameter_values, summarise
@@ -140,7 +140,8 @@ def illustrate(
     """Yield the figures that a campaign has numbers for, in the order of the paper.
 
     A campaign on chosen goals gets figures 8 and 9 in place of 6 and 7, which differ in the
-    fitness only; figures 10 and 11 show the first two goals of its front.
+    fitness only; figures 10 and 11 show the first two goals of its front, whatever is minimised
+    beside them.
     """
     yield Illustration(
         "figure_05_mission_map",
@@ -150,7 +151,9 @@ def illustrate(
     )
     if generations:
         yield from _fitness(summary)
-    if summary.front is not None and summary.front.points:
+    if summary.harm:
+        yield _harm(summary.harm, summary.measure)
+    if summary.front is not None and summary.front.points and len(summary.front.goals) >= 2:
         yield from _fronts(summary, summary.front.goals, evaluations, generations)
     if summary.top:
         yield Illustration(
@@ -212,13 +215,22 @@ def _fitness(summary: Summary) -> Iterator[Illustration]:
     )
 
 
+def _harm(harm: Sequence[Harm], measure: Measure) -> Illustration:
+    return Illustration(
+        "figure_harm",
+        f"Most harm with how few {measure.minimised}",
+        Drawing("harm_front", (harm, measure)),
+        tables.harm_table(harm, str(measure.minimised)),
+    )
+
+
 def _fronts(
     summary: Summary,
     front_goals: tuple[str, ...],
     evaluations: Sequence[Evaluation],
     generations: Sequence[Generation],
 ) -> Iterator[Illustration]:
-    goals, measure = front_goals[:2], summary.measure
+    goals, measure = front_goals[:2], replace(summary.measure, minimised=None)
     over = f"over the {measure.words} of {' and '.join(goals)}{measure.means}"
     by_generation = _generation_fronts(measure, evaluations, generations, goals)
     if by_generation:

@@ -7,10 +7,12 @@ from typing import Any
 
 from mrsfi_runtime.analysis.fronts import (
     Front,
+    Harm,
     Pick,
     Ratio,
     distinct,
     find_front,
+    find_harm,
     nearest_ratio,
     parse_ratio,
     score,
@@ -42,8 +44,10 @@ class Summary:
     top
         The most critical distinct specifications, at most ten, the worst for the mission first.
     front
-        Over the goals that the settings choose, or else those of the ratio; ``None`` if fewer
-        than two are chosen.
+        Over the goals that the settings choose, or else those of the ratio, and over what they
+        minimise; ``None`` if it would be over fewer than two.
+    harm
+        The front of harm against what is minimised; ``None`` if nothing is.
     pick
         ``None`` if no ratio was asked for.
     """
@@ -60,6 +64,7 @@ class Summary:
     digest: str
     top: tuple[Evaluation, ...]
     front: Front | None
+    harm: tuple[Harm, ...] | None
     pick: Pick | None
     trend: Trend
     patterns: tuple[TypePattern, ...]
@@ -106,6 +111,7 @@ def summarise(
         digest=store.digest(),
         top=best,
         front=front,
+        harm=find_harm(measure, different) if measure.minimised else None,
         pick=None if wanted is None else _pick(measure, different, front, wanted),
         trend=find_trend(generations),
         patterns=find_patterns(
@@ -140,6 +146,7 @@ def as_json(summary: Summary, pool: FaultPool) -> dict[str, Any]:
         "best": ranked[0] if ranked else None,
         "top": ranked,
         "front": _front(summary.front),
+        "harm": None if summary.harm is None else [asdict(harm) for harm in summary.harm],
         "pick": _picked(summary.pick),
         "trend": asdict(summary.trend),
         "patterns": [asdict(pattern) for pattern in summary.patterns],
@@ -147,7 +154,7 @@ def as_json(summary: Summary, pool: FaultPool) -> dict[str, Any]:
 
 
 def _front_goals(settings: CampaignSettings, wanted: Ratio | None) -> tuple[str, ...]:
-    if len(settings.goals) >= 2:
+    if len(settings.goals) >= (1 if settings.minimise else 2):
         return settings.goals
     return () if wanted is None else wanted.goals
 
@@ -197,6 +204,7 @@ def _front(front: Front | None) -> dict[str, Any] | None:
             {
                 "evaluation": point.evaluation,
                 "violations": dict(zip(front.goals, point.violations, strict=True)),
+                **({front.minimised: point.cost} if front.minimised else {}),
             }
             for point in front.points
         ],

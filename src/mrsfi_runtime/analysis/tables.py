@@ -2,16 +2,16 @@
 
 import csv
 import io
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import astuple, dataclass
 from itertools import chain
 from typing import TypeAlias
 
-from mrsfi_runtime.analysis.fronts import Front
+from mrsfi_runtime.analysis.fronts import Front, Harm
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Goal, Mission
 from mrsfi_runtime.model.outcome import TOLD
 from mrsfi_runtime.record.campaign import Evaluation
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.measure import Measure, ticks
 
 Cell: TypeAlias = str | int | float | None
 Rows: TypeAlias = list[tuple[Cell, ...]]
@@ -89,9 +89,23 @@ def map_table(mission: Mission) -> Rows:
 
 
 def front_table(front: Front) -> Rows:
-    """Return the points of a front."""
-    rows = ((point.evaluation, *point.violations) for point in front.points)
-    return [("evaluation", *front.goals), *rows]
+    """Return the points of a front, with what it has few of beside many violations last."""
+    n_columns = 1 + len(front.aims)
+    rows = ((point.evaluation, *point.violations, point.cost) for point in front.points)
+    return [("evaluation", *front.aims), *(row[:n_columns] for row in rows)]
+
+
+def harm_table(harm: Sequence[Harm], minimised: str) -> Rows:
+    """Return the front of harm against what is minimised."""
+    header = (minimised, "goals violated", "by evaluation", "violations", "by evaluation")
+    return [header, *map(astuple, harm)]
+
+
+def in_words(rows: Rows) -> list[tuple[str, ...]]:
+    """Return a table of numbers as people read it."""
+    return [
+        tuple(ticks(cell) if isinstance(cell, float) else str(cell) for cell in row) for row in rows
+    ]
 
 
 def evaluations_table(evaluations: Iterable[Evaluation], measure: Measure) -> Rows:

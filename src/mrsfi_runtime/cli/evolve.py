@@ -36,13 +36,14 @@ from mrsfi_runtime.cli.report import report
 from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import RecordError, TransportError, UsageError
+from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder, hashes, only_writer
 from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.algorithms import ALGORITHMS
+from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings
+from mrsfi_runtime.search.algorithms import ALGORITHMS, MINIMISING
 from mrsfi_runtime.search.campaign import require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 
@@ -59,6 +60,7 @@ Examples:
   mrsfi evolve uuv_sampling --case b --ratio g3:g1=2:1
   mrsfi evolve uuv_sampling --seed 7 --generations 5 --out runs/short
   mrsfi evolve uuv_sampling --algorithm random --evaluations 1000
+  mrsfi evolve uuv_sampling --algorithm guided --minimise faults --violations true --goals g2
   mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
   mrsfi evolve --resume runs/uuv_sampling-a-1
 
@@ -174,6 +176,10 @@ def _tell_other_versions(recorded: Mapping[str, str]) -> None:
             )
 
 
+def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[str] | None:
+    return None if text is None else [goal.strip() for goal in text.split(",")]
+
+
 @click.command(name="evolve", help=_HELP)
 @click.pass_context
 @click.argument("mission", metavar="[MISSION]", required=False)
@@ -194,6 +200,14 @@ def _tell_other_versions(recorded: Mapping[str, str]) -> None:
 @click.option("--generations", type=int, help="Generations after the first.")
 @click.option("--population", type=int, help="Individuals of a generation.")
 @click.option("--evaluations", type=int, help="Stop after exactly so many evaluations.")
+@click.option("--faults", type=int, help="Timed faults of an individual; with --minimise at most.")
+@click.option("--goals", metavar="G,H,…", callback=_goal_ids, help="Goals to look at.")
+@click.option("--violations", metavar="NAME", help=f"What is counted: {', '.join(VIOLATIONS)}.")
+@click.option(
+    "--minimise",
+    metavar="|".join(COSTS),
+    help=f"Also seek few of these, by algorithm {' or '.join(MINIMISING)}.",
+)
 @worker_options
 @engine_options(BOTH, CI, default=AUTO)
 @click.option(

@@ -9,9 +9,10 @@ import click
 from m2t.load import load_mission_folder
 from m2t.specification import write_specification
 from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
-from mrsfi_runtime.analysis.fronts import Front, Pick
+from mrsfi_runtime.analysis.fronts import Front, Harm, Pick
 from mrsfi_runtime.analysis.report import SpecificationRow, write_report
 from mrsfi_runtime.analysis.summary import Summary, as_json
+from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
 from mrsfi_runtime.cli.console import print_json, print_table
 from mrsfi_runtime.cli.folders import OpenCampaign, latest_folder, open_campaign
 from mrsfi_runtime.cli.tables import critical_tables, plain_table
@@ -79,6 +80,8 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     print_table(title, *critical_tables(summary.measure, campaign.pool, summary.top))
     if summary.front is not None:
         _print_front(summary.front)
+    if summary.harm:
+        _print_harm(summary.harm, summary.measure)
     if summary.pick is not None:
         click.echo(_picked(campaign, summary.pick, summary.measure) + "\n")
     click.echo(f"specifications  {folder.critical}")
@@ -89,10 +92,21 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
 
 
 def _print_front(front: Front) -> None:
-    rows = ((point.evaluation, *map(ticks, point.violations)) for point in front.points)
-    goals = ", ".join(front.goals)
-    title = f"Pareto front: {len(front.points)} trade-offs between {goals} ({front.counts})"
-    print_table(title, plain_table((), ("evaluation", *front.goals), rows))
+    title = (
+        f"Pareto front: {len(front.points)} trade-offs between {', '.join(front.aims)} "
+        f"({front.counts})"
+    )
+    _print_numbers(title, front_table(front))
+
+
+def _print_harm(harm: Sequence[Harm], measure: Measure) -> None:
+    title = f"Most harm with how few {measure.minimised} ({measure}, {', '.join(measure.chosen)})"
+    _print_numbers(title, harm_table(harm, str(measure.minimised)))
+
+
+def _print_numbers(title: str, rows: Rows) -> None:
+    header, *numbers = in_words(rows)
+    print_table(title, plain_table((), header, numbers))
 
 
 def _picked(campaign: OpenCampaign, pick: Pick, measure: Measure) -> str:

@@ -6,9 +6,10 @@ Source paper, sections III-B b) and III-E a).
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
@@ -75,6 +76,17 @@ def numbered(faults: Iterable[str]) -> tuple[str, ...]:
         n_met[fault] += 1
         names.append(f"{fault}.{n_met[fault]}")
     return tuple(names)
+
+
+def fault_ticks(specification: Specification, duration: int) -> int:
+    """Return at how many ticks of a mission faults are active, summed over timed faults."""
+    return sum(max(0, min(timed.finish + 1, duration) - timed.start) for timed in specification)
+
+
+COSTS: Mapping[str, Callable[[Specification, int], int]] = MappingProxyType(
+    {"faults": lambda specification, _: len(specification), "fault_ticks": fault_ticks}
+)
+"""What a search can keep few of, of a specification and the duration of its mission in ticks."""
 
 
 @dataclass(frozen=True)

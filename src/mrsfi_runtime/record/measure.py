@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
@@ -27,6 +28,8 @@ class Measure:
         IDs of the goals whose means are recorded, in the order of the record.
     duration
         Ticks of the mission.
+    minimised
+        One of ``COSTS`` of which a front has few beside many violations, if any.
     """
 
     kind: str
@@ -34,6 +37,7 @@ class Measure:
     goals: tuple[str, ...]
     chosen: tuple[str, ...]
     duration: int
+    minimised: str | None = None
 
     @classmethod
     def of(cls, settings: CampaignSettings, mission: Mission) -> Self:
@@ -45,6 +49,7 @@ class Measure:
             goals=goals,
             chosen=settings.goals or goals,
             duration=mission.duration,
+            minimised=settings.minimise,
         )
 
     def __str__(self) -> str:
@@ -91,6 +96,12 @@ class Measure:
         """Return the violations of some goals: equation (3)."""
         found = self.by_goal(evaluation)
         return tuple(found[goal] for goal in goals)
+
+    def cost(self, evaluation: Evaluation) -> int:
+        """Return how much the specification has of what is minimised; 0 if nothing is."""
+        if self.minimised is None:
+            return 0
+        return COSTS[self.minimised](evaluation.specification, self.duration)
 
 
 MISSED_FROM = "missed from"

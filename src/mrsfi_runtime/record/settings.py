@@ -5,13 +5,14 @@ A campaign file has one table, ``[search]``. What it leaves out has the paper's 
 
 import math
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple, Self
 
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.faults import COSTS
 
 _LARGEST_SEED = 2**63 - 1
 
@@ -32,7 +33,8 @@ class CampaignSettings:
     generations
         Number of generations after the first, which is generation 0.
     faults
-        Timed faults of an individual, as far as the mission has room for them.
+        Timed faults of an individual, as far as the mission has room for them; with ``minimise``
+        the most that one may have.
     crossover, mutation
         Chance of a pair to exchange faults, and of an individual to mutate.
     mutation_share
@@ -49,6 +51,8 @@ class CampaignSettings:
     violations
         Which count of an outcome fitness and front look at, one of ``VIOLATIONS``: ``missed``
         counts, for goals missed, the ticks from the one on at which that was certain.
+    minimise
+        One of ``COSTS``, of which a front is to have few beside many violations.
     replications
         Over how many mission seeds, from ``mission_seed`` on, fitness and goal vector are
         averaged.
@@ -82,6 +86,7 @@ class CampaignSettings:
     offspring: int | None = None
     fitness: str = "weighted"
     violations: str = "believed"
+    minimise: str | None = None
     replications: int = 1
     goals: tuple[str, ...] = ()
     seed: int = 1
@@ -170,6 +175,13 @@ _CHANCE = _Rule(
     float,
 )
 _NAME = _Rule("a name", lambda value: isinstance(value, str) and bool(value), str)
+
+
+def _one_of(names: Iterable[str]) -> _Rule:
+    known = tuple(names)
+    return _Rule(f"one of {', '.join(map(repr, known))}", lambda value: value in known, str)
+
+
 _GOALS = _Rule(
     "a list of different goal IDs",
     lambda value: (
@@ -193,9 +205,8 @@ _RULES: Mapping[str, _Rule] = MappingProxyType(
         "mutation_operator": _NAME,
         "offspring": _whole(1),
         "fitness": _NAME,
-        "violations": _Rule(
-            f"one of {', '.join(map(repr, VIOLATIONS))}", lambda value: value in VIOLATIONS, str
-        ),
+        "violations": _one_of(VIOLATIONS),
+        "minimise": _one_of(COSTS),
         "replications": _whole(1, 1000),
         "goals": _GOALS,
         "seed": _whole(0, _LARGEST_SEED),

@@ -29,6 +29,8 @@ from mrsfi_runtime.search.individuals import (
     SELECTIONS,
     Criticality,
     Individual,
+    costs_of,
+    foremost,
     lent_to_deap,
     mate,
     mutate,
@@ -44,8 +46,8 @@ from mrsfi_runtime.search.loop import (
     replaced,
 )
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
-from mrsfi_runtime.search.steps import MUTATIONS
+from mrsfi_runtime.search.specifications import first_size, random_specification
+from mrsfi_runtime.search.steps import MUTATIONS, resized
 from mrsfi_runtime.search.user_functions import chosen, told_by_line
 from mrsfi_runtime.search.variation import CROSSOVERS
 
@@ -69,13 +71,13 @@ class Breeder:
         self._select = chosen(settings, "selection", SELECTIONS)
         self._crossover = chosen(settings, "crossover_operator", CROSSOVERS)
         self._mutation = chosen(settings, "mutation_operator", MUTATIONS)
+        if settings.minimise:
+            self._mutation = partial(resized, mutation=self._mutation, n_most=settings.faults)
 
     def first(self) -> list[Individual]:
         """Draw a population."""
-        return [
-            Individual(random_specification(self._space, self._settings.faults, self.rng))
-            for _ in range(self.size)
-        ]
+        sizes = (first_size(self._settings, self.rng) for _ in range(self.size))
+        return [Individual(random_specification(self._space, n, self.rng)) for n in sizes]
 
     def select(self, individuals: Sequence[Individual]) -> list[Individual]:
         """Select as many as a population has; themselves, not copies."""
@@ -162,13 +164,18 @@ def ea_generate_update(space: SearchSpace, settings: CampaignSettings) -> Algori
 
 
 def nsga2(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
-    """Return NSGA-II on the goal vector; the fitness function plays no part in it.
+    """Return NSGA-II on the goal vector, and on what the settings want to be minimised.
+
+    The fitness function plays no part in it.
 
     References
     ----------
     Deb et al., *A fast and elitist multiobjective genetic algorithm: NSGA-II*, 2002.
     """
-    breeder = Breeder(space, settings)
+    breeder, costs = Breeder(space, settings), costs_of(space, settings)
+
+    def objectives(individual: Individual) -> Criticality:
+        return Criticality(individual.score.goals, costs(individual.specification))
 
     def breed(parents: Sequence[Individual]) -> list[Individual]:
         n_padding = -len(parents) % 4  # the tournament takes four at a time
@@ -179,7 +186,7 @@ def nsga2(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
 
     return breeder.loop(
         breed,
-        lambda parents, offspring: _fittest_by_goals([*parents, *offspring], breeder.size),
+        lambda parents, offspring: foremost([*parents, *offspring], breeder.size, objectives),
     )
 
 
@@ -207,15 +214,6 @@ def _vary_or(
 def _own_toolbox(breeder: Breeder) -> Any:
     """Return the operators; DEAP draws from the search's generator, so they need another."""
     return breeder.toolbox(Random(breeder.rng.getrandbits(64)))
-
-
-def _fittest_by_goals(individuals: list[Individual], n_selected: int) -> list[Individual]:
-    """Return the first by rank and crowding distance, both entered in their fitness."""
-    for individual in individuals:
-        individual.fitness = Criticality(individual.score.goals)  # what DEAP compares them by
-    n_goals = len(individuals[0].score.goals)
-    sorting = "log" if n_goals > 1 else "standard"  # DEAP's log sort needs two objectives
-    return list(tools.selNSGA2(individuals, n_selected, nd=sorting))
 
 
 def paper(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -279,6 +277,9 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
     }
 )
 """Algorithms by their name in a campaign file."""
+
+MINIMISING = ("nsga2", "guided")
+"""Those that keep a front, and so can minimise one thing beside many violations."""
 
 
 def begin_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:

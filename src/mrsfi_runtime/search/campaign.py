@@ -16,12 +16,12 @@ from time import monotonic
 
 from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
-from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.faults import FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.algorithms import ALGORITHMS, begin_search
+from mrsfi_runtime.search.algorithms import ALGORITHMS, MINIMISING, begin_search
 from mrsfi_runtime.search.fitness import (
     FITNESS_FUNCTIONS,
     FitnessFunction,
@@ -38,7 +38,6 @@ from mrsfi_runtime.search.resumable_record import (
     ResumableRecord,
 )
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import fault_ticks
 from mrsfi_runtime.search.steps import MUTATIONS
 from mrsfi_runtime.search.user_functions import chosen
 from mrsfi_runtime.search.variation import CROSSOVERS
@@ -79,7 +78,8 @@ def require_settings(
     Raises
     ------
     UsageError
-        If an algorithm, a selection, an operator, the fitness function or a goal is unknown.
+        If an algorithm, a selection, an operator, the fitness function or a goal is unknown, or
+        if the algorithm of ours has no front to minimise on.
     """
     tables: dict[str, Mapping[str, object]] = {
         "algorithm": ALGORITHMS,
@@ -90,6 +90,12 @@ def require_settings(
     }
     for key, table in tables.items():
         chosen(settings, key, table)
+    if settings.minimise and settings.algorithm in ALGORITHMS.keys() - MINIMISING:
+        raise UsageError(
+            f"{settings.source}: [search] minimise: found '{settings.minimise}' with algorithm "
+            f"'{settings.algorithm}', which knows fitness alone; expected algorithm "
+            f"{' or '.join(map(repr, MINIMISING))}, or no minimise"
+        )
     for goal in settings.goals:
         if goal not in mission.goal_ids:
             known = ", ".join(mission.goal_ids)

@@ -7,15 +7,16 @@ landmarks, keeps the best, and takes small steps from there. Of few goals it kee
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from random import Random
 from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.individuals import Individual
+from mrsfi_runtime.search.individuals import Criticality, Individual, costs_of, foremost
 from mrsfi_runtime.search.loop import Algorithm, GenerationalLoop
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import random_specification
+from mrsfi_runtime.search.specifications import first_size, random_specification
 from mrsfi_runtime.search.steps import STEPS, Step, filled, grafted
 from mrsfi_runtime.search.variation import crossed
 
@@ -47,6 +48,10 @@ def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     they that faults are taken over from. The beginning is then the paper's: where long windows
     keep one goal from being violated, there is no way to a front.
 
+    If the campaign minimises faults or their ticks, the front is over that too; where goals are
+    many, over fitness and how many are violated in their place. NSGA-II's selection then says who
+    survives, one survivor is as good a parent as another, and a step onto the front succeeds.
+
     Notes
     -----
     An individual has at most ``settings.faults`` timed faults, and may have fewer. Chances
@@ -61,11 +66,14 @@ class _Guide:
     def __init__(self, space: SearchSpace, settings: CampaignSettings, rng: Random) -> None:
         self._space = space
         self._n_faults = settings.faults
+        self._new_size = partial(first_size, settings, rng)
+        self._costs = costs_of(space, settings)
+        self._minimises = settings.minimise is not None
         self._size = settings.population
         self._rng = rng
         self._asked: set[Specification] = set()
         self._niches: dict[_Niche, tuple[tuple[float, ...], Individual]] = {}
-        self._has_front = 0 < len(settings.goals) <= _MOST_GOALS
+        self._has_few_goals = 0 < len(settings.goals) <= _MOST_GOALS
         self._front: dict[_Goals, Individual] = {}
         self._credit = dict.fromkeys(STEPS, 1.0)
         self._bred: list[tuple[Individual, float, list[Step]]] = []
@@ -81,9 +89,10 @@ class _Guide:
         return offspring
 
     def _new(self) -> Individual:
-        if self._has_front:
-            return Individual(random_specification(self._space, self._n_faults, self._rng))
-        return Individual(filled(self._space, (), self._n_faults, self._rng))
+        size = self._new_size()
+        if self._has_few_goals:
+            return Individual(random_specification(self._space, size, self._rng))
+        return Individual(filled(self._space, (), size, self._rng))
 
     def survive(
         self, population: Sequence[Individual], offspring: list[Individual]
@@ -91,16 +100,46 @@ class _Guide:
         """Return the best of both; learn from the offspring."""
         for individual in offspring:
             self._enter_niches(individual)
-            if self._has_front:
+            if self._has_few_goals or self._minimises:
                 self._enter_front(individual)
         for individual, parent_fitness, steps in self._bred:
             if individual.is_evaluated:
-                is_better = individual.score.fitness > parent_fitness
+                is_better = self._has_succeeded(individual, parent_fitness)
                 for step in steps:
                     kept = _MEMORY * self._credit[step]
                     self._credit[step] = kept + (1.0 - _MEMORY) * is_better
         ranked = sorted([*offspring, *population], key=_fitness, reverse=True)  # new ones first
-        return _without_twins(ranked)[: self._size]
+        return self._fittest(*self._twins_apart(ranked))
+
+    def _twins_apart(
+        self, ranked: Sequence[Individual]
+    ) -> tuple[list[Individual], list[Individual]]:
+        """Return the first few of every goal vector and cost, and the rest."""
+        n_seen: Counter[tuple[float, ...]] = Counter()
+        first: list[Individual] = []
+        rest: list[Individual] = []
+        for individual in ranked:
+            kind = (*individual.score.goals, *self._costs(individual.specification))
+            n_seen[kind] += 1
+            (first if n_seen[kind] <= _TWINS else rest).append(individual)
+        return first, rest
+
+    def _has_succeeded(self, individual: Individual, parent_fitness: float) -> bool:
+        if self._minimises:
+            return self._front.get(self._aims(individual).wvalues) is individual
+        return individual.score.fitness > parent_fitness
+
+    def _fittest(self, first: list[Individual], twins: list[Individual]) -> list[Individual]:
+        if self._minimises:
+            first = foremost(first, min(self._size, len(first)), self._aims)
+        return [*first, *twins][: self._size]
+
+    def _aims(self, individual: Individual) -> Criticality:
+        """Return what the front is over."""
+        goals = individual.score.goals
+        if not self._has_few_goals:
+            goals = (_fitness(individual), sum(violations > 0 for violations in goals))
+        return Criticality(goals, self._costs(individual.specification))
 
     def _enter_niches(self, individual: Individual) -> None:
         """Keep the best of every pattern of violated goals, and of every goal."""
@@ -115,7 +154,7 @@ class _Guide:
 
     def _enter_front(self, individual: Individual) -> None:
         """Enter an individual, unless another dominates it; of equal ones the newest."""
-        goals = individual.score.goals
+        goals = self._aims(individual).wvalues
         others = [known for known in self._front if known != goals]
         if any(_covers(known, goals) for known in others):
             return
@@ -139,6 +178,8 @@ class _Guide:
         if self._niches and self._rng.random() < _ARCHIVE_SHARE:
             best = (individual for _, individual in self._niches.values())
             return self._rng.choice((*best, *self._front.values()))
+        if self._minimises:
+            return self._rng.choice(population)
         drawn = [self._rng.choice(population) for _ in range(_TOURNAMENT)]
         return max(drawn, key=_fitness)
 
@@ -178,14 +219,3 @@ def _fitness(individual: Individual) -> float:
 def _covers(goals: _Goals, others: _Goals) -> bool:
     """Return whether the violations are as many, or more, in every goal."""
     return all(mine >= theirs for mine, theirs in zip(goals, others, strict=True))
-
-
-def _without_twins(ranked: Sequence[Individual]) -> list[Individual]:
-    """Return the first few of every goal vector, then the rest."""
-    n_seen: Counter[_Goals] = Counter()
-    first: list[Individual] = []
-    rest: list[Individual] = []
-    for individual in ranked:
-        n_seen[individual.score.goals] += 1
-        (first if n_seen[individual.score.goals] <= _TWINS else rest).append(individual)
-    return first + rest

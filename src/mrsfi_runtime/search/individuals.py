@@ -22,18 +22,22 @@ from typing import Any, Self, TypeAlias
 from deap import base, tools
 
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.faults import COSTS, Specification, TimedFault
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.variation import Crossover, Mutation, crossed, mutated
 
 
 class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
-    """How critical a fault specification is: one number or several; more is more critical."""
+    """How critical a fault specification is: one number or several; more is more critical.
 
-    def __init__(self, values: Sequence[float] = ()) -> None:
-        self.weights = (1.0,) * len(values)
-        super().__init__(values)
+    Of ``costs``, which follow them, less is.
+    """
+
+    def __init__(self, values: Sequence[float] = (), costs: Sequence[int] = ()) -> None:
+        self.weights = (1.0,) * len(values) + (-1.0,) * len(costs)
+        super().__init__((*values, *costs))
 
 
 class Individual(list[TimedFault]):
@@ -113,6 +117,31 @@ def mate(
     first.become(one)
     second.become(other)
     return first, second
+
+
+Costs: TypeAlias = Callable[[Specification], tuple[int, ...]]
+"""Of what a specification is to have few, beside many violations; of nothing as a rule."""
+
+
+def costs_of(space: SearchSpace, settings: CampaignSettings) -> Costs:
+    """Return what tells the costs that settings want to be minimised."""
+    if settings.minimise is None:
+        return lambda _: ()
+    cost = COSTS[settings.minimise]
+    return lambda specification: (cost(specification, space.duration),)
+
+
+def foremost(
+    individuals: Sequence[Individual],
+    n_selected: int,
+    objectives: Callable[[Individual], Criticality],
+) -> list[Individual]:
+    """Return the first by rank and crowding distance, both entered in their fitness."""
+    for individual in individuals:
+        individual.fitness = objectives(individual)  # what DEAP compares them by
+    n_objectives = len(individuals[0].fitness.weights)
+    sorting = "log" if n_objectives > 1 else "standard"  # DEAP's log sort needs two objectives
+    return list(tools.selNSGA2(individuals, n_selected, nd=sorting))
 
 
 Selection: TypeAlias = Callable[[Sequence[Individual], int, Random], list[Individual]]

@@ -1,4 +1,4 @@
-"""Random fault specifications, and how long their faults are active.
+"""Random fault specifications, and how many faults they have.
 
 References
 ----------
@@ -8,7 +8,16 @@ Source paper, section III-E a).
 from random import Random
 
 from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.space import SearchSpace, random_window
+
+
+def first_size(settings: CampaignSettings, rng: Random) -> int:
+    """Return how many timed faults a specification of the first population is to have.
+
+    All that the settings allow, as in the paper; if few are sought, from 1 on as many as drawn.
+    """
+    return rng.randint(1, settings.faults) if settings.minimise else settings.faults
 
 
 def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Specification:
@@ -59,8 +68,3 @@ def _cut_one_short(placed: list[TimedFault], rng: Random) -> bool:
     timed = placed[place]
     placed[place] = timed._replace(finish=rng.randint(timed.start, timed.finish - 1))
     return True
-
-
-def fault_ticks(specification: Specification, duration: int) -> int:
-    """Return at how many ticks of a mission faults are active, summed over timed faults."""
-    return sum(max(0, min(timed.finish + 1, duration) - timed.start) for timed in specification)

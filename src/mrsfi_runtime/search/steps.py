@@ -55,6 +55,23 @@ def dropped(space: SearchSpace, specification: Specification, rng: Random) -> Sp
     return left
 
 
+def resized(
+    space: SearchSpace,
+    specification: Specification,
+    rng: Random,
+    share: float,
+    *,
+    mutation: Mutation,
+    n_most: int,
+) -> Specification:
+    """Mutate, and leave a fault out, add one up to a most, or do neither, equally often."""
+    changed = mutation(space, specification, rng, share)
+    difference = rng.choice((-1, 0, 1))
+    if difference < 0:
+        return dropped(space, changed, rng)
+    return filled(space, changed, min(n_most, len(changed) + difference), rng)
+
+
 def grafted(
     space: SearchSpace, specification: Specification, donor: Specification, rng: Random
 ) -> Specification:

@@ -12,10 +12,11 @@ from moocore import hypervolume
 from mrsfi_runtime.analysis.fronts import non_dominated, score
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 
 MOST_OBJECTIVES = 7
-"""Goals over which a hypervolume is computed; its cost grows exponentially with their number."""
+"""Of a hypervolume that is computed; its cost grows exponentially with their number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +34,9 @@ class RunResult:
         The same for k goals broken by one or another of the specifications so far.
     hypervolume
         Share of the possible that the front reaches or exceeds, 0 … 1; see ``front_volume``.
-        ``None`` with fewer than two goals, or too many.
+        ``None`` if it is over fewer than two objectives, or too many.
     front_size
-        Different vectors of violations that no other dominates.
+        Different vectors of violations, and of what is minimised, that no other dominates.
     seconds
         Wall time of the search.
     digest
@@ -114,7 +115,17 @@ def measure_run(
     found: list[tuple[int, ...]] = [
         getattr(one.outcome, settings.violations) for one in evaluations
     ]
-    front = non_dominated(tuple(one[column] for column in columns) for one in found)
+    vectors = [tuple(one[column] for column in columns) for one in found]
+    best = [mission.duration] * len(columns)
+    if settings.minimise is not None:
+        measure = Measure.of(settings, mission)
+        most = settings.faults * (mission.duration if settings.minimise == "fault_ticks" else 1)
+        best.append(most - 1)
+        vectors = [
+            (*vector, most - measure.cost(one))
+            for vector, one in zip(vectors, evaluations, strict=True)
+        ]
+    front = non_dominated(vectors)
     broken = [frozenset(goal for goal, count in enumerate(one) if count) for one in found]
     return RunResult(
         algorithm=settings.algorithm,
@@ -124,32 +135,44 @@ def measure_run(
         improvements=_improvements(evaluations),
         at_once=_first_reaching(map(len, broken), len(mission.goals)),
         together=_first_reaching(map(len, accumulate(broken, or_)), len(mission.goals)),
-        hypervolume=front_volume(front, len(columns), mission.duration),
+        hypervolume=front_volume(front, best),
         front_size=len(front),
         seconds=seconds,
         digest=digest,
     )
 
 
-def front_volume(front: Sequence[tuple[float, ...]], n_goals: int, duration: int) -> float | None:
-    """Return the hypervolume of a front of violations, as a share of the possible.
+def front_volume(front: Sequence[tuple[float, ...]], best: Sequence[int]) -> float | None:
+    """Return the hypervolume of a front, as a share of the possible.
 
-    The reference point is one tick below no violation, ``(-1, …, -1)``, and the best possible
-    point ``(duration, …, duration)``. So a front whose points violate one goal alone counts,
-    and the volume is the number of whole vectors of violations that the front reaches or
-    exceeds, over the number of all.
+    Parameters
+    ----------
+    front
+        Points of whole numbers from 0 on: violations, or how many fewer faults, or ticks of
+        faults, than a specification may have; more is better.
+    best
+        The best possible point, shape ``(n_objectives,)``.
 
     Returns
     -------
     float or None
-        ``None`` with fewer than two goals, or more than ``MOST_OBJECTIVES``.
+        ``None`` with fewer than two objectives, or more than ``MOST_OBJECTIVES``.
+
+    Notes
+    -----
+    The reference point is one below nothing, ``(-1, …, -1)``. So a front whose points violate
+    one goal alone counts, and the volume is the number of whole vectors that the front reaches
+    or exceeds, over the number of all.
     """
-    if not 2 <= n_goals <= MOST_OBJECTIVES:
+    if not 2 <= len(best) <= MOST_OBJECTIVES:
         return None
     if not front:
         return 0.0
-    shares = [[(count + 1) / (duration + 1) for count in point] for point in front]
-    return float(hypervolume(shares, ref=[0.0] * n_goals, maximise=True))
+    shares = [
+        [(value + 1) / (most + 1) for value, most in zip(point, best, strict=True)]
+        for point in front
+    ]
+    return float(hypervolume(shares, ref=[0.0] * len(best), maximise=True))
 
 
 def _first_reaching(sizes: Iterable[int], n_goals: int) -> tuple[int | None, ...]:

@@ -79,20 +79,20 @@ def test_hypervolume_is_the_share_of_vectors_that_the_front_reaches(n_goals, dat
         for vector in grid
     )
 
-    volume = front_volume(front, n_goals, duration)
+    volume = front_volume(front, [duration] * n_goals)
 
     assert volume == pytest.approx(n_reached / len(grid))
 
 
 def test_hypervolume_needs_two_goals_and_not_too_many():
-    assert front_volume([(4,)], 1, 10) is None
-    assert front_volume([(4,) * 8], 8, 10) is None
-    assert front_volume([(10,) * 7], 7, 10) == pytest.approx(1.0)
-    assert front_volume([], 2, 10) == 0.0
+    assert front_volume([(4,)], [10]) is None
+    assert front_volume([(4,) * 8], [10] * 8) is None
+    assert front_volume([(10,) * 7], [10] * 7) == pytest.approx(1.0)
+    assert front_volume([], [10, 10]) == 0.0
 
 
 def test_a_front_on_an_axis_has_a_volume():
-    assert front_volume([(0, 9)], 2, 9) == pytest.approx(0.1)
+    assert front_volume([(0, 9)], [9, 9]) == pytest.approx(0.1)
 
 
 def test_a_result_survives_json():
