@@ -157,9 +157,10 @@ def _front(front: Front) -> str:
 def _harm(harm: Sequence[Harm], measure: Measure) -> str:
     header, *rows = in_words(harm_table(harm, str(measure.minimised)))
     return (
-        f"The most goals violated, and the most violations in all, that a specification of at most "
-        f"so many {measure.minimised} was found to do ({measure}; {', '.join(measure.chosen)}). "
-        f"Numbers that are not listed do no more than the one above.\n\n{table(header, rows)}"
+        f"The most goals violated, and the most violations in all, by a specification of at most "
+        f"so many {measure.minimised}, and the evaluations that found it ({measure}; "
+        f"{', '.join(measure.chosen)}). What is not listed does no more than the line above.\n\n"
+        f"{table(header, rows)}"
     )
 
 

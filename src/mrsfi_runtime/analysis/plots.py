@@ -208,12 +208,12 @@ def harm_front(harm: Sequence[Harm], measure: Measure) -> Figure:
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
         costs = [each.cost for each in harm]
         for axes, colour, label, most in (
-            (above, BLUE, f"{measure.words} (ticks)", [each.violations for each in harm]),
+            (above, BLUE, f"{measure} (ticks)", [each.violations for each in harm]),
             (below, ORANGE, "goals violated", [each.n_violated for each in harm]),
         ):
             axes.step(costs, most, where="post", color=colour, lw=1.2, alpha=0.75)
             axes.scatter(costs, most, s=52, color=colour, ec=PAPER, lw=0.7, zorder=3)
-            axes.set(ylabel=label, ylim=(0, None))
+            axes.set(ylabel=label, ylim=(0, max(1, *most) * 1.1))
             axes.yaxis.set_major_locator(whole_numbers())
         above.set_title(f"Most harm with how few {measure.minimised}")
         below.set_xlabel(f"{measure.minimised} of a specification, at most")

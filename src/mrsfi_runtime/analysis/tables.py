@@ -96,8 +96,8 @@ def front_table(front: Front) -> Rows:
 
 
 def harm_table(harm: Sequence[Harm], minimised: str) -> Rows:
-    """Return the front of harm against what is minimised."""
-    header = (minimised, "goals violated", "by evaluation", "violations", "by evaluation")
+    """Return the front of harm against what is minimised; ``by`` names an evaluation."""
+    header = (minimised, "goals violated", "goals by", "violations", "violations by")
     return [header, *map(astuple, harm)]
 
 
