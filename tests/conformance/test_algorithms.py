@@ -1,15 +1,17 @@
 """Every algorithm on a mission that really flies: exact budget, legal, repeatable, resumable."""
 
+from itertools import product
 from pathlib import Path
 
 import pytest
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.algorithms import ALGORITHMS
+from mrsfi_runtime.search.algorithms import ALGORITHMS, MINIMISING
 from mrsfi_runtime.search.campaign import run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.cli import workspace
@@ -24,11 +26,16 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return workspace(tmp_path_factory.mktemp("place"), MISSION)
 
 
-def begin_search(place: Path, name: str, algorithm: str) -> Path:
+def begin_search(place: Path, name: str, algorithm: str, minimise: str | None) -> Path:
     settings = CampaignSettings(
-        algorithm=algorithm, population=8, faults=6, evaluations=N_EVALUATIONS, seed=3
+        algorithm=algorithm,
+        population=8,
+        faults=6,
+        evaluations=N_EVALUATIONS,
+        minimise=minimise,
+        seed=3,
     )
-    return begin(place / f"{name}-{algorithm}", place / "models" / MISSION, settings)
+    return begin(place / f"{name}-{algorithm}-{minimise}", place / "models" / MISSION, settings)
 
 
 def search(campaign: Path) -> int:
@@ -48,17 +55,21 @@ def search(campaign: Path) -> int:
         return store.n_evaluations - n_before
 
 
-@pytest.fixture(scope="module", params=ALGORITHMS)
+@pytest.fixture(
+    scope="module",
+    params=[*((name, None) for name in ALGORITHMS), *product(MINIMISING, COSTS)],
+    ids=lambda search: "-".join(filter(None, search)),
+)
 def whole(place: Path, request: pytest.FixtureRequest) -> Path:
     """Folder of a campaign of one algorithm that was never interrupted."""
-    path = begin_search(place, "whole", request.param)
+    path = begin_search(place, "whole", *request.param)
     search(path)
     return path
 
 
-def algorithm_of(campaign: Path) -> str:
+def search_of(campaign: Path) -> tuple[str, str | None]:
     with CampaignStore.open(campaign) as store:
-        return store.settings.algorithm
+        return store.settings.algorithm, store.settings.minimise
 
 
 def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds(whole):
@@ -86,7 +97,7 @@ def test_every_generation_keeps_statistics_of_a_recorded_population(whole):
 
 
 def test_killed_and_resumed_it_ends_as_one_that_never_was(place, whole):
-    path = begin_search(place, "killed", algorithm_of(whole))
+    path = begin_search(place, "killed", *search_of(whole))
 
     is_killed = killed_after(0.0, SEARCH, path, 1, n_evaluated=20)
     n_kept = len(evaluations(path))

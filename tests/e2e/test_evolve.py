@@ -118,3 +118,30 @@ def test_ctrl_c_ends_with_130_and_leaves_a_campaign_that_can_be_reported(place):
     found = mrsfi_json("report", "runs/stopped", cwd=place)
     assert found["n_generations"] >= 1
     mrsfi("replay", "runs/stopped", cwd=place)
+
+
+ONE_GOAL = ("--minimise", "faults", "--violations", "true", "--goals", "depths", "--faults", "4")
+
+
+def test_the_smallest_set_that_makes_a_goal_truly_fail_is_one_command(tmp_path):
+    quick = workspace(tmp_path, "tight_margins")
+    search = ("--algorithm", "guided", *ONE_GOAL, *SMALL, "--out", "out")
+
+    printed = mrsfi("evolve", "tight_margins", *search, cwd=quick).stdout
+    found = mrsfi_json("report", "out", cwd=quick)
+
+    assert "trade-offs between depths, faults (true violations)" in printed
+    assert "Most harm with how few faults (true violations, depths)" in printed
+    assert found["harm"][0]["cost"] == found["front"]["points"][0]["faults"]
+    assert (quick / "out" / "figures" / "figure_harm.png").is_file()
+    assert "finished already" in mrsfi("evolve", "--resume", "out", *ONE_GOAL, cwd=quick).stderr
+    other = ("--resume", "out", "--goals", "energy")
+    error = mrsfi("evolve", *other, cwd=quick, expected=2).stderr
+    assert "--goals: found ['energy']" in error
+
+
+def test_an_algorithm_without_a_front_cannot_minimise(place):
+    error = mrsfi("evolve", MISSION, "--minimise", "faults", cwd=place, expected=2).stderr
+
+    assert "algorithm 'paper', which knows fitness alone; expected algorithm 'nsga2' or" in error
+    assert not (place / "runs").exists()

@@ -15,7 +15,7 @@ from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.space import Candidate, SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
-from mrsfi_runtime.search.steps import STEPS, crept, dropped, filled, widened
+from mrsfi_runtime.search.steps import STEPS, crept, dropped, filled, resized, widened
 from mrsfi_runtime.search.variation import crossed, mutated
 from tests.support.search import PAPER_FAULTS, paper_mission, paper_space, pool_of, random_pair
 from tests.tiers import law
@@ -166,6 +166,23 @@ def test_steps_repeat_from_their_seed_and_can_change_something(step):
 
     assert first == [step(space, specification, Random(seed)) for seed in range(20)]
     assert any(stepped != specification for stepped in first)
+
+
+@LAW
+@given(DRAWN, st.integers(0, 5))
+def test_resizing_adds_or_drops_one_fault_and_keeps_the_restriction(drawn, n_more):
+    specification = drawn.specification()
+    n_most = len(specification) + n_more
+
+    for _ in range(5):
+        resize = resized(
+            drawn.space, specification, drawn.rng, 0.5, mutation=mutated, n_most=n_most
+        )
+
+        drawn.require_legal(resize)
+        assert 1 <= len(resize) <= n_most
+        assert abs(len(resize) - len(specification)) <= 1
+        specification = resize
 
 
 @LAW

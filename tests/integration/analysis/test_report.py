@@ -1,5 +1,6 @@
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,7 @@ CODE = paper_code()
 SINGLE = ["figure_05_mission_map", "figure_06_mean_fitness", "figure_07_best_fitness"]
 FOCUSED = ["figure_05_mission_map", "figure_08_mean_fitness", "figure_09_best_fitness"]
 FRONTS = ["figure_10_front_by_generation", "figure_11_front"]
+HARM = ["figure_harm"]
 TYPES = ["figure_12_fault_types"]
 FOCUS = CampaignSettings(fitness="focused", goals=("g1", "g3"))
 
@@ -50,6 +52,9 @@ def stems(folder: Path, suffix: str) -> list[str]:
         (CampaignSettings(goals=("g1", "g3")), SINGLE + FRONTS + TYPES),
         (FOCUS, FOCUSED + FRONTS + TYPES),
         (CampaignSettings(fitness="focused", goals=("g1",)), FOCUSED + TYPES),
+        (CampaignSettings(minimise="faults"), SINGLE + HARM + TYPES),
+        (replace(FOCUS, minimise="fault_ticks"), FOCUSED + HARM + FRONTS + TYPES),
+        (CampaignSettings(goals=("g1",), minimise="faults"), SINGLE + HARM + TYPES),
     ],
 )
 def test_a_campaign_gets_the_figures_of_its_case(settings, expected, tmp_path):
@@ -137,6 +142,7 @@ def test_the_summary_says_what_was_found(focused):
         "best",
         "top",
         "front",
+        "harm",
         "pick",
         "trend",
         "patterns",
@@ -204,6 +210,41 @@ def test_a_second_report_writes_the_same_bytes(tmp_path):
         return {str(p): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
     assert written() == written()
+
+
+def test_a_campaign_that_minimises_reports_harm_against_it(tmp_path):
+    settings = CampaignSettings(minimise="faults", goals=("g2",), violations="true")
+    small, large = (
+        tuple(TimedFault("f8", 20 * n, 20 * n + 9, (1.0,)) for n in range(size)) for size in (1, 3)
+    )
+    found = [
+        evaluation(0, (0, 9, 0, 0, 0, 0), specification=large),
+        evaluation(1, (8, 4, 0, 0, 0, 0), specification=small),
+        evaluation(2, (8, 1, 0, 0, 0, 0), specification=large),
+    ]
+    with CampaignStore.create(tmp_path / "run", settings, Manifest()) as store:
+        store.append(found)
+
+    write_report(tmp_path / "run", CODE.mission, CODE.pool, write)
+
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["front"] == {
+        "goals": ["g2"],
+        "points": [
+            {"evaluation": 1, "violations": {"g2": 2}, "faults": 1},
+            {"evaluation": 0, "violations": {"g2": 4}, "faults": 3},
+        ],
+    }
+    assert table(tmp_path / "run", "figure_harm") == [
+        ["faults", "goals violated", "goals by", "violations", "violations by"],
+        ["1", "1", "1", "2", "1"],
+        ["3", "1", "1", "4", "0"],
+    ]
+    report = (tmp_path / "run" / "report.md").read_text()
+    assert "## Harm against faults" in report
+    assert "(figures/figure_harm.png)" in report
+    assert "| 3 | 1 | 1 | 4 | 0 |" in report
+    assert "2 non-dominated specifications over g2, faults (true violations" in report
 
 
 def test_a_ratio_over_goals_that_nobody_chose_has_its_own_front(tmp_path):

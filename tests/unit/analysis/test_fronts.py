@@ -1,3 +1,4 @@
+from itertools import pairwise
 from math import atan2
 
 import pytest
@@ -9,17 +10,21 @@ from mrsfi_runtime.analysis.fronts import (
     FrontPoint,
     Ratio,
     find_front,
+    find_harm,
     nearest_ratio,
     non_dominated,
     parse_ratio,
 )
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation
 from tests.support.search import paper_mission
 
 MEASURE = Measure.of(CampaignSettings(), paper_mission())
+FEWEST = Measure.of(CampaignSettings(minimise="faults"), paper_mission())
 VECTORS = st.integers(1, 4).flatmap(
     lambda n: st.lists(st.tuples(*[st.integers(0, 6)] * n), max_size=30)
 )
@@ -56,6 +61,58 @@ def test_of_equal_violations_the_earliest_evaluation_stands():
     found = [evaluation(i, (4, 0, 4, 0, 0, 0)) for i in (7, 3, 5)]
 
     assert find_front(MEASURE, found, ("g1", "g3")).points == (FrontPoint(3, (4, 4)),)
+
+
+COUNTS = st.tuples(*[st.integers(0, 4)] * 2)
+
+
+def of_sizes(found: list[tuple[tuple[int, int], int]]) -> list[Evaluation]:
+    """Return evaluations of two goals' violations, by specifications of so many faults."""
+    return [
+        evaluation(
+            index,
+            (first, 0, second, 0, 0, 0),
+            specification=tuple(TimedFault("f8", 9 * n, 9 * n, (index,)) for n in range(n_faults)),
+        )
+        for index, ((first, second), n_faults) in enumerate(found)
+    ]
+
+
+@given(st.lists(st.tuples(COUNTS, st.integers(1, 4)), max_size=20))
+def test_a_front_that_minimises_has_whom_nobody_beats_in_violations_or_in_size(found):
+    front = find_front(FEWEST, of_sizes(found), ("g1", "g3"))
+
+    vectors = [(*counts, -size) for counts, size in found]
+    expected = {one for one in vectors if not any(dominates(other, one) for other in vectors)}
+    assert {(*point.violations, -point.cost) for point in front.points} == expected
+    assert len(front.points) == len(expected)
+    assert front.aims == ("g1", "g3", "faults")
+    for point in front.points:
+        assert point.evaluation == vectors.index((*point.violations, -point.cost))
+
+
+@given(st.lists(st.tuples(COUNTS, st.integers(1, 4)), max_size=20))
+def test_harm_is_the_most_that_so_few_faults_do_and_rises(found):
+    harm = find_harm(FEWEST, of_sizes(found))
+
+    for size in range(5):
+        few = [counts for counts, n_faults in found if n_faults <= size]
+        shown = [each for each in harm if each.cost <= size]
+        assert bool(few) == bool(shown)
+        if shown:
+            assert shown[-1].n_violated == max(sum(n > 0 for n in counts) for counts in few)
+            assert shown[-1].violations == max(map(sum, few))
+    for each in harm:
+        (counts, n_faults), (others, n_others) = (
+            found[each.n_violated_by],
+            found[each.violations_by],
+        )
+        assert (sum(n > 0 for n in counts), sum(others)) == (each.n_violated, each.violations)
+        assert max(n_faults, n_others) == each.cost
+    rising = [(each.cost, each.n_violated + each.violations) for each in harm]
+    assert all(
+        low < high for one, two in pairwise(rising) for low, high in zip(one, two, strict=True)
+    )
 
 
 def test_no_evaluations_have_an_empty_front():

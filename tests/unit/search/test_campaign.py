@@ -8,12 +8,11 @@ from typing import Any
 import pytest
 
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.faults import Specification, fault_ticks
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.campaign import CampaignProgress, EvaluateMany, run_campaign
-from mrsfi_runtime.search.specifications import fault_ticks
 from tests.support.search import (
     MemoryRecorder,
     evaluate_stand_in,
@@ -210,6 +209,10 @@ def test_a_result_too_few_is_noticed():
         ),
         (CampaignSettings(crossover_operator="x"), "crossover_operator: found 'x'; expected one"),
         (CampaignSettings(goals=("g1", "g9")), "goals: found 'g9'; mission 'uuv_sampling' has g1"),
+        (
+            CampaignSettings(minimise="faults"),
+            "algorithm 'paper', which knows fitness alone; expected algorithm 'nsga2' or 'guided'",
+        ),
     ],
 )
 def test_settings_that_name_what_does_not_exist_are_refused(settings, message):
@@ -250,11 +253,20 @@ def failing_if_rare(specifications: Sequence[Specification]) -> list[Outcome | F
     ]
 
 
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
+@pytest.mark.parametrize(
+    ("algorithm", "minimise"),
+    [*((name, None) for name in ALGORITHMS), ("nsga2", "fault_ticks"), ("guided", "faults")],
+)
 @pytest.mark.parametrize("evaluations", [None, 150])
-def test_a_run_cut_anywhere_and_resumed_leaves_the_record_of_a_whole_one(algorithm, evaluations):
+def test_a_run_cut_anywhere_and_resumed_leaves_the_record_of_a_whole_one(
+    algorithm, minimise, evaluations
+):
     settings = CampaignSettings(
-        algorithm=algorithm, generations=6, evaluations=evaluations, max_failures=1000
+        algorithm=algorithm,
+        minimise=minimise,
+        generations=6,
+        evaluations=evaluations,
+        max_failures=1000,
     )
     whole = Run(settings, failing_if_rare)
     whole.start()

@@ -4,9 +4,9 @@ from random import Random
 import pytest
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.faults import FaultPool, TimedFault
+from mrsfi_runtime.model.faults import FaultPool, TimedFault, fault_ticks
 from mrsfi_runtime.search.space import SearchSpace, random_window
-from mrsfi_runtime.search.specifications import fault_ticks, random_specification
+from mrsfi_runtime.search.specifications import random_specification
 from tests.support.search import paper_mission, paper_space
 
 

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.analysis.fronts import non_dominated
+from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.run_results import RunResult, front_volume, measure_run
@@ -89,6 +90,29 @@ def test_hypervolume_needs_two_goals_and_not_too_many():
     assert front_volume([(4,) * 8], [10] * 8) is None
     assert front_volume([(10,) * 7], [10] * 7) == pytest.approx(1.0)
     assert front_volume([], [10, 10]) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("minimise", "most", "sizes"), [("faults", 4, (1, 3)), ("fault_ticks", 4 * 9, (1, 12))]
+)
+def test_what_is_minimised_is_one_objective_more_of_the_hypervolume(minimise, most, sizes):
+    few, many = sizes
+    small = (TimedFault("f8", 0, few - 1, (1.0,)),)
+    parts = (3, 5, 4) if minimise == "fault_ticks" else (1, 1, 1)
+    large = tuple(TimedFault(f"f{n}", n, n + long - 1) for n, long in enumerate(parts))
+    found = [
+        evaluation(0, (4, *SIX[1:]), specification=small),
+        evaluation(1, (9, *SIX[1:]), specification=large),
+        evaluation(2, (4, *SIX[1:]), specification=large),
+    ]
+    waters = replace(paper_mission(), duration=9)
+    settings = CampaignSettings(goals=("g1",), faults=4, minimise=minimise, algorithm="nsga2")
+
+    run = measure_run(settings, waters, found, n_failures=0, seconds=1.0, digest="d")
+
+    reached = 5 * most + (10 - 5) * (most + 1 - many)  # vectors of (0 … 9, 1 … most)
+    assert run.hypervolume == pytest.approx(reached / (10 * most))
+    assert run.front_size == 2
 
 
 def test_a_front_on_an_axis_has_a_volume():
