@@ -1,6 +1,8 @@
 """What ``mrsfi explain`` prints and writes, held to what other commands fly."""
 
 import shutil
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 from statistics import median
 
@@ -21,13 +23,17 @@ def by_hand(place: Path, *windows: tuple[int, int]) -> Path:
     return stop_specification(place / "models" / MISSION / "stop.xmi", windows)
 
 
+def explained(*arguments, cwd):
+    return mrsfi_json("explain", *arguments, cwd=cwd)["explanations"]
+
+
 def flown_counts(flight, columns):
     goals = {goal["id"]: goal for goal in flight["goals"]}
     return [goals[column["goal"]][column["kind"]] for column in columns]
 
 
 def test_a_cause_set_flown_again_has_the_counts_that_were_printed(campaign, place):
-    (found,) = mrsfi_json("explain", campaign, cwd=place)
+    (found,) = explained(campaign, cwd=place)
 
     cause = found["cause_set"]
     flight = mrsfi_json("simulate", MISSION, "--faults", cause["file"], cwd=place)
@@ -56,12 +62,15 @@ def test_a_cause_set_flown_again_has_the_counts_that_were_printed(campaign, plac
 
 
 def test_what_is_explained_are_those_that_were_asked_for(campaign, place):
-    best, second = mrsfi_json("explain", campaign, "--top", "2", cwd=place)
+    both = mrsfi_json("explain", campaign, "--top", "2", cwd=place)
+    best, second = both["explanations"]
+    titles = [best["specification"], second["specification"]]
+    assert [each for group in both["findings"] for each in group["specifications"]] == titles
 
-    assert mrsfi_json("explain", campaign, "--best", cwd=place) == [best]
+    assert explained(campaign, "--best", cwd=place) == [best]
     name = Path(second["cause_set"]["file"]).stem
     index = name.removeprefix("evaluation_").removesuffix("-cause")
-    assert mrsfi_json("explain", campaign, "--evaluation", index, cwd=place) == [second]
+    assert explained(campaign, "--evaluation", index, cwd=place) == [second]
     assert Path(second["cause_set"]["file"]).parent == campaign / "causes"
 
 
@@ -94,7 +103,7 @@ def test_chances_of_the_weather_are_those_of_twenty_flights(place):
     path = by_hand(place, (100, 900), (950, 951))
     arguments = ("--faults", path, *FAST, "--seed", "7")
 
-    (found,) = mrsfi_json("explain", MISSION, *arguments, cwd=place)
+    (found,) = explained(MISSION, *arguments, cwd=place)
 
     cause = path.with_name("stop-cause.xmi")
     by_seed = [
@@ -118,16 +127,32 @@ def test_what_violates_nothing_has_nothing_to_explain(windows, n, place):
     text = mrsfi("explain", MISSION, "--faults", path, *FAST, cwd=place).stdout
 
     assert text == f"{path}: {n}, and no goal is violated; there is nothing to explain\n"
-    (found,) = mrsfi_json("explain", MISSION, "--faults", path, *FAST, cwd=place)
+    (found,) = explained(MISSION, "--faults", path, *FAST, cwd=place)
     assert not found["is_violated"]
     assert not [*path.parent.glob("*-cause.xmi")]
 
 
 def test_the_measure_and_the_share_can_be_chosen(campaign, place):
-    (found,) = mrsfi_json("explain", campaign, "--measure", "true", "--keep", "0.5", cwd=place)
+    (found,) = explained(campaign, "--measure", "true", "--keep", "0.5", cwd=place)
 
     assert {column["kind"] for column in found["columns"]} == {"true"}
     assert found["keep"] == 0.5
+
+
+def test_several_specifications_end_with_their_findings(campaign, place):
+    text = mrsfi("explain", campaign, "--top", "2", "--out", "causes", cwd=place).stdout
+
+    last = text[text.index(" in 2 specifications\n") :]
+    assert "\n1: f" in last
+    assert len([*(place / "causes").glob("evaluation_*-cause.xmi")]) == 2
+
+
+def test_a_record_that_flies_otherwise_is_not_explained(campaign, place):
+    with closing(sqlite3.connect(campaign / "campaign.sqlite")) as connection, connection:
+        connection.execute("UPDATE evaluation SET digest = 'forged'")
+
+    assert "digest" in mrsfi("explain", campaign, cwd=place, expected=7).stderr
+    assert not (campaign / "causes").exists()
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from mrsfi_runtime.causes.simplest import simplest
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import following
 
 
@@ -32,6 +33,8 @@ class Explanation:
         Counts under all faults, under none, and under the cause set.
     cause_set
         The faults without which the violations would not be.
+    outcome
+        What flying the cause set finds in the first mission seed.
     simplest, simplest_counts
         Its simplest form, and the counts under that.
     n_minima
@@ -57,6 +60,7 @@ class Explanation:
     fault_free: Counts
     kept: Counts
     cause_set: Places
+    outcome: Outcome
     simplest: Specification
     simplest_counts: Counts
     n_minima: int
@@ -135,6 +139,7 @@ def explain(
         fault_free=fault_free,
         kept=flights.counts(cause),
         cause_set=cause_set,
+        outcome=flights.outcomes(cause)[0],
         simplest=simple,
         simplest_counts=flights.counts(simple),
         n_minima=len(minima),

@@ -17,7 +17,13 @@ from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation, explain
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, engine_options
-from mrsfi_runtime.cli.explained import Shown, as_json, print_explanation
+from mrsfi_runtime.cli.explained import (
+    Shown,
+    as_json,
+    findings_as_json,
+    print_explanation,
+    print_findings,
+)
 from mrsfi_runtime.cli.folders import (
     FlyableCampaign,
     MissionFolders,
@@ -64,6 +70,9 @@ fault is to each goal:
   redundant  could take the place of one in it
   masking    without it there would be more violations
   bystander  none of these
+
+Of several specifications, those are one finding whose cause sets have the same faults in windows
+that overlap.
 """
 
 
@@ -106,6 +115,8 @@ class Case:
         Returns what the specifications' faults are copied from.
     folder
         Where the cause sets are written.
+    source
+        The file, or the campaign.
     """
 
     code: MissionCode
@@ -113,6 +124,7 @@ class Case:
     mission_seeds: tuple[int, ...]
     models: Callable[[], LoadedModels]
     folder: Path
+    source: Path
 
 
 @click.command(name="explain", help=_HELP)
@@ -208,6 +220,7 @@ def _of_file(
         mission_seeds=(1 if seed is None else seed,),
         models=lambda: models,
         folder=path.parent if out is None else out,
+        source=path,
     )
     names = tuple(timed.fault for timed in specification)
     return case, Subject(path.stem, str(path), specification, names)
@@ -241,6 +254,7 @@ def _case_of_run(campaign: FlyableCampaign, kind: str | None, out: Path | None) 
         mission_seeds=settings.mission_seeds,
         models=cache(partial(load_mission_folder, campaign.folder.model)),
         folder=campaign.folder.causes if out is None else out,
+        source=campaign.folder.path,
     )
 
 
@@ -267,28 +281,40 @@ def _explain_all(
     case: Case, subjects: Sequence[Subject], settings: EngineSettings, keep: float, *, is_json: bool
 ) -> None:
     """Explain specifications one after the other; print each, and write its cause set."""
-    seeds = case.mission_seeds
+    seed = case.mission_seeds[0]
     if settings.name == AUTO:
-        settings = settings.tried(case.code, seeds[0], tell)
-    told = []
-    with settings.open(case.code, seeds[0], os.cpu_count() or 1) as engine:
+        settings = settings.tried(case.code, seed, tell)
+    told, explained = [], []
+    with settings.open(case.code, seed, os.cpu_count() or 1) as engine:
         for subject in subjects:
             if not settings.has_simulation:
                 _require_repeatable(engine, subject)
-            evaluators = [partial(engine.evaluate_many, seed=seed) for seed in seeds]
-            flights = Flights(evaluators, case.measure)
-            if subject.recorded is not None:
-                (outcome, *_) = flights.outcomes(subject.specification)
-                require_same(case.folder.parent, subject.recorded, outcome)
-            explanation = explain(flights, engine, subject.specification, keep)
-            paths = _write(case, subject, explanation)
-            shown = Shown(case.code, case.measure, subject.title, subject.fault_names, keep, paths)
+            shown, found = _explain(case, engine, subject, keep)
             if is_json:
-                told.append(as_json(shown, explanation))
+                told.append(as_json(shown, found))
             else:
-                print_explanation(shown, explanation)
+                print_explanation(shown, found)
+            if found is not None and found.cause_set:
+                explained.append((shown, found))
     if is_json:
-        print_json(told)
+        print_json({"explanations": told, "findings": findings_as_json(explained)})
+    elif len(subjects) > 1:
+        print_findings(explained)
+
+
+def _explain(
+    case: Case, engine: Engine, subject: Subject, keep: float
+) -> tuple[Shown, Explanation | None]:
+    """Explain a specification, which flies as it is recorded, and write its cause set."""
+    evaluators = [partial(engine.evaluate_many, seed=seed) for seed in case.mission_seeds]
+    flights = Flights(evaluators, case.measure)
+    if subject.recorded is not None:
+        (outcome, *_) = flights.outcomes(subject.specification)
+        require_same(case.source, subject.recorded, outcome)
+    found = explain(flights, engine, subject.specification, keep)
+    paths = _write(case, subject, found)
+    name, title, names = subject.name, subject.title, subject.fault_names
+    return Shown(case.code, case.measure, name, title, names, keep, paths), found
 
 
 def _require_repeatable(engine: Engine, subject: Subject) -> None:

@@ -3,23 +3,25 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import click
 from rich.table import Table
+from rich.text import Text
 
 from mrsfi_runtime.analysis.summary import parameter_values
 from mrsfi_runtime.causes.chain import Chain, First, FirstVerdicts
 from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
+from mrsfi_runtime.causes.findings import Finding, findings
 from mrsfi_runtime.causes.firmness import N_SEEDS
 from mrsfi_runtime.causes.labels import BYSTANDER
 from mrsfi_runtime.causes.sentence import sentence
 from mrsfi_runtime.cli.console import counted, print_table
-from mrsfi_runtime.cli.tables import plain_table
+from mrsfi_runtime.cli.tables import goals_as_json, plain_table
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.record.measure import NONE, Measure, ticks
+from mrsfi_runtime.record.measure import NONE, Measure, ticks, violated
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +32,8 @@ class Shown:
     ----------
     code, measure
         The mission, and what is counted.
-    title
-        What the specification is.
+    name, title
+        What the specification is, in short, and for people.
     names
         Of its timed faults.
     keep
@@ -42,6 +44,7 @@ class Shown:
 
     code: MissionCode
     measure: Measure
+    name: str
     title: str
     names: tuple[str, ...]
     keep: float
@@ -215,6 +218,58 @@ def _print_labels(shown: Shown, found: Explanation) -> None:
 def _cell(shown: Shown, found: Explanation, goal: str, counts: Counts) -> str:
     pairs = zip(found.columns, counts, strict=True)
     return "/".join(shown.ticks(count) for column, count in pairs if column.goal == goal)
+
+
+Explained: TypeAlias = tuple[Shown, Explanation]
+"""A specification that violates something, and why."""
+
+
+def print_findings(explained: Sequence[Explained]) -> None:
+    """Print which of several explained specifications are the same finding."""
+    groups = _findings(explained)
+    n_explained = counted(len(explained), "specifications")
+    rows = []
+    for number, group in enumerate(groups, 1):
+        shown, found = explained[group[0]]
+        goals = zip(
+            shown.code.mission.goal_ids,
+            violated(found.outcome, shown.measure.duration),
+            strict=True,
+        )
+        said = ", ".join(f"{goal} {what}" for goal, what in goals if what != "0/0")
+        members = " ".join(explained[member][0].name for member in group)
+        faults = " ".join(timed.fault for timed in found.cause)
+        rows.append((number, members, faults, said))
+    header = ("specifications", "faults", "believed/true")
+    print_table(f"{counted(len(groups), 'findings')} in {n_explained}", _wrapping(header, rows))
+    for number, group in enumerate(groups, 1):
+        click.echo(f"{number}: {_sentence(*explained[group[0]])}\n")
+
+
+def _findings(explained: Sequence[Explained]) -> tuple[Finding, ...]:
+    return findings([found.cause for _, found in explained])
+
+
+def _wrapping(header: Sequence[str], rows: Sequence[Sequence[object]]) -> Table:
+    table = plain_table((), ("#",), (), header)
+    for row in rows:
+        table.add_row(*(Text(str(cell)) for cell in row))
+    return table
+
+
+def findings_as_json(explained: Sequence[Explained]) -> list[dict[str, Any]]:
+    """Return what ``print_findings`` prints, for scripts."""
+    return [
+        {
+            "specifications": [explained[member][0].title for member in group],
+            "faults": [timed.fault for timed in explained[group[0]][1].cause],
+            "goals": goals_as_json(
+                explained[group[0]][0].code.mission, explained[group[0]][1].outcome
+            ),
+            "sentence": _sentence(*explained[group[0]]),
+        }
+        for group in _findings(explained)
+    ]
 
 
 def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
