@@ -9,11 +9,10 @@ from mrsfi_runtime.analysis.other_values import N_STEPS, other_values
 from mrsfi_runtime.analysis.reasons import Comparison, Differences, Twin, in_words, reason_of
 from mrsfi_runtime.engine.flights import Engine, FailedFlight
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, Specification, TimedFault
-from mrsfi_runtime.model.mission import Mission, Obstacle, Robot, Sensor
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.model.targets import Target, touched
+from mrsfi_runtime.model.targets import Target, describe, touched
 
 COUNTS = ("believed", "true", "missed")
 """Counts of a goal in ticks; a fault that changes one of them changes the goal."""
@@ -206,8 +205,7 @@ def _others(
     for specification in dict.fromkeys(nearest.values()):
         changed = [_changed(without[seed], engine.evaluate(specification, seed)) for seed in seeds]
         (timed,) = specification
-        names = (parameter.name for parameter in engine.code.pool[timed.fault].kind.parameters)
-        values = dict(zip(names, timed.values, strict=True))
+        values = engine.code.pool[timed.fault].kind.named(timed.values)
         found.append(OtherValues(values, _n_seeds(mission, changed)))
     return tuple(found)
 
@@ -224,14 +222,3 @@ def _paths(engine: Engine, seed: int, timed: TimedFault) -> list[tuple[float, fl
 
     engine.evaluate((), seed, observer=watch)
     return places
-
-
-def describe(mission: Mission, target: Target) -> str:
-    """Return a target in words, for example ``r3 energy`` or ``s4 count``."""
-    affected, index = target
-    owners: Sequence[Robot | Sensor | Obstacle] = mission.robots
-    if affected in (Field.COUNT, Field.RATE, Field.COST, Field.ACTIVATION):
-        owners = mission.sensors
-    elif affected is Field.OBSTACLE:
-        owners = mission.obstacles
-    return f"{owners[index].id} {affected.name.lower()}"

@@ -8,7 +8,7 @@ References
 Source paper, section III-B b).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 from types import MappingProxyType
@@ -61,6 +61,20 @@ class Range(Enum):
     X = "first coordinate"
     Y = "second coordinate"
     Z = "height"
+
+
+UNITS: Mapping[Range, str] = MappingProxyType(
+    {
+        Range.TICKS: "ticks",
+        Range.PERCENT: "percent",
+        Range.SPEED: "units per tick",
+        Range.ENERGY: "energy units",
+        Range.COUNT: "samples",
+        Range.RATE: "samples per tick",
+        Range.COST: "energy per sample",
+    }
+)
+"""What the values of a parameter are told in; shares and coordinates are plain numbers."""
 
 
 class Role(Enum):
@@ -120,6 +134,20 @@ class FaultType:
         """Whether the parameters are coordinates."""
         ranges = [parameter.range for parameter in self.parameters]
         return ranges[:2] == [Range.X, Range.Y] and set(ranges[2:]) <= {Range.Z}
+
+    def named(self, values: Sequence[float]) -> dict[str, float]:
+        """Return values by the names of the parameters."""
+        names = (parameter.name for parameter in self.parameters)
+        return dict(zip(names, values, strict=True))
+
+    def in_words(self, values: Sequence[float]) -> str:
+        """Return values with names and units, of six digits: ``DELAY 200 ticks``."""
+        units = (UNITS.get(parameter.range, "") for parameter in self.parameters)
+        named = self.named(values).items()
+        return ", ".join(
+            f"{name} {value:.6g} {unit}".rstrip()
+            for (name, value), unit in zip(named, units, strict=True)
+        )
 
 
 REPORTED = (Field.SPEED, Field.ENERGY, Field.COUNT, Field.RATE, Field.COST)

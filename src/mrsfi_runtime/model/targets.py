@@ -9,7 +9,7 @@ Source paper, sections III-C b), III-E b) and c). The paper says *same message* 
 place and *same class* in another; this key serves the purpose it states.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
@@ -21,7 +21,7 @@ from mrsfi_runtime.model.fault_types import (
     Struck,
 )
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
-from mrsfi_runtime.model.mission import Message, Mission
+from mrsfi_runtime.model.mission import Message, Mission, Obstacle, Robot, Sensor
 
 Target: TypeAlias = tuple[Field, int]
 """A property and the index of the robot, sensor or obstacle that has it."""
@@ -42,6 +42,17 @@ def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     if key not in mission.touches:
         mission.touches[key] = tuple(dict.fromkeys(_found(mission, fault)))
     return mission.touches[key]
+
+
+def describe(mission: Mission, target: Target) -> str:
+    """Return a target in words, for example ``r3 energy`` or ``s4 count``."""
+    affected, index = target
+    owners: Sequence[Robot | Sensor | Obstacle] = mission.robots
+    if affected in (*OF_SENSOR, Field.ACTIVATION):
+        owners = mission.sensors
+    elif affected is Field.OBSTACLE:
+        owners = mission.obstacles
+    return f"{owners[index].id} {affected.name.lower()}"
 
 
 def _found(mission: Mission, fault: Fault) -> tuple[Target, ...]:
