@@ -219,6 +219,23 @@ def test_both_engines_agree_also_after_other_specifications(code):
     assert all(all(outcome.changed) for outcome in found[:4])
 
 
+def test_both_engines_tell_alike_when_a_fault_first_changed_something(code):
+    reference = ReferenceEngine(code, 3)
+
+    with CompiledEngine(code, 3) as engine:
+        for specification in SPECIFICATIONS:
+            found, expected = [], []
+            engine.evaluate(specification, tallies=found)
+            reference.evaluate(specification, tallies=expected)
+
+            assert found == expected
+            assert all(
+                timed.start <= tally.first_changed <= timed.finish
+                for timed, tally in zip(specification, found, strict=True)
+                if tally.changed
+            )
+
+
 def test_own_effects_fly_over_rosbridge_as_without_a_bus(code):
     expected = [ReferenceEngine(code, 3).evaluate(each) for each in SPECIFICATIONS[:2]]
 

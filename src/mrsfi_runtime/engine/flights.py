@@ -11,7 +11,7 @@ from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError
 from mrsfi_runtime.hosting.lockstep import Flight, Observer
 from mrsfi_runtime.hosting.own_effects import guarded
 from mrsfi_runtime.hosting.sides import SimInterface
-from mrsfi_runtime.kernel.injections import Plan, plan
+from mrsfi_runtime.kernel.injections import FaultTally, Plan, plan
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.mission import MissionCode, failed
 from mrsfi_runtime.model.fault_types import Mode
@@ -84,6 +84,7 @@ class Engine(Evaluator):
         *,
         pool: FaultPool | None = None,
         observer: Observer | None = None,
+        tallies: list[FaultTally] | None = None,
     ) -> Outcome:
         """Fly the mission under a fault specification.
 
@@ -97,6 +98,10 @@ class Engine(Evaluator):
             Where its faults come from; the mission's own pool if left out.
         observer
             Sees every tick, in whatever thread.
+        tallies
+            Receives what each timed fault does, before the observer sees the first tick: its
+            ``first_changed`` says by the tick itself, at the latest, whether that was the one;
+            counts are complete when the flight has ended.
 
         Raises
         ------
@@ -113,7 +118,8 @@ class Engine(Evaluator):
         require_effects(self.code.pool, pool)
         require_no_overlap(self.code.mission, pool, specification)
         seed = self.seed if seed is None else seed
-        return self._evaluate(specification, seed, pool, observer)
+        received: list[FaultTally] = [] if tallies is None else tallies
+        return self._evaluate(specification, seed, pool, observer, received)
 
     def attempt(self, specification: Specification, seed: int | None = None) -> Evaluated:
         """Evaluate a specification; the failure of a region is a result too."""
@@ -130,7 +136,12 @@ class Engine(Evaluator):
 
     @abstractmethod
     def _evaluate(
-        self, specification: Specification, seed: int, pool: FaultPool, observer: Observer | None
+        self,
+        specification: Specification,
+        seed: int,
+        pool: FaultPool,
+        observer: Observer | None,
+        tallies: list[FaultTally],
     ) -> Outcome:
         """Fly under a specification without overlaps."""
 
@@ -151,10 +162,16 @@ class PlainEngine(Engine):
         """Begin a flight, and fly it to its last tick."""
 
     def _evaluate(
-        self, specification: Specification, seed: int, pool: FaultPool, observer: Observer | None
+        self,
+        specification: Specification,
+        seed: int,
+        pool: FaultPool,
+        observer: Observer | None,
+        tallies: list[FaultTally],
     ) -> Outcome:
         code = self.code
         laid_out = plan(code.mission, pool, specification)
+        tallies[:] = laid_out.tallies
         own = {fault.kind.effect: fault.kind for fault in pool if fault.kind.effect >= 0}
         functions = code.functions
         if own:

@@ -9,7 +9,7 @@ from array import array
 from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
-from typing import NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from mrsfi_runtime.kernel.state import State, no_memory
 from mrsfi_runtime.model.fault_types import ELEMENTS, FaultType, Field, Mode
@@ -73,12 +73,16 @@ OwnEffect: TypeAlias = Callable[[State, State, OwnFault], None]
 
 @dataclass(slots=True)
 class FaultTally:
-    """At how many ticks a timed fault was active, and at how many it changed a value."""
+    """At how many ticks a timed fault was active, and at how many it changed a value.
+
+    ``first_changed`` and ``last_…`` are ticks, -1 while there was none.
+    """
 
     applied: int = 0
     changed: int = 0
     last_applied: int = -1
     last_changed: int = -1
+    first_changed: int = -1
 
 
 @dataclass(slots=True)
@@ -104,7 +108,8 @@ InjectionRow: TypeAlias = tuple[int, int, int, int, int, int, float, float, floa
 OwnRow: TypeAlias = tuple[int, int, int, int, int, int, MutableSequence[float]]
 """What a fault of a team's own type is before its run: the first attributes of ``OwnFault``."""
 
-_START = 4  # where a row has the tick at which it becomes active
+_START: Final = 4
+_FINISH: Final = 5  # where a row has the first and the last tick at which it is active
 
 
 class PlanRows(NamedTuple):
@@ -172,6 +177,25 @@ def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -
     for listed in (messages, reports, commands, own):
         listed.sort(key=itemgetter(_START))
     return PlanRows((messages, reports, commands), own, n_held, len(specification))
+
+
+def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple[int, int] | None:
+    """Return the first and the last tick at which a fault is active; ``None`` if it never is.
+
+    They are those of its window, but for blocks that end before it, for delays below one tick, for
+    what no message carries, and for what lies behind the mission's end.
+
+    Raises
+    ------
+    SpecificationError
+        As ``plan``.
+    """
+    lists, own, *_ = plan_rows(mission, pool, (timed,))
+    for rows in (*lists, own):
+        for row in rows:
+            first, last = row[_START], min(row[_FINISH], mission.duration - 1)
+            return (first, last) if first <= last else None
+    return None
 
 
 _CHANGES: Mapping[Mode, Callable[..., tuple[float, ...]]] = {

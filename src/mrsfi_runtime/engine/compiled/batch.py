@@ -71,18 +71,27 @@ class Batch:
         _fill(self.own, own)
         self.ends = np.array(ends, np.int64)
         self.tallies: Records = np.zeros(n_tallies, _TALLY)
-        self.tallies["last_applied"] = self.tallies["last_changed"] = -1
+        for name in ("last_applied", "last_changed", "first_changed"):
+            self.tallies[name] = -1
         self.results: Records = np.zeros(len(plans), result_type)
         self.plan_size = PlanSize().for_plans(plans)
 
     def outcome(self, k: int) -> Outcome:
         """Return what the flight of one specification found."""
         result = self.results[k]
-        tallies = self.tallies[self.ends[k, 4] : self.ends[k, 5]]
+        tallies = self._tallies(k)
         counts = [result[name].tolist() for name in COUNTED]
         counts += [self.worlds[k]["goals"]["count"].tolist()]
         counts += [tallies["applied"].tolist(), tallies["changed"].tolist()]
         return digested(counts, *(rows[k] for rows in self._packed))
+
+    def tallies_of(self, k: int) -> list[FaultTally]:
+        """Return what each fault of one specification did."""
+        return [FaultTally(*row) for row in self._tallies(k).tolist()]
+
+    def _tallies(self, k: int) -> Records:
+        tallies: Records = self.tallies[self.ends[k, 4] : self.ends[k, 5]]
+        return tallies
 
     @cached_property
     def worlds(self) -> Records:

@@ -33,7 +33,7 @@ from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.kernel.injections import plan_rows
+from mrsfi_runtime.kernel.injections import FaultTally, plan_rows
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
@@ -89,12 +89,20 @@ class CompiledEngine(Engine):
         self._threads.shutdown()
 
     def _evaluate(
-        self, specification: Specification, seed: int, pool: FaultPool, observer: Observer | None
+        self,
+        specification: Specification,
+        seed: int,
+        pool: FaultPool,
+        observer: Observer | None,
+        tallies: list[FaultTally],
     ) -> Outcome:
         batch = self._batch([specification], pool)
         moments = np.zeros(self.code.mission.duration if observer else 0, self._moment_type)
         if self._fly(batch, self._fresh(seed), 0, 1, moments):
-            return self._reference.evaluate(specification, seed, pool=pool, observer=observer)
+            return self._reference.evaluate(
+                specification, seed, pool=pool, observer=observer, tallies=tallies
+            )
+        tallies[:] = batch.tallies_of(0)
         if observer is not None:
             self._tell(observer, seed, moments)
         return batch.outcome(0)

@@ -161,5 +161,7 @@ def note(plan: Plan, injection: InjectionState | OwnFault, tick: int, changed: b
         tally.last_applied = tick
         tally.applied += 1
     if changed and tally.last_changed != tick:
+        if tally.changed == 0:
+            tally.first_changed = tick
         tally.last_changed = tick
         tally.changed += 1
