@@ -11,6 +11,7 @@ from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 from tests.support.trace import traced
 from tests.support.world import code_of, paper_code, specifications
@@ -103,6 +104,57 @@ def test_log_and_trace_say_from_which_tick_on_a_goal_is_missed(engine):
         found = [number for number, text in enumerate(ticks) if event in text]
         assert flags == ["0" if first is None or tick < first else "1" for tick in range(150)]
         assert found == ([] if first is None else [first])
+
+
+def logged(engine, specification):
+    """Return the log of a flight, what its faults did, and its outcome."""
+    mission, pool = engine.code.mission, engine.code.pool
+    stream, tallies = StringIO(), []
+    log = SimulationLog(mission, stream, named_faults(mission, pool, specification), tallies)
+    outcome = engine.evaluate(specification, observer=log, tallies=tallies)
+    return stream.getvalue(), tallies, outcome
+
+
+def test_the_log_of_a_flight_under_faults_is_that_of_the_reference(engine):
+    reference = ReferenceEngine(engine.code, SEED)
+
+    for specification in specifications(engine.code, 3):
+        log, tallies, outcome = logged(engine, specification)
+
+        assert (log, tallies, outcome) == logged(reference, specification)
+        assert tuple(tally.changed for tally in tallies) == outcome.changed
+        assert log.count(": first changes something\n") == sum(map(bool, outcome.changed)) > 0
+        assert log.count(": ends\n") == log.count(": starts (") == sum(map(bool, outcome.applied))
+        assert "  believed " in log
+
+
+def test_the_window_of_every_fault_has_as_many_ticks_as_it_was_active(engine):
+    mission, pool = engine.code.mission, engine.code.pool
+
+    for specification in specifications(engine.code, 5):
+        applied = engine.evaluate(specification).applied
+
+        for fault, n_ticks in zip(named_faults(mission, pool, specification), applied, strict=True):
+            first, last = fault.window or (0, -1)
+            assert last - first + 1 == n_ticks
+
+
+def test_a_fault_that_ends_when_it_first_changes_something_changes_it_once_and_before_nothing():
+    engine = ReferenceEngine(paper_code(150), SEED)
+    found = []
+
+    for specification in specifications(engine.code, 5):
+        _, tallies, _ = logged(engine, specification)
+        for number, (timed, tally) in enumerate(zip(specification, tallies, strict=True)):
+            first = tally.first_changed
+            for finish in (first - 1, first):
+                if finish >= timed.start:
+                    cut = [*specification]
+                    cut[number] = timed._replace(finish=finish)
+                    n_changed = engine.evaluate(tuple(cut)).changed[number]
+                    found.append((finish - first, n_changed))
+
+    assert {*found} == {(-1, 0), (0, 1)}
 
 
 def test_conflicting_faults_are_refused_before_the_flight(engine):

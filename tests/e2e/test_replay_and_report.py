@@ -86,6 +86,26 @@ def test_a_replay_tells_a_script_what_came_of_each_goal(campaign, tmp_path):
         assert {goal["id"]: goal[count] for goal in found["goals"]} == best[count]
 
 
+def test_replay_report_and_summary_name_the_same_faults(campaign, tmp_path):
+    found = mrsfi_json("replay", campaign, "--best", "--log", "best.log", cwd=tmp_path)
+    printed = mrsfi("replay", campaign, "--best", cwd=tmp_path).stdout
+    best = mrsfi_json("report", campaign, cwd=tmp_path)["best"]
+
+    log = (tmp_path / "best.log").read_text(encoding="utf-8")
+    report = (campaign / "report.md").read_text(encoding="utf-8")
+    _, section = report.split(f"### Faults of 1, evaluation {best['evaluation']}\n")
+    for fault, summed in zip(found["faults"], best["specification"], strict=True):
+        told = {key: fault[key] for key in summed if key != "fault"}
+        assert {"fault": fault["id"], **told} == summed
+        name = f"event fault {fault['id']} {fault['type']} on "
+        assert (name in log) is (fault["start"] < 1000)
+        assert f"| {fault['id']} | {fault['type']} | {fault['start']} | " in section
+        assert all(target in section and target in log for target in fault["touched"])
+        assert all(parameter in printed for parameter in fault["values"])
+    changed = [fault for fault in found["faults"] if fault["changed"]]
+    assert log.count(": first changes something\n") == len(changed) > 0
+
+
 @pytest.mark.parametrize("command", ["report", "replay"])
 def test_a_folder_without_a_campaign_ends_with_9(command, tmp_path):
     (tmp_path / "empty").mkdir()

@@ -11,7 +11,16 @@ from contextlib import closing
 import pytest
 
 from mrsfi_runtime.record.campaign import CampaignStore
-from tests.support.cli import MISSION, SMALL, edit, mrsfi, mrsfi_json, mrsfi_process, workspace
+from tests.support.cli import (
+    MISSION,
+    SMALL,
+    edit,
+    mrsfi,
+    mrsfi_json,
+    mrsfi_process,
+    stop_specification,
+    workspace,
+)
 from tests.support.interrupted import MISSION as QUICK
 from tests.support.processes import children, is_running
 from tests.support.rosbridge import process
@@ -68,12 +77,17 @@ def test_a_flight_over_rosbridge_prints_what_the_reference_does(place):
 
 
 def test_logs_and_traces_are_the_same(place):
+    faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
     for name, options in (("local", ()), ("bus", ROSBRIDGE)):
         files = ("--log", f"{name}.log", "--trace", f"{name}.csv")
-        mrsfi_process("simulate", MISSION, *files, *options, cwd=place)
+        mrsfi_process("simulate", MISSION, *faults, *files, *options, cwd=place)
 
     for kind in ("log", "csv"):
         assert (place / f"bus.{kind}").read_bytes() == (place / f"local.{kind}").read_bytes()
+    events = re.findall(
+        "event fault h1 StopRobot on r1 motion: (.*)", (place / "bus.log").read_text()
+    )
+    assert events == ["starts (9 … 99)", "first changes something", "ends"]
 
 
 def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_how(quick):
@@ -120,15 +134,18 @@ def test_replications_share_one_server(quick, url):
 
 @pytest.mark.parametrize("client", ["asyncio", "twisted"])
 def test_two_sides_meet_on_a_server(place, url, client):
+    faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
     meet = (*ROSBRIDGE, "--url", url, "--client", client)
     with process("simulate", MISSION, *meet, "--side", "simulation", cwd=place) as simulation:
         sign = simulation.stderr.readline()
-        flown = bus_json("simulate", MISSION, *meet, "--side", "ci", cwd=place)
+        log = ("--log", "ci.log")
+        flown = bus_json("simulate", MISSION, *faults, *meet, "--side", "ci", *log, cwd=place)
         os.kill(simulation.pid, signal.SIGINT)
         code, told = ended(simulation)
 
     assert f"serves at {url}" in sign
-    assert flown == mrsfi_json("simulate", MISSION, cwd=place)
+    assert flown == mrsfi_json("simulate", MISSION, *faults, "--log", "local.log", cwd=place)
+    assert (place / "ci.log").read_bytes() == (place / "local.log").read_bytes()
     assert (code, told) == (130, "mrsfi: interrupted\n")
 
 

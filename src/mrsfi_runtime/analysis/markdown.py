@@ -9,6 +9,7 @@ from mrsfi_runtime.analysis.tables import front_table, harm_table, in_words
 from mrsfi_runtime.model.semantics import flown_by
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure, ticks, violated
+from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows
 from mrsfi_runtime.record.settings import CampaignSettings
 
 _SIGNIFICANT = 0.05
@@ -27,6 +28,7 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         *_linked(captions, "fitness"),
         f"## The {len(summary.top)} most critical specifications",
         _top(summary),
+        *_faults(summary),
         "## Fault types among them",
         _patterns(summary),
         *_linked(captions, "fault_types"),
@@ -116,6 +118,19 @@ def _top(summary: Summary) -> str:
     if summary.top[0].outcome.missed is None:
         missed = "what was missed is not recorded"
     return f"Violations per goal in ticks, {words}; {missed}.\n\n{table(header, rows)}"
+
+
+def _faults(summary: Summary) -> Iterator[str]:
+    """Yield the faults of each specification under a heading of its own."""
+    if summary.top:
+        yield (
+            "The faults of each: *start* and *finish* are the window, *applied* and *changed* the "
+            "numbers of ticks at which it was active and changed a value; *target* is what it "
+            "touches, behind the message that carries it."
+        )
+    for rank, (evaluation, faults) in enumerate(zip(summary.top, summary.faults, strict=True), 1):
+        yield f"### Faults of {rank}, evaluation {evaluation.index}"
+        yield table(FAULT_COLUMNS, fault_rows(faults, evaluation.outcome))
 
 
 def _violations(measure: Measure, evaluation: Evaluation) -> Iterator[str]:

@@ -16,7 +16,7 @@ from mrsfi_runtime.analysis.drawing_process import Draw, Drawing, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.patterns import TypePattern
-from mrsfi_runtime.analysis.summary import Summary, as_json, parameter_values, summarise
+from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
@@ -84,7 +84,7 @@ def write_report(
         all_rows = tables.evaluations_table(evaluations, summary.measure)
         for name, rows in (*((each.name, each.rows) for each in shown), ("evaluations", all_rows)):
             (layout.tables / f"{name}.csv").write_bytes(tables.as_csv(rows))
-        content = json.dumps(as_json(summary, pool), indent=2, ensure_ascii=False)
+        content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
         layout.summary.write_text(content + "\n", encoding="utf-8")
         captions = {each.name: each.caption for each in shown}
         layout.report.write_text(report_text(summary, captions), encoding="utf-8")
@@ -101,7 +101,7 @@ def specification_rows(
 ) -> tuple[SpecificationRow, ...]:
     """Return a specification with its values by name."""
     return tuple(
-        (timed.fault, timed.start, timed.finish, parameter_values(pool, timed))
+        (timed.fault, timed.start, timed.finish, pool[timed.fault].kind.named(timed.values))
         for timed in specification
     )
 

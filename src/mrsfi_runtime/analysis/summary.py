@@ -19,10 +19,11 @@ from mrsfi_runtime.analysis.fronts import (
     top,
 )
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
-from mrsfi_runtime.model.faults import FaultPool, TimedFault
+from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
 
 SCHEMA = 1
@@ -43,6 +44,8 @@ class Summary:
         Version of the world's rules that the flights followed.
     top
         The most critical distinct specifications, at most ten, the worst for the mission first.
+    faults
+        The faults of each of them.
     front
         Over the goals that the settings choose, or else those of the ratio, and over what they
         minimise; ``None`` if it would be over fewer than two.
@@ -63,6 +66,7 @@ class Summary:
     n_failures: int
     digest: str
     top: tuple[Evaluation, ...]
+    faults: tuple[tuple[NamedFault, ...], ...]
     front: Front | None
     harm: tuple[Harm, ...] | None
     pick: Pick | None
@@ -110,6 +114,7 @@ def summarise(
         n_failures=len(store.failures()),
         digest=store.digest(),
         top=best,
+        faults=tuple(named_faults(mission, pool, each.specification) for each in best),
         front=front,
         harm=find_harm(measure, different) if measure.minimised else None,
         pick=None if wanted is None else _pick(measure, different, front, wanted),
@@ -122,15 +127,10 @@ def summarise(
     )
 
 
-def parameter_values(pool: FaultPool, timed: TimedFault) -> dict[str, float]:
-    """Return the values of a timed fault by the names of its type's parameters."""
-    names = (parameter.name for parameter in pool[timed.fault].kind.parameters)
-    return dict(zip(names, timed.values, strict=True))
-
-
-def as_json(summary: Summary, pool: FaultPool) -> dict[str, Any]:
+def as_json(summary: Summary) -> dict[str, Any]:
     """Return a summary as plain values, whose keys always stand in the same order."""
-    ranked = [_ranked(summary, pool, evaluation) for evaluation in summary.top]
+    pairs = zip(summary.top, summary.faults, strict=True)
+    ranked = [_ranked(summary, evaluation, faults) for evaluation, faults in pairs]
     return {
         "schema": SCHEMA,
         "campaign": summary.folder.name,
@@ -168,7 +168,9 @@ def _pick(
     return Pick(wanted, nearest_ratio(front, wanted), front.goals)
 
 
-def _ranked(summary: Summary, pool: FaultPool, evaluation: Evaluation) -> dict[str, Any]:
+def _ranked(
+    summary: Summary, evaluation: Evaluation, faults: Sequence[NamedFault]
+) -> dict[str, Any]:
     outcome = evaluation.outcome
     told = outcome.told(summary.measure.duration)
     return {
@@ -182,16 +184,7 @@ def _ranked(summary: Summary, pool: FaultPool, evaluation: Evaluation) -> dict[s
         },
         "measured": summary.measure.by_goal(evaluation),
         "digest": outcome.digest,
-        "specification": [
-            {
-                "fault": timed.fault,
-                "type": pool[timed.fault].type,
-                "start": timed.start,
-                "finish": timed.finish,
-                "values": parameter_values(pool, timed),
-            }
-            for timed in evaluation.specification
-        ],
+        "specification": [{"fault": fault.fault.id, **fault.as_json()} for fault in faults],
     }
 
 

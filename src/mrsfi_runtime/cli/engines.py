@@ -12,14 +12,20 @@ import click
 
 from mrsfi_runtime.cli.console import tell, written_file
 from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.hosting.waiting import Patience
+from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 from mrsfi_runtime.search.resumable_record import EvaluateMany
 from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
@@ -273,20 +279,49 @@ def recording_options(command: F) -> F:
     """Give a command the options --log and --trace."""
     for name, text in (
         ("--trace", "Write belief and truth of every tick to FILE as CSV."),
-        ("--log", "Write the simulation log to FILE: every robot each tick, and events."),
+        (
+            "--log",
+            "Write the simulation log to FILE: robots each tick, mistaken beliefs, and events.",
+        ),
     ):
         kind = click.Path(path_type=Path, dir_okay=False)
         command = click.option(name, type=kind, metavar="FILE", help=text)(command)
     return command
 
 
+def fly_recorded(
+    engine: Engine,
+    specification: Specification,
+    pool: FaultPool,
+    log: Path | None,
+    trace: Path | None,
+) -> Outcome:
+    """Fly once under faults of a pool, and write the wanted files."""
+    require_no_overlap(engine.code.mission, pool, specification)
+    faults = named_faults(engine.code.mission, pool, specification)
+    tallies = [FaultTally() for _ in specification]
+    with _recorder(engine.code.mission, log, trace, faults, tallies) as observer:
+        outcome = engine.evaluate(specification, pool=pool, observer=observer, tallies=tallies)
+    for path in (log, trace):
+        if path is not None:
+            tell(f"written    {path}")
+    return outcome
+
+
 @contextmanager
-def recorder(mission: Mission, log: Path | None, trace: Path | None) -> Iterator[Observer | None]:
+def _recorder(
+    mission: Mission,
+    log: Path | None,
+    trace: Path | None,
+    faults: Sequence[NamedFault],
+    tallies: Sequence[FaultTally],
+) -> Iterator[Observer | None]:
     """Yield an observer that writes the wanted files, or ``None`` if none is wanted."""
     with ExitStack() as files:
         observers: list[Observer] = []
         if log is not None:
-            observers.append(SimulationLog(mission, files.enter_context(written_file(log))))
+            stream = files.enter_context(written_file(log))
+            observers.append(SimulationLog(mission, stream, faults, tallies))
         if trace is not None:
             observers.append(TraceTable(mission, files.enter_context(written_file(trace))))
 
@@ -295,6 +330,3 @@ def recorder(mission: Mission, log: Path | None, trace: Path | None) -> Iterator
                 observer(*tick)
 
         yield observe if observers else None
-    for path in (log, trace):
-        if path is not None:
-            tell(f"written    {path}")

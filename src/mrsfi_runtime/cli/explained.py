@@ -9,7 +9,6 @@ import click
 from rich.table import Table
 from rich.text import Text
 
-from mrsfi_runtime.analysis.summary import parameter_values
 from mrsfi_runtime.causes.chain import Chain, First, FirstVerdicts
 from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
@@ -101,7 +100,7 @@ def _fault_table(shown: Shown, found: Explanation, faults: Specification) -> Tab
     rows = []
     for place, timed in zip(found.cause_set, faults, strict=True):
         fault = pool[timed.fault]
-        given = parameter_values(pool, timed).items()
+        given = pool[timed.fault].kind.named(timed.values).items()
         values = " ".join(f"{name}={value:g}" for name, value in given)
         rows.append(
             (shown.names[place], fault.type, fault.target, timed.start, timed.finish, values)
@@ -305,7 +304,7 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
                     "id": shown.names[place],
                     "start": timed.start,
                     "finish": timed.finish,
-                    "values": parameter_values(pool, timed),
+                    "values": pool[timed.fault].kind.named(timed.values),
                 }
                 for place, timed in zip(found.cause_set, found.simplest, strict=True)
             ],
@@ -324,7 +323,7 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
                 "target": pool[timed.fault].target,
                 "start": timed.start,
                 "finish": timed.finish,
-                "values": parameter_values(pool, timed),
+                "values": pool[timed.fault].kind.named(timed.values),
                 "labels": {each.goal: each.labels[place] for each in found.goals},
                 "alone": list(found.alone[place]),
                 "left_out": list(found.left_out[place]),

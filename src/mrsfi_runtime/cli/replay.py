@@ -8,14 +8,15 @@ from rich.progress import track
 
 from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.cli.console import print_json, print_table, progress_console
-from mrsfi_runtime.cli.engines import EngineOptions, engine_options, recorder, recording_options
+from mrsfi_runtime.cli.engines import EngineOptions, engine_options, fly_recorded, recording_options
 from mrsfi_runtime.cli.folders import FlyableCampaign, OpenCampaign, open_to_fly
-from mrsfi_runtime.cli.tables import fault_table, goal_table, goals_as_json
+from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import RecordError, ReplayMismatch
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.manifest import BOTH, CI
+from mrsfi_runtime.record.named_faults import named_faults
 
 _HELP = """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
 
@@ -63,8 +64,7 @@ def command(
                 _replay_all(campaign, opened, is_json=is_json)
                 return
             recorded = find_evaluation(campaign, evaluation)
-            with recorder(campaign.mission, log, trace) as observer:
-                outcome = opened.evaluate(recorded.specification, observer=observer)
+            outcome = fly_recorded(opened, recorded.specification, campaign.pool, log, trace)
         require_same(folder, recorded, outcome)
         _print_one(campaign, recorded, is_json=is_json)
 
@@ -121,6 +121,7 @@ def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
 
 def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -> None:
     mission, outcome = campaign.mission, recorded.outcome
+    faults = named_faults(mission, campaign.pool, recorded.specification)
     if is_json:
         print_json(
             {
@@ -130,6 +131,7 @@ def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -
                 "is_same": True,
                 "digest": outcome.digest,
                 "goals": goals_as_json(mission, outcome),
+                "faults": faults_as_json(faults, outcome),
             }
         )
         return
@@ -138,5 +140,5 @@ def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -
         f"{recorded.generation}, fitness {recorded.fitness[0]:.2f}"
     )
     print_table(title, goal_table(mission, outcome))
-    print_table("Faults", fault_table(campaign.pool, recorded.specification, outcome))
+    print_table("Faults", *fault_tables(faults, outcome))
     click.echo(f"same as recorded, digest {outcome.digest}")

@@ -67,7 +67,7 @@ def report(
         campaign.folder.path, campaign.mission, campaign.pool, write, ratio=ratio, draw=draw
     )
     if is_json:
-        content = as_json(summary, campaign.pool)
+        content = as_json(summary)
         print_json({"folder": str(campaign.folder.path), **content})
     else:
         _print_summary(campaign, summary)

@@ -13,7 +13,7 @@ from mrsfi_runtime.cli.engines import (
     SIMULATION,
     EngineOptions,
     engine_options,
-    recorder,
+    fly_recorded,
     recording_options,
 )
 from mrsfi_runtime.cli.fault_effects import Effects
@@ -23,16 +23,16 @@ from mrsfi_runtime.cli.folders import (
     mission_argument,
     read_specification,
 )
-from mrsfi_runtime.cli.tables import fault_table, goal_table, goals_as_json
+from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.engine.simulation_process import serve_simulation
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.simulation_host import SimulationHost
 from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.manifest import BOTH, CI
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.transport.rosbridge import without_token
 
 _HELP = """Fly MISSION once and print what happened to each goal.
@@ -142,16 +142,16 @@ def command(  # noqa: PLR0913 - one parameter per option
             return
         pool = code.pool if faults is None else read_specification(faults)[1]
         specification = () if faults is None else pool.written_specification()
-        with recorder(code.mission, log, trace) as observer:
-            outcome = opened.evaluate(specification, pool=pool, observer=observer)
+        outcome = fly_recorded(opened, specification, pool, log, trace)
+    named = named_faults(code.mission, pool, specification)
     if is_json:
-        print_json(_as_json(code.mission, seed, pool, specification, outcome))
+        print_json(_as_json(code.mission, seed, named, outcome))
         return
     flown = "without faults" if faults is None else f"under {faults}"
     title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
     print_table(title, goal_table(code.mission, outcome))
-    if specification:
-        print_table("Faults", fault_table(pool, specification, outcome))
+    if named:
+        print_table("Faults", *fault_tables(named, outcome))
 
 
 def _require_one_way(ways: Sequence[object], *, is_each: bool, has_log: bool) -> None:
@@ -188,7 +188,7 @@ def _window(text: str) -> tuple[int, int]:
 
 
 def _as_json(
-    mission: Mission, seed: int, pool: FaultPool, specification: Specification, outcome: Outcome
+    mission: Mission, seed: int, faults: Sequence[NamedFault], outcome: Outcome
 ) -> dict[str, Any]:
     return {
         "mission": mission.name,
@@ -196,18 +196,7 @@ def _as_json(
         "seed": seed,
         "digest": outcome.digest,
         "goals": goals_as_json(mission, outcome),
-        "faults": [
-            {
-                "id": timed.fault,
-                "type": pool[timed.fault].type,
-                "start": timed.start,
-                "finish": timed.finish,
-                "values": list(timed.values),
-                "applied": outcome.applied[index],
-                "changed": outcome.changed[index],
-            }
-            for index, timed in enumerate(specification)
-        ],
+        "faults": faults_as_json(faults, outcome),
     }
 
 

@@ -13,6 +13,7 @@ from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import MISSED_FROM, NONE, UNKNOWN, Measure, missed_from, ticks
+from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, NamedFault, fault_rows
 
 
 def plain_table(
@@ -77,21 +78,48 @@ def _samples(goal: Goal, n_samples: int) -> str:
     return NONE if terms.sensor is None else f"{n_samples} of {terms.target_sample_number}"
 
 
-def fault_table(pool: FaultPool, specification: Specification, outcome: Outcome) -> Table:
-    """Return what each timed fault of a specification did."""
-    rows = (
-        (timed.fault, pool[timed.fault].type, timed.start, timed.finish, applied, changed)
-        for timed, applied, changed in zip(
-            specification, outcome.applied, outcome.changed, strict=True
-        )
-    )
-    return plain_table(
-        ("fault", "type"), ("start", "finish", "ticks applied", "ticks changed"), rows
-    )
-
-
 _LEAST_FOR_FAULTS = 16
 """Columns that faults have at least, beside goals with a column each."""
+
+_N_LEFT, _N_NARROW = 2, 6
+"""Columns of ``FAULT_COLUMNS`` that are aligned left, and that stand in a narrow table too."""
+
+
+def fault_tables(faults: Sequence[NamedFault], outcome: Outcome) -> tuple[Table, Table]:
+    """Return what each timed fault of a specification is, and what it did.
+
+    Returns
+    -------
+    tuple of Table
+        One with a column for everything; and one for where these do not fit, in which targets
+        stand above values.
+    """
+    left, right, told = (
+        FAULT_COLUMNS[:_N_LEFT],
+        FAULT_COLUMNS[_N_LEFT:_N_NARROW],
+        FAULT_COLUMNS[_N_NARROW:],
+    )
+    rows = fault_rows(faults, outcome)
+    wide = plain_table(left, right, rows, told)
+    for column in wide.columns[_N_NARROW:]:
+        column.no_wrap = True
+    stacked = (
+        (*row[:_N_NARROW], "\n".join(map(str, row[_N_NARROW:])).removesuffix(f"\n{NONE}"))
+        for row in rows
+    )
+    narrow = plain_table(left, right, stacked, ("\n".join(told),))
+    narrow.columns[-1].min_width = _LEAST_FOR_FAULTS
+    narrow.columns[-1].overflow = "fold"
+    narrow.padding = (0, 1, 0, 0)
+    return wide, narrow
+
+
+def faults_as_json(faults: Sequence[NamedFault], outcome: Outcome) -> list[dict[str, Any]]:
+    """Return what ``fault_tables`` show, for scripts."""
+    return [
+        {"id": fault.fault.id, **fault.as_json(), "applied": applied, "changed": changed}
+        for fault, applied, changed in zip(faults, outcome.applied, outcome.changed, strict=True)
+    ]
 
 
 def critical_tables(

@@ -2,14 +2,19 @@
 
 import csv
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
+from types import MappingProxyType
 from typing import TextIO
 
 from mrsfi_runtime.kernel.flight import Verdicts, no_verdicts
 from mrsfi_runtime.kernel.geometry import distance
+from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
+from mrsfi_runtime.model.targets import describe
+from mrsfi_runtime.record.named_faults import NamedFault
 
 
 class TraceTable:
@@ -67,11 +72,26 @@ class TraceTable:
         return robots + sensors + goals
 
 
-class SimulationLog:
-    """Observer that writes the true state and what happened in it.
+_BELIEVED: Mapping[str, Mapping[Field, tuple[str, ...]]] = MappingProxyType(
+    {
+        "robots": {
+            Field.POSITION: ("x", "y", "z"),
+            Field.SPEED: ("speed",),
+            Field.ENERGY: ("energy",),
+        },
+        "sensors": {Field.COUNT: ("count",), Field.RATE: ("rate",), Field.COST: ("cost",)},
+        "obstacles": {Field.OBSTACLE: ("x", "y")},
+    }
+)
+"""Properties of which belief can differ from the truth, by the list of a state that has them."""
 
-    Events are changes of speed, heading and activation, the beginning and end of collisions and
-    goal violations (true ones, and whether they are believed), and that a goal is from now on
+
+class SimulationLog:
+    """Observer that writes the true state, what is believed otherwise, and what happened.
+
+    Events are the first and the last tick at which a fault is active, and the first at which it
+    changes something; changes of speed, heading and activation, the beginning and end of collisions
+    and goal violations (true ones, and whether they are believed), and that a goal is from now on
     certain to be missed.
 
     Parameters
@@ -80,20 +100,33 @@ class SimulationLog:
         Gives the names.
     stream
         Open text file; the caller closes it.
+    faults
+        Those of the flight.
+    tallies
+        What each of them does; filled before the first tick.
     """
 
-    def __init__(self, mission: Mission, stream: TextIO) -> None:
+    def __init__(
+        self,
+        mission: Mission,
+        stream: TextIO,
+        faults: Sequence[NamedFault] = (),
+        tallies: Sequence[FaultTally] = (),
+    ) -> None:
         self._mission = mission
         self._stream = stream
+        self._faults = faults
+        self._tallies = tallies
         self._known = dict(self._judged(no_verdicts(len(mission.goals))))
 
     def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Write one tick."""
-        del belief
         tick = world.mission.tick
         lines = [f"tick {tick}"]
         for index, robot in enumerate(self._mission.robots):
             lines.append(f"  {robot.id} {self._robot(world, index)}")
+        lines += self._mistaken(world, belief)
+        lines += self._fault_events(tick)
         facts = dict([*self._facts(world), *self._judged(verdicts)])
         for subject, fact in facts.items():
             before = self._known.get(subject)
@@ -113,6 +146,34 @@ class SimulationLog:
             f"x={robot.x:.2f} y={robot.y:.2f} speed={robot.speed:g} "
             f"energy={robot.energy:.1f} samples {samples}"
         ).rstrip()
+
+    def _mistaken(self, world: State, belief: State) -> Iterator[str]:
+        """Yield what is believed otherwise than it is."""
+        for owners, properties in _BELIEVED.items():
+            pairs = zip(getattr(belief, owners), getattr(world, owners), strict=True)
+            for index, pair in enumerate(pairs):
+                for affected, names in properties.items():
+                    believed, true = ([getattr(side, name) for name in names] for side in pair)
+                    if believed != true:
+                        what = describe(self._mission, (affected, index))
+                        said, so = _apart(believed, true)
+                        yield f"  believed {what}: {said}, true {so}"
+
+    def _fault_events(self, tick: int) -> Iterator[str]:
+        for fault, tally in zip(self._faults, self._tallies, strict=True):
+            what = f"  event fault {fault.fault.id} {fault.fault.type} on {fault.target}: "
+            if fault.window is None:
+                if tick == fault.timed.start:
+                    yield f"{what}is active at no tick"
+                continue
+            first, last = fault.window
+            if tick == first:
+                values = f" with {fault.values}" if fault.values else ""
+                yield f"{what}starts ({first} … {last}){values}"
+            if tick == tally.first_changed:
+                yield f"{what}first changes something"
+            if tick == last:
+                yield f"{what}ends"
 
     def _facts(self, world: State) -> Iterator[tuple[str, str]]:
         """Yield what is worth an event when it changes, as subject and value."""
@@ -144,3 +205,12 @@ class SimulationLog:
             for robot, a in robots:
                 gap = distance(a.x, a.y, area.model_x, area.model_y) - area.radius - ROBOT_RADIUS
                 yield f"{robot.id} and {obstacle.id}", gap
+
+
+def _apart(first: Sequence[float], second: Sequence[float]) -> tuple[str, str]:
+    """Return unequal values as texts that differ: with two decimals, or all digits if need be."""
+    short = (" ".join(f"{n:.2f}" for n in values) for values in (first, second))
+    said, so = (text.replace(".00", "") for text in short)
+    if said != so:
+        return said, so
+    return " ".join(map(repr, first)), " ".join(map(repr, second))

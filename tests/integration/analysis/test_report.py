@@ -16,6 +16,7 @@ from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.campaign import CampaignStore, Generation
 from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows, named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import (
     evaluation,
@@ -198,6 +199,25 @@ def test_the_report_warns_that_popular_is_not_guilty(focused):
     assert "Nearest to g3:g1=2:1" in report
     assert "critical/10.xmi" in report
     assert "missed from" in report
+
+
+def test_report_and_summary_name_every_fault_of_the_most_critical(focused):
+    ranked = sorted(evaluations_of(focused), key=lambda e: -e.fitness[0])[:10]
+
+    top = json.loads((focused / "summary.json").read_text())["top"]
+    sections = (focused / "report.md").read_text().split("\n### Faults of ")[1:]
+
+    assert len(top) == len(sections) == 10
+    for rank, (best, told, section) in enumerate(zip(ranked, top, sections, strict=True), 1):
+        faults = named_faults(CODE.mission, CODE.pool, best.specification)
+        assert told["specification"] == [
+            {"fault": fault.timed.fault, **fault.as_json()} for fault in faults
+        ]
+        assert section.startswith(f"{rank}, evaluation {best.index}\n")
+        lines = [line for line in section.splitlines() if line.startswith("| f")]
+        rows = [line.strip("| ").split(" | ") for line in lines[: 1 + len(faults)]]
+        found = fault_rows(faults, best.outcome)
+        assert rows == [[str(cell) for cell in row] for row in (FAULT_COLUMNS, *found)]
 
 
 def test_a_second_report_writes_the_same_bytes(tmp_path):

@@ -5,8 +5,16 @@ import pytest
 from rich.table import Table
 
 from mrsfi_runtime.cli.console import print_table
-from mrsfi_runtime.cli.tables import critical_tables, goal_table, goals_as_json, plain_table
+from mrsfi_runtime.cli.tables import (
+    critical_tables,
+    fault_tables,
+    goal_table,
+    goals_as_json,
+    plain_table,
+)
+from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.named_faults import named_faults
 from tests.support.campaigns import evaluation, outcome
 from tests.support.search import paper_mission, pool_of
 
@@ -121,3 +129,24 @@ def test_no_number_or_word_is_cut_however_narrow_it_is(capsys, monkeypatch, colu
 
     assert {"evaluation", "fitness", "809.80", "123", "g2:901", "g11:910"} <= {*words}
     assert {"g1_area_of_the_harbour", "1234567", "7654321", "believed"} <= {*words}
+
+
+@pytest.mark.parametrize(("columns", "n_lines"), [("1", None), ("100", None), ("200", 30)])
+def test_every_fault_has_its_target_and_its_values_however_narrow_it_is(
+    capsys, monkeypatch, columns, n_lines
+):
+    monkeypatch.setenv("COLUMNS", columns)
+    specification = [TimedFault(fault.id, 3, 9, fault.values) for fault in pool_of()]
+    faults = named_faults(paper_mission(), pool_of(), specification)
+
+    lines = _printed(capsys, *fault_tables(faults, outcome((0,) * 6, len(faults))))
+
+    words = " ".join(lines).split()
+    assert "…" not in words
+    for fault in faults:
+        assert {*fault.target.split(), *fault.values.split(), fault.fault.type} <= {*words}
+    rows = [line for line in lines if line.startswith("f") and line[1].isdigit()]
+    assert len(rows) == len(faults)
+    if n_lines is not None:
+        assert [*lines[2 : 2 + n_lines]] == rows
+    assert columns != "100" or max(map(len, lines)) <= 100

@@ -1,9 +1,13 @@
+import re
 from io import StringIO
 
 from mrsfi_runtime.kernel.flight import no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.injections import FaultTally
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import SimulationLog
-from tests.support.search import paper_mission
+from tests.support.search import paper_mission, pool_of
 
 
 def test_the_log_tells_what_is_so_from_the_first_tick_on():
@@ -20,4 +24,64 @@ def test_the_log_tells_what_is_so_from_the_first_tick_on():
         "  event g1 violated: no -> yes",
         "  event g1 missed: no -> yes",
         "  event g3 believed violated: no -> yes",
+    ]
+
+
+def test_the_log_shows_what_is_believed_beside_what_is_so():
+    mission = paper_mission()
+    world, belief = initial_state(mission, 1), initial_state(mission, 1)
+    belief.robots[1].x += 3.0
+    belief.robots[1].speed += 1e-9
+    belief.sensors[3].count = 7
+    belief.sensors[3].cost = 2.5
+    belief.obstacles[4].x, belief.obstacles[4].y = -1.0, 0.125
+    stream = StringIO()
+
+    SimulationLog(mission, stream)(world, belief, no_verdicts(len(mission.goals)))
+
+    robot, obstacle = world.robots[1], world.obstacles[4]
+    place = f"{robot.y:g} {robot.z:g}"
+    assert [line for line in stream.getvalue().splitlines() if "believed" in line] == [
+        f"  believed r2 position: {robot.x + 3:g} {place}, true {robot.x:g} {place}",
+        f"  believed r2 speed: {robot.speed + 1e-9!r}, true {robot.speed!r}",
+        "  believed s4 count: 7, true 0",
+        "  believed s4 cost: 2.50, true 2",
+        f"  believed o5 obstacle: -1 0.12, true {obstacle.x:g} {obstacle.y:g}",
+    ]
+
+
+def test_the_log_says_when_a_fault_starts_changes_something_and_ends():
+    mission = paper_mission(8)
+    specification = (
+        TimedFault("f2", 1, 6, (3.0,)),
+        TimedFault("f26", 4, 9),
+        TimedFault("f8", 5, 6, (0.0,)),
+    )
+    tallies = [FaultTally(first_changed=3), FaultTally(), FaultTally()]
+    world = initial_state(mission, 1)
+    stream = StringIO()
+
+    log = SimulationLog(mission, stream, named_faults(mission, pool_of(), specification), tallies)
+    for tick in range(8):
+        world.mission.tick = tick
+        log(world, world, no_verdicts(len(mission.goals)))
+
+    block = "  event fault f2 BlockMessage on m4: r2 position: "
+    stop = "  event fault f26 StopRobot on r1 motion: "
+    assert _fault_events(stream) == [
+        (1, f"{block}starts (1 … 3) with BLOCK_DURATION 3 ticks"),
+        (3, f"{block}first changes something"),
+        (3, f"{block}ends"),
+        (4, f"{stop}starts (4 … 7)"),
+        (5, "  event fault f8 DelayMessage on m10: s4 count: is active at no tick"),
+        (7, f"{stop}ends"),
+    ]
+
+
+def _fault_events(stream):
+    return [
+        (tick, line)
+        for tick, text in enumerate(re.split(r"^tick \d+\n", stream.getvalue(), flags=re.M)[1:])
+        for line in text.splitlines()
+        if "event fault" in line
     ]

@@ -1,0 +1,103 @@
+"""How timed faults are named wherever people and scripts read of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mrsfi_runtime.kernel.injections import active_window
+from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.targets import describe, touched
+from mrsfi_runtime.record.measure import NONE
+
+
+@dataclass(frozen=True, slots=True)
+class NamedFault:
+    """A timed fault, and all that it takes to name it.
+
+    Attributes
+    ----------
+    timed
+        The timed fault.
+    fault
+        The fault of the pool.
+    touched
+        Properties that it touches, in words.
+    window
+        First and last tick at which it is active; ``None`` if it never is.
+    """
+
+    timed: TimedFault
+    fault: Fault
+    touched: tuple[str, ...]
+    window: tuple[int, int] | None
+
+    @property
+    def target(self) -> str:
+        """What it touches, after what it refers to unless that says the same: ``m8: r2 speed``."""
+        refers = self.fault.target
+        words = ", ".join(self.touched) or "nothing"
+        is_said = bool(self.touched) and all(each.startswith(f"{refers} ") for each in self.touched)
+        return words if is_said else f"{refers}: {words}"
+
+    @property
+    def values(self) -> str:
+        """Its values with names and units; empty if its type has no parameters."""
+        return self.fault.kind.in_words(self.timed.values)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return all of it but its ID as plain values."""
+        return {
+            "type": self.fault.type,
+            "target": self.fault.target,
+            "touched": list(self.touched),
+            "start": self.timed.start,
+            "finish": self.timed.finish,
+            "window": None if self.window is None else list(self.window),
+            "values": self.fault.kind.named(self.timed.values),
+        }
+
+
+def named_faults(
+    mission: Mission, pool: FaultPool, specification: Specification
+) -> tuple[NamedFault, ...]:
+    """Return the faults of a specification with what names them, in its order.
+
+    Raises
+    ------
+    SpecificationError
+        If a fault is not in the pool, or refers to what the mission does not have.
+    """
+    return tuple(
+        NamedFault(
+            timed,
+            pool[timed.fault],
+            tuple(describe(mission, target) for target in touched(mission, pool[timed.fault])),
+            active_window(mission, pool, timed),
+        )
+        for timed in specification
+    )
+
+
+FAULT_COLUMNS = ("fault", "type", "start", "finish", "applied", "changed", "target", "values")
+"""What ``fault_rows`` says of each: ``applied`` and ``changed`` are numbers of ticks."""
+
+
+def fault_rows(
+    faults: Sequence[NamedFault], outcome: Outcome
+) -> list[tuple[str, str, int, int, int, int, str, str]]:
+    """Return a row of a table for each fault of a flight."""
+    return [
+        (
+            each.fault.id,
+            each.fault.type,
+            each.timed.start,
+            each.timed.finish,
+            applied,
+            changed,
+            each.target,
+            each.values or NONE,
+        )
+        for each, applied, changed in zip(faults, outcome.applied, outcome.changed, strict=True)
+    ]
