@@ -37,8 +37,8 @@ class Explanation:
         What flying the cause set finds in the first mission seed.
     simplest, simplest_counts
         Its simplest form, and the counts under that.
-    n_minima
-        How many different cause sets shuffled orders gave, this one among them or not.
+    minima
+        The different cause sets that shuffled orders gave, this one among them or not.
     goals
         What each goal's own violations are due to.
     alone, left_out
@@ -63,7 +63,7 @@ class Explanation:
     outcome: Outcome
     simplest: Specification
     simplest_counts: Counts
-    n_minima: int
+    minima: tuple[Places, ...]
     goals: tuple[GoalCauses, ...]
     alone: tuple[Counts, ...]
     left_out: tuple[Counts, ...]
@@ -142,7 +142,7 @@ def explain(
         outcome=flights.outcomes(cause)[0],
         simplest=simple,
         simplest_counts=flights.counts(simple),
-        n_minima=len(minima),
+        minima=minima,
         goals=goals,
         alone=tuple(map(flights.counts, alone)),
         left_out=tuple(map(flights.counts, left_out)),

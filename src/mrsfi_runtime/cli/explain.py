@@ -288,7 +288,7 @@ def _explain_all(
     with settings.open(case.code, seed, os.cpu_count() or 1) as engine:
         for subject in subjects:
             if not settings.has_simulation:
-                _require_repeatable(engine, subject)
+                require_repeatable(engine, subject)
             shown, found = _explain(case, engine, subject, keep)
             if is_json:
                 told.append(as_json(shown, found))
@@ -317,7 +317,7 @@ def _explain(
     return Shown(case.code, case.measure, name, title, names, keep, paths), found
 
 
-def _require_repeatable(engine: Engine, subject: Subject) -> None:
+def require_repeatable(engine: Engine, subject: Subject) -> None:
     """Refuse somebody else's simulation on which the same specification flies differently.
 
     Raises

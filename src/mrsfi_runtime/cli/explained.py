@@ -14,7 +14,7 @@ from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.findings import Finding, findings
 from mrsfi_runtime.causes.firmness import N_SEEDS
-from mrsfi_runtime.causes.labels import BYSTANDER
+from mrsfi_runtime.causes.labels import BYSTANDER, GoalCauses
 from mrsfi_runtime.causes.sentence import sentence
 from mrsfi_runtime.cli.console import counted, print_table
 from mrsfi_runtime.cli.tables import goals_as_json, plain_table
@@ -91,7 +91,8 @@ def _answer(shown: Shown, found: Explanation, n: str) -> str:
     kept = f"{100 * shown.keep:g} % of every goal's {words}"
     if not found.cause_set:
         return f"{n}, and none is the cause: without any, {kept} are there as well"
-    others = "" if found.n_minima == 1 else f"; other orders give {found.n_minima} different sets"
+    n_others = len({*found.minima} - {found.cause_set})
+    others = f"; shuffled orders give {counted(n_others, 'other sets')}" if n_others else ""
     return f"{len(found.cause_set)} of {n} keep {kept}{others}"
 
 
@@ -197,6 +198,17 @@ def _print_labels(shown: Shown, found: Explanation) -> None:
     goals = [each for each in found.goals if {*each.labels} != {BYSTANDER}]
     places = range(len(found.specification))
     named = [k for k in places if any(goal.labels[k] != BYSTANDER for goal in goals)]
+    if named:
+        _print_named(shown, found, goals, named)
+    rest = [shown.names[k] for k in places if k not in named]
+    if rest:
+        click.echo(f"bystanders to every goal: {' '.join(rest)}\n")
+
+
+def _print_named(
+    shown: Shown, found: Explanation, goals: Sequence[GoalCauses], named: Sequence[int]
+) -> None:
+    """Print what some faults are to some goals."""
     header = [each.goal for each in goals]
     rows = [(shown.names[k], *(goal.labels[k] for goal in goals)) for k in named]
     print_table("What each fault is to each goal", plain_table(("fault", *header), (), rows))
@@ -209,9 +221,6 @@ def _print_labels(shown: Shown, found: Explanation) -> None:
         print_table(
             f"Violations with each {title}, {kinds}", plain_table(("fault",), header, cells)
         )
-    rest = [shown.names[k] for k in places if k not in named]
-    if rest:
-        click.echo(f"bystanders to every goal: {' '.join(rest)}\n")
 
 
 def _cell(shown: Shown, found: Explanation, goal: str, counts: Counts) -> str:
@@ -296,7 +305,7 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
             "faults": [shown.names[place] for place in found.cause_set],
             "counts": list(found.kept),
             "file": str(shown.paths[0]) if shown.paths else None,
-            "n_minima": found.n_minima,
+            "shuffled": [[shown.names[place] for place in places] for places in found.minima],
         },
         "simplest": {
             "faults": [

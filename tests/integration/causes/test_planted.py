@@ -1,0 +1,169 @@
+"""Causes that are there by construction: robots that must be at a point by a deadline.
+
+Robots a and b begin 200 units from the point, and fly 4 a tick: they are there at tick 50, and have
+until tick 70. Goals g1 and g2 are about one of them each, g3 about both. A goal that is missed at
+the deadline is violated until its robots arrive, or to the end, at tick 119.
+"""
+
+from dataclasses import replace
+from functools import partial
+
+import pytest
+
+from m2t.generate import generate
+from mrsfi_runtime.causes.chain import FirstVerdict
+from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.explanation import explain
+from mrsfi_runtime.cli.explained import Shown, print_explanation
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import CampaignSettings
+
+_XMI = 'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
+_ROBOT = """
+  <robots ID="{0}" name="{0}" speed="4.0">
+    <position x="{1}"/>
+    <batteries ID="{0}_battery" name="" totalEnergy="100000.0"/>
+    <motionSources ID="{0}_drive" name="" energyPerDistanceUnit="1.0"/>
+  </robots>"""
+_GOAL = """
+  <goals ID="{0}" name="" members="{1}">
+    <task xsi:type="mission:Visit" tolerance="3.0" deadline="70">
+      <coordinates x="0.0" y="0.0"/>
+    </task>{2}
+  </goals>"""
+_MESSAGE = """
+    <messages ID="report" sender="a" receiver="base">
+      <body name="POSITION" type="Coordinates"/>
+    </messages>"""
+MISSION = f"""<?xml version="1.0" encoding="ASCII"?>
+<mission:Mission {_XMI} xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" \
+xmlns:mission="http://mrsfi.org/mission/1.0" name="rendezvous" duration="120">
+  <missionArea ID="whole" radius="1000.0"><center/></missionArea>\
+{_ROBOT.format("a", -200.0)}{_ROBOT.format("b", 200.0)}
+  <servers ID="base" name=""/>\
+{_GOAL.format("g1", "a", _MESSAGE)}{_GOAL.format("g2", "b", "")}{_GOAL.format("g3", "a b", "")}
+</mission:Mission>
+"""
+FAULTS = f"""<?xml version="1.0" encoding="ASCII"?>
+<faults:FaultSpecification {_XMI} xmlns:faults="http://mrsfi.org/faults/1.0" ID="pool">
+  <faults ID="stop_a" name=""><stopRobot><affectedRobot href="mission.xmi#a"/></stopRobot></faults>
+  <faults ID="stop_b" name=""><stopRobot><affectedRobot href="mission.xmi#b"/></stopRobot></faults>
+  <faults ID="lie_a" name=""><fixedRobotCoordinates NEW_X="0.0" NEW_Y="0.0" NEW_Z="0.0">
+    <affectedMessage href="mission.xmi#report"/></fixedRobotCoordinates></faults>
+</faults:FaultSpecification>
+"""
+DEADLINE, DURATION = 70, 120
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("planted")
+    models, generated = folder / "models" / "rendezvous", folder / "generated" / "rendezvous"
+    models.mkdir(parents=True)
+    (models / "mission.xmi").write_text(MISSION, encoding="ascii")
+    (models / "faults.xmi").write_text(FAULTS, encoding="ascii")
+    generate(models, generated)
+    return ReferenceEngine(load_code(generated), 1)
+
+
+def explained(engine, *faults):
+    """Return why these faults break goals, and what each of them is to each goal."""
+    measure = Measure.of(CampaignSettings(), engine.code.mission)
+    flights = Flights([partial(engine.evaluate_many, seed=1)], measure)
+    found = explain(flights, engine, tuple(TimedFault(*fault) for fault in faults), 0.95)
+    return found, {goal.goal: goal.labels for goal in found.goals}
+
+
+def believed(found):
+    return {
+        column.goal: count
+        for column, count in zip(found.columns, found.counts, strict=True)
+        if column.kind == "believed"
+    }
+
+
+def test_without_faults_both_are_there_in_time(engine):
+    assert engine.evaluate(()).true == (0, 0, 0)
+
+
+def test_one_fault_alone(engine):
+    found, labels = explained(engine, ("stop_b", 60, 65), ("stop_a", 10, 119, ()))
+
+    assert believed(found) == {"g1": 50, "g2": 0, "g3": 50}
+    assert found.cause_set == (1,)
+    assert labels == {
+        "g1": ("bystander", "sole"),
+        "g2": ("bystander", "bystander"),
+        "g3": ("bystander", "sole"),
+    }
+    (chain,) = found.chains
+    assert (chain.command.tick, chain.truth.tick, chain.belief.tick) == (9, 10, 10)
+    assert chain.command.changes[0].size == 4.0
+    at_deadline = FirstVerdict(DEADLINE, is_so=True)
+    assert [each.goal for each in chain.verdicts] == ["g1", "g3"]
+    assert {(each.believed, each.true, each.missed) for each in chain.verdicts} == {
+        (at_deadline,) * 3
+    }
+    assert {(firm.median, firm.n_violated) for firm in found.firmness} == {(50, 20), (0, 0)}
+
+
+def test_two_faults_only_together(engine):
+    """Each costs 13 of the 20 ticks that there are to spare, both cost 26."""
+    found, labels = explained(engine, ("stop_a", 10, 22), ("stop_b", 10, 22), ("stop_a", 30, 42))
+
+    assert 0 < believed(found)["g1"] < 20
+    assert found.cause_set == (0, 2)
+    assert labels["g1"] == ("joint", "bystander", "joint")
+    assert not any(found.alone[0])
+    assert not any(found.left_out[2])
+    (first, second) = (of_fault for of_fault in found.attribution.shares)
+    assert first == second
+    assert [chain.command.tick for chain in found.chains] == [9, 29]
+
+
+def test_either_of_two_faults(engine):
+    found, labels = explained(engine, ("stop_a", 0, 119), ("stop_b", 0, 119))
+
+    assert labels["g3"] == ("sole", "redundant")
+    assert labels["g1"] == ("sole", "bystander")
+    assert labels["g2"] == ("bystander", "sole")
+    assert found.cause_set == (0, 1)
+
+
+def test_a_fault_that_hides_what_another_does(engine):
+    """A robot that was once believed to be there is not missed by those who believed it."""
+    found, labels = explained(
+        engine, ("stop_a", 10, 119), ("lie_a", 60, 60, (0.0, 0.0, 0.0)), ("stop_b", 0, 119)
+    )
+
+    assert believed(found) == {"g1": 0, "g2": 50, "g3": 50}
+    assert found.outcome.true == (50, 50, 50)
+    assert labels["g1"] == ("sole", "masking", "bystander")
+    assert labels["g2"] == ("bystander", "bystander", "sole")
+    assert found.cause_set == (0, 2)
+    assert found.left_out[1][0] == 50
+
+
+def test_what_is_violated_without_any_fault_has_no_cause(engine, capsys):
+    code = replace(engine.code, mission=_with_an_earlier_deadline(engine.code.mission))
+    measure = Measure.of(CampaignSettings(), code.mission)
+    late = ReferenceEngine(code, 1)
+    flights = Flights([partial(late.evaluate_many, seed=1)], measure)
+
+    found = explain(flights, late, (TimedFault("stop_b", 100, 110),), 0.95)
+    print_explanation(Shown(code, measure, "x", "x.xmi", ("h1",), 0.95, ()), found)
+
+    assert found.cause_set == found.chains == ()
+    assert found.fault_free == found.counts != (0,) * 6
+    said = capsys.readouterr().out
+    assert "x.xmi: 1 fault, and none is the cause: without any, 95 % of every goal's" in said
+    assert "bystanders to every goal: h1\n" in said
+    assert "What each fault is" not in said
+
+
+def _with_an_earlier_deadline(mission):
+    goals = [replace(goal, task=replace(goal.task, deadline=40)) for goal in mission.goals]
+    return replace(mission, goals=tuple(goals))
