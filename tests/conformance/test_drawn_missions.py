@@ -33,7 +33,7 @@ FEW = {
 }
 MANY = {
     "eleven robots": (shape(11, 4, ("AvoidCollision", "Patrol", "Track"), seed=1), 40, 6),
-    "fifty robots": (shape(50, 3, ("Stay",), seed=15), 20, 4),
+    "fifty robots": (shape(50, 3, ("Stay",), seed=15), 20, 6),
 }
 """Shape, the longest mission in ticks, and how many missions are drawn."""
 
@@ -158,7 +158,7 @@ def test_drawn_missions_of_few_robots_fly_alike(tmp_path_factory, name):
 @slow
 @pytest.mark.parametrize("name", MANY)
 def test_drawn_missions_of_many_robots_fly_alike(tmp_path_factory, name):
-    """Draws 10 missions, and 100 specifications; most fault types and half the goals matter."""
+    """Draws 12 missions, and 120 specifications; most fault types and half the goals matter."""
     coverage = fly_alike(tmp_path_factory, *MANY[name])
 
     n_goals = len(MANY[name][0].goals)

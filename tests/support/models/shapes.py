@@ -203,7 +203,8 @@ def small_mission(folder: Path) -> MissionCode:
 class _Parts:
     """Draws the elements of a mission, as text.
 
-    Half of all points are among a few spots, so that robots reach what they head for, and meet.
+    Half of all points are among a few spots, so that robots reach what they head for, and meet;
+    half of all trajectories begin where one of their robots does.
     """
 
     def __init__(self, rng: Random, of: Shape) -> None:
@@ -211,13 +212,17 @@ class _Parts:
         self._of = of
         self._reach = rng.choice((60.0, 60.0 * len(of.sensors)))
         self._spots = [self._place() for _ in range(rng.randint(1, 4))]
+        self._starts: dict[str, tuple[float, float]] = {}
 
     def _place(self) -> tuple[float, float]:
         x, y = (_number(self._rng, -self._reach, self._reach, _ODD_PLACES) for _ in range(2))
         return x, y
 
-    def point(self, tag: str) -> str:
+    def point(self, tag: str, robot: str = "") -> str:
+        """Return a point; where a robot begins, if it is the position of one."""
         x, y = self._rng.choice((self._rng.choice(self._spots), self._place()))
+        if robot:
+            x, y = self._starts.setdefault(robot, (x, y))
         return f'<{tag} x="{x!r}" y="{y!r}"/>'
 
     def area(self, tag: str, name: str) -> str:
@@ -240,7 +245,7 @@ class _Parts:
             fastest = f' maxSpeed="{speed + more!r}"' if rng.random() < 0.5 else ""
             yield (
                 f'<robots ID="{robot}" name="" speed="{speed!r}"{fastest}>'
-                f"{self.point('position')}{sensors}"
+                f"{self.point('position', robot)}{sensors}"
                 f'<batteries ID="{robot}b" name="" totalEnergy="{energy!r}"/><motionSources '
                 f'ID="{robot}d" name="" energyPerDistanceUnit="{distance!r}"/></robots>'
             )
@@ -286,7 +291,8 @@ class _Parts:
             attributes += f' deadline="{rng.randint(1, 70)}"'
             content = self.point("coordinates")
         elif goal.task == "Track":
-            content = "".join(self.point("trajectory") for _ in range(3))
+            begin = rng.choice(("", goal.members[0]))
+            content = "".join(self.point("trajectory", robot) for robot in (begin, "", ""))
         elif goal.task == "FixedDistanceBetweenRobots":
             attributes += f' fixedDistance="{_number(rng, 1.0, 80.0, _ODD_EXTENTS)!r}"'
         if goal.task in ("Patrol", "Stay"):
