@@ -155,6 +155,16 @@ def test_a_record_that_flies_otherwise_is_not_explained(campaign, place):
     assert not (campaign / "causes").exists()
 
 
+@pytest.mark.parametrize("option", ["--best", "--top=3"])
+def test_a_campaign_without_evaluations_is_answered(option, campaign, place):
+    with closing(sqlite3.connect(campaign / "campaign.sqlite")) as connection, connection:
+        connection.execute("DELETE FROM evaluation")
+
+    error = mrsfi("explain", campaign, option, cwd=place, expected=9).stderr
+
+    assert "holds no evaluation yet" in error
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "expected"),
     [

@@ -260,11 +260,7 @@ def _case_of_run(campaign: FlyableCampaign, kind: str | None, out: Path | None) 
 
 def _of_run(campaign: FlyableCampaign, index: int | None, n_top: int | None) -> list[Subject]:
     """Return evaluations of a campaign, the most critical one if neither is given."""
-    evaluations = (
-        (find_evaluation(campaign, index),)
-        if n_top is None
-        else top(campaign.store.evaluations(), n_top)
-    )
+    evaluations = () if n_top is None else top(campaign.store.evaluations(), n_top)
     return [
         Subject(
             f"evaluation_{each.index}",
@@ -273,7 +269,7 @@ def _of_run(campaign: FlyableCampaign, index: int | None, n_top: int | None) -> 
             numbered(timed.fault for timed in each.specification),
             each,
         )
-        for each in evaluations
+        for each in evaluations or (find_evaluation(campaign, index),)
     ]
 
 
