@@ -101,11 +101,9 @@ def _fault_table(shown: Shown, found: Explanation, faults: Specification) -> Tab
     rows = []
     for place, timed in zip(found.cause_set, faults, strict=True):
         fault = pool[timed.fault]
-        given = pool[timed.fault].kind.named(timed.values).items()
-        values = " ".join(f"{name}={value:g}" for name, value in given)
-        rows.append(
-            (shown.names[place], fault.type, fault.target, timed.start, timed.finish, values)
-        )
+        window = timed.start, timed.finish
+        values = fault.kind.in_words(timed.values)
+        rows.append((shown.names[place], fault.type, fault.target, *window, values))
     return plain_table(("fault", "type", "of"), ("start", "finish"), rows, ("values",))
 
 
