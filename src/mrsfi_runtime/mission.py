@@ -53,13 +53,15 @@ class MissionCode:
     directory: Path
 
 
-def load_code(directory: Path) -> MissionCode:
+def load_code(directory: Path, pool: FaultPool | None = None) -> MissionCode:
     """Load the generated code of a mission from its folder.
 
     Parameters
     ----------
     directory
         ``generated/<mission>`` or the copy of it in a campaign folder.
+    pool
+        Faults to fly, if not those of the mission's own pool.
 
     Raises
     ------
@@ -76,7 +78,7 @@ def load_code(directory: Path) -> MissionCode:
     topics, interface, simulation = _siblings(directory, "topics", "sim_interface", "simulation")
     return MissionCode(
         mission=_loaded(directory, "mission_loader", "load_mission"),
-        pool=_loaded(directory, "fault_loader", "load_faults"),
+        pool=_loaded(directory, "fault_loader", "load_faults") if pool is None else pool,
         simulation=simulation.Simulation,
         interface=interface.SimInterface,
         truth=tuple(robot.truth for robot in topics.ROBOTS),

@@ -19,13 +19,13 @@ def faults(names: str) -> Specification:
 def flights(planted: Planted, kind: str = "believed") -> Flights:
     """Return flights that find what is planted."""
     goals = tuple(planted)
-    return Flights([evaluator(planted)], Measure(kind, 1, goals, goals, 100))
+    return Flights(evaluator(planted), Measure(kind, 1, goals, goals, 100), (1,))
 
 
-def evaluator(planted: Planted) -> Callable[[Sequence[Specification]], list[Outcome]]:
+def evaluator(planted: Planted) -> Callable[[Sequence[Specification], int], list[Outcome]]:
     """Return what evaluates specifications as is planted."""
 
-    def evaluate_many(specifications: Sequence[Specification]) -> list[Outcome]:
+    def evaluate_many(specifications: Sequence[Specification], _seed: int) -> list[Outcome]:
         return [_outcome(planted, each) for each in specifications]
 
     return evaluate_many

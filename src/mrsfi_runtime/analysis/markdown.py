@@ -3,15 +3,24 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, score
-from mrsfi_runtime.analysis.patterns import Trend
+from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.tables import front_table, harm_table, in_words
+from mrsfi_runtime.causes.firmness import N_SEEDS
 from mrsfi_runtime.model.semantics import flown_by
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure, ticks, violated
 from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows
 from mrsfi_runtime.record.settings import CampaignSettings
 
+_BELIEVED_TRUE = "believed by the collective intelligence / true in the simulation"
+_MISSED = "and the tick from which on it was certain that the goal's purpose is not met, if it was"
+_COUNTS = f"Violations per goal in ticks, on the first mission seed: {_BELIEVED_TRUE}; {_MISSED}."
+_POPULAR = (
+    "Popular is not guilty: compare the occurrences of a type with what its share in the pool, and "
+    "in everything the campaign tried, would give by chance. A type may also ride along with the "
+    "one that does the harm."
+)
 _SIGNIFICANT = 0.05
 _FEW_GENERATIONS = 3
 
@@ -26,12 +35,15 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         "## Fitness over the generations",
         trend_in_words(summary.trend),
         *_linked(captions, "fitness"),
+        *_findings(summary),
         f"## The {len(summary.top)} most critical specifications",
         _top(summary),
         *_faults(summary),
         "## Fault types among them",
-        _patterns(summary),
+        _POPULAR,
+        _patterns(summary.patterns),
         *_linked(captions, "fault_types"),
+        *_guilty(summary, captions),
     ]
     if summary.front is not None:
         sections += ["## Pareto front", _front(summary.front), *_linked(captions, "front")]
@@ -107,14 +119,12 @@ def _top(summary: Summary) -> str:
         )
         for rank, evaluation in enumerate(summary.top, start=1)
     ]
-    words = "believed by the collective intelligence / true in the simulation"
+    words = _BELIEVED_TRUE
     if summary.measure.n_seeds > 1:
         words += " on the first mission seed"
     if not summary.measure.is_shown_by_outcomes:
         words = f"{summary.measure}: {words}"
-    missed = (
-        "and the tick from which on it was certain that the goal's purpose is not met, if it was"
-    )
+    missed = _MISSED
     if summary.top[0].outcome.missed is None:
         missed = "what was missed is not recorded"
     return f"Violations per goal in ticks, {words}; {missed}.\n\n{table(header, rows)}"
@@ -141,7 +151,67 @@ def _violations(measure: Measure, evaluation: Evaluation) -> Iterator[str]:
         yield f"{ticks(measured[goal])}: {words}" if goal in measured else words
 
 
-def _patterns(summary: Summary) -> str:
+def _findings(summary: Summary) -> Iterator[str]:
+    """Yield what was found out about causes, if anything was asked."""
+    if not summary.causes:
+        return
+    ranks = {evaluation.index: rank for rank, evaluation in enumerate(summary.top, 1)}
+    n_flown = sum(cause.n_flown for cause in summary.causes)
+    n_explained = sum(not cause.reason for cause in summary.causes)
+    yield "## Findings"
+    yield (
+        f"Of the {len(summary.top)} most critical specifications {n_explained} are explained, with "
+        f"{n_flown} flights after those of the search. The *cause set* of each are the faults that "
+        "alone keep 95 % of its violations of every goal, and of which none can be left out; those "
+        f"with alike cause sets are one finding. {_COUNTS}"
+    )
+    header = ("", "evaluations", "faults", *summary.measure.goals)
+    rows = [
+        (
+            f"[{number}](critical/{ranks[finding.evaluations[0]]:02d}-cause.xmi)",
+            " ".join(map(str, finding.evaluations)),
+            " ".join(finding.names),
+            *violated(finding.outcome, summary.measure.duration),
+        )
+        for number, finding in enumerate(summary.findings, 1)
+    ]
+    yield table(header, rows)
+    yield from (
+        f"Evaluation {cause.index} is not explained: {plain(cause.reason)}."
+        for cause in summary.causes
+        if cause.reason
+    )
+    for number, finding in enumerate(summary.findings, 1):
+        yield f"### Cause of finding {number}, evaluation {finding.evaluations[0]}"
+        rows_of_faults = fault_rows(finding.faults, finding.outcome)
+        named = zip(finding.names, rows_of_faults, strict=True)
+        yield table(FAULT_COLUMNS, [(name, *row[1:]) for name, row in named])
+        yield "\n".join(f"- {plain(sentence)}" for sentence in finding.cause.sentences)
+        yield "Violations under it in other weather:"
+        firm = finding.cause.firmness
+        yield table(
+            ("goal", "violations", "median", "least", "most", f"violated in, of {N_SEEDS}"),
+            [(*map(_number, each.values()),) for each in firm if each["most"]],
+        )
+
+
+def _number(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _guilty(summary: Summary, captions: Mapping[str, str]) -> Iterator[str]:
+    """Yield which types of faults cause sets hold."""
+    if summary.findings:
+        yield "## Fault types in cause sets"
+        yield (
+            "The same over what the violations are due to: a type that is above but not here rode "
+            "along."
+        )
+        yield _patterns(summary.guilty)
+        yield from _linked(captions, "cause_sets")
+
+
+def _patterns(patterns: Sequence[TypePattern]) -> str:
     header = ("fault type", "occurrences", "specifications", "by pool", "by campaign")
     rows = [
         (
@@ -151,14 +221,10 @@ def _patterns(summary: Summary) -> str:
             f"{pattern.pool_expected:.1f}",
             f"{pattern.campaign_expected:.1f}",
         )
-        for pattern in summary.patterns
+        for pattern in patterns
         if pattern.n_occurrences
     ]
-    return (
-        "Popular is not guilty: compare the occurrences of a type with what its share in the pool, "
-        "and in everything the campaign tried, would give by chance. A type may also ride along "
-        f"with the one that does the harm.\n\n{table(header, rows)}"
-    )
+    return table(header, rows)
 
 
 def _front(front: Front) -> str:

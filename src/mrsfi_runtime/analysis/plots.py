@@ -221,8 +221,8 @@ def harm_front(harm: Sequence[Harm], measure: Measure) -> Figure:
     return figure
 
 
-def fault_types(patterns: Sequence[TypePattern], n_top: int) -> Figure:
-    """Draw how often each fault type occurs in the top, beside its base share (figure 12)."""
+def fault_types(patterns: Sequence[TypePattern], title: str) -> Figure:
+    """Draw how often each fault type occurs, beside its base share (figure 12)."""
     with drawing((9.4, 1.9 + 0.27 * max(len(patterns), 4))) as figure:
         axes = figure.add_subplot()
         names = [pattern.type for pattern in patterns]
@@ -265,7 +265,7 @@ def fault_types(patterns: Sequence[TypePattern], n_top: int) -> Figure:
             xlabel="occurrences (timed faults)",
             yticks=places,
             yticklabels=names,
-            title=f"Fault types in the {n_top} most critical specifications",
+            title=title,
         )
         axes.xaxis.set_major_locator(whole_numbers())
         axes.tick_params(axis="y", length=0, labelcolor=INK)

@@ -18,7 +18,7 @@ from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
 from mrsfi_runtime.record.folder import CampaignFolder
@@ -31,8 +31,10 @@ N_GENERATION_FRONTS = 5
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
 """Pool fault ID, start, finish, and values by parameter name."""
 
-SpecificationWriter: TypeAlias = Callable[[Sequence[SpecificationRow], Path, str], None]
-"""Writes rows as a fault specification to a path, under an identifier."""
+SpecificationWriter: TypeAlias = Callable[
+    [Sequence[SpecificationRow], Path, str, Sequence[str]], None
+]
+"""Writes rows as a fault specification to a path, under an identifier, with the faults' names."""
 
 
 def write_report(
@@ -109,10 +111,18 @@ def specification_rows(
 def _write_critical(
     layout: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
 ) -> None:
-    _emptied(layout.critical, "[0-9][0-9].xmi")
+    """Write the top specifications, and their cause sets beside them."""
+    _emptied(layout.critical, "[0-9][0-9]*.xmi")
+    causes = {cause.index: cause.places for cause in summary.causes}
     for rank, evaluation in enumerate(summary.top, start=1):
+        path, name = layout.critical / f"{rank:02d}.xmi", f"evaluation_{evaluation.index}"
         rows = specification_rows(pool, evaluation.specification)
-        write(rows, layout.critical / f"{rank:02d}.xmi", f"evaluation_{evaluation.index}")
+        names = numbered(row[0] for row in rows)
+        write(rows, path, name, names)
+        places = causes.get(evaluation.index)
+        if places:
+            cause, named = zip(*((rows[place], names[place]) for place in places), strict=True)
+            write(cause, path.with_stem(f"{path.stem}-cause"), f"{name}_cause", named)
 
 
 def _emptied(folder: Path, pattern: str) -> None:
@@ -156,15 +166,27 @@ def illustrate(
     if summary.front is not None and summary.front.points and len(summary.front.goals) >= 2:
         yield from _fronts(summary, summary.front.goals, evaluations, generations)
     if summary.top:
+        caption = f"Fault types in the {len(summary.top)} most critical specifications"
         yield Illustration(
             "figure_12_fault_types",
-            f"Fault types in the {len(summary.top)} most critical specifications",
-            Drawing("fault_types", (summary.patterns, len(summary.top))),
-            [
-                tuple(field.name.removeprefix("n_") for field in fields(TypePattern)),
-                *map(astuple, summary.patterns),
-            ],
+            caption,
+            Drawing("fault_types", (summary.patterns, caption)),
+            _pattern_rows(summary.patterns),
         )
+    if summary.findings:
+        n_sets = sum(bool(cause.places) for cause in summary.causes)
+        caption = f"Fault types in the cause sets of {n_sets} specifications"
+        yield Illustration(
+            "figure_12_cause_sets",
+            caption,
+            Drawing("fault_types", (summary.guilty, caption)),
+            _pattern_rows(summary.guilty),
+        )
+
+
+def _pattern_rows(patterns: Sequence[TypePattern]) -> tables.Rows:
+    header = tuple(field.name.removeprefix("n_") for field in fields(TypePattern))
+    return [header, *map(astuple, patterns)]
 
 
 def map_drawing(mission: Mission) -> Drawing:

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from mrsfi_runtime.analysis.findings import Finding, find_findings
 from mrsfi_runtime.analysis.fronts import (
     Front,
     Harm,
@@ -19,9 +20,11 @@ from mrsfi_runtime.analysis.fronts import (
     top,
 )
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
+from mrsfi_runtime.causes.cause_set import chosen
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
+from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -46,6 +49,10 @@ class Summary:
         The most critical distinct specifications, at most ten, the worst for the mission first.
     faults
         The faults of each of them.
+    causes
+        What was found out about the causes of some of them, in their order.
+    findings
+        Those with alike causes as one.
     front
         Over the goals that the settings choose, or else those of the ratio, and over what they
         minimise; ``None`` if it would be over fewer than two.
@@ -53,6 +60,8 @@ class Summary:
         The front of harm against what is minimised; ``None`` if nothing is.
     pick
         ``None`` if no ratio was asked for.
+    patterns, guilty
+        Fault types in the top, and in its cause sets.
     """
 
     folder: Path
@@ -67,11 +76,14 @@ class Summary:
     digest: str
     top: tuple[Evaluation, ...]
     faults: tuple[tuple[NamedFault, ...], ...]
+    causes: tuple[RecordedCause, ...]
+    findings: tuple[Finding, ...]
     front: Front | None
     harm: tuple[Harm, ...] | None
     pick: Pick | None
     trend: Trend
     patterns: tuple[TypePattern, ...]
+    guilty: tuple[TypePattern, ...]
 
 
 def summarise(
@@ -102,6 +114,11 @@ def summarise(
     goals = _front_goals(store.settings, wanted)
     front = find_front(measure, different, goals) if goals else None
     generations = store.generations()
+    tops = {each.index: each.specification for each in best}
+    tried = [evaluation.specification for evaluation in different]
+    known = {cause.index: cause for cause in store.causes()}
+    causes = tuple(known[index] for index in tops if index in known)
+    sets = [chosen(tops[cause.index], cause.places) for cause in causes]
     return Summary(
         folder=folder,
         mission=mission.name,
@@ -115,15 +132,14 @@ def summarise(
         digest=store.digest(),
         top=best,
         faults=tuple(named_faults(mission, pool, each.specification) for each in best),
+        causes=causes,
+        findings=find_findings(mission, pool, causes, tops),
         front=front,
         harm=find_harm(measure, different) if measure.minimised else None,
         pick=None if wanted is None else _pick(measure, different, front, wanted),
         trend=find_trend(generations),
-        patterns=find_patterns(
-            [evaluation.specification for evaluation in best],
-            (evaluation.specification for evaluation in different),
-            pool,
-        ),
+        patterns=find_patterns([*tops.values()], tried, pool),
+        guilty=find_patterns(sets, tried, pool),
     )
 
 
@@ -145,11 +161,32 @@ def as_json(summary: Summary) -> dict[str, Any]:
         "digest": summary.digest,
         "best": ranked[0] if ranked else None,
         "top": ranked,
+        "causes": _causes(summary),
         "front": _front(summary.front),
         "harm": None if summary.harm is None else [asdict(harm) for harm in summary.harm],
         "pick": _picked(summary.pick),
         "trend": asdict(summary.trend),
         "patterns": [asdict(pattern) for pattern in summary.patterns],
+    }
+
+
+def _causes(summary: Summary) -> dict[str, Any] | None:
+    """Return what was found out about causes; ``None`` if nothing was asked."""
+    if not summary.causes:
+        return None
+    measure = summary.measure
+    return {
+        "n_explained": sum(not cause.reason for cause in summary.causes),
+        "n_flown": sum(cause.n_flown for cause in summary.causes),
+        "not_explained": [
+            {"evaluation": cause.index, "reason": cause.reason}
+            for cause in summary.causes
+            if cause.reason
+        ],
+        "findings": [
+            finding.as_json(measure.goals, measure.duration) for finding in summary.findings
+        ],
+        "patterns": [asdict(pattern) for pattern in summary.guilty],
     }
 
 

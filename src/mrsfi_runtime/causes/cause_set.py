@@ -3,14 +3,15 @@
 References
 ----------
 A. Zeller and R. Hildebrandt, "Simplifying and Isolating Failure-Inducing Input", IEEE Transactions
-on Software Engineering 28(2), 2002: the algorithm ddmin, and what 1-minimal means.
+on Software Engineering 28(2), 2002: the algorithm ddmin, and what 1-minimal means. R. Hodován and
+Á. Kiss, "Practical Improvements to the Minimizing Delta Debugging Algorithm", ICSOFT 2016: that it
+stays 1-minimal, and takes fewer trials, without trying parts alone.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
 from random import Random
 from typing import TypeAlias
 
@@ -92,28 +93,20 @@ def without(specification: Specification, place: int) -> Specification:
 
 
 def _minimum(order: tuple[int, ...], is_kept: Callable[[Iterable[int]], bool]) -> tuple[int, ...]:
-    """Return a 1-minimal part of an order, of which all of it is kept: ddmin."""
+    """Return a 1-minimal part of an order, of which all of it is kept.
+
+    Parts are left out, first halves, at last single faults, from the back to the front, so that
+    of faults that do the same the earlier stay, until no single one can be.
+    """
     if is_kept(()):
         return ()
-    left, n_parts = order, 2
-    while len(left) > 1:
-        parts = _divided(left, n_parts)
-        part = next(filter(is_kept, parts), None)
-        if part is not None:
-            left, n_parts = part, 2
-            continue
-        rests = (tuple(place for place in left if place not in part) for part in parts)
-        rest = next(filter(is_kept, rests), None)
-        if rest is not None:
-            left, n_parts = rest, max(n_parts - 1, 2)
-        elif n_parts == len(left):
-            break
-        else:
-            n_parts = min(2 * n_parts, len(left))
-    return left
-
-
-def _divided(order: Sequence[int], n_parts: int) -> list[tuple[int, ...]]:
-    """Return an order in parts as equal as can be, none of them empty."""
-    cuts = [len(order) * part // n_parts for part in range(n_parts + 1)]
-    return [tuple(order[first:last]) for first, last in pairwise(cuts)]
+    left, size = order, (len(order) + 1) // 2
+    while True:
+        n_before = len(left)
+        for last in range(n_before, 0, -size):
+            rest = (*left[: max(0, last - size)], *left[last:])
+            if is_kept(rest):
+                left = rest
+        if size == 1 and len(left) == n_before:
+            return left
+        size = max(1, size // 2)

@@ -1,14 +1,18 @@
 """The counts by which sets of faults are compared, each set flown once."""
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple, TypeAlias
 
-from mrsfi_runtime.engine.flights import FailedFlight
+from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.search.resumable_record import EvaluateMany
+
+EvaluateIn: TypeAlias = Callable[[Sequence[Specification], int], Iterable[Evaluated]]
+"""Evaluates fault specifications in the weather of a mission seed, as an ``Evaluator`` does."""
 
 
 class Column(NamedTuple):
@@ -22,67 +26,112 @@ Counts: TypeAlias = tuple[int, ...]
 """Counts of one specification, shape ``(n_columns,)``, summed over the mission seeds."""
 
 
+class BudgetSpentError(Exception):
+    """More would have to be flown than may be."""
+
+
 class Flights:
     """Flies fault specifications of a mission, each once, and counts violations.
 
     Parameters
     ----------
-    evaluators
-        One for each mission seed.
+    evaluate_many
+        Flies them.
     measure
         Names the goals that are counted, and the violations, beside the true ones.
+    mission_seeds
+        Weathers that are counted together, the first one first.
+    most
+        How many flights there may be; without it, any number.
 
     Attributes
     ----------
-    measure
+    measure, mission_seeds
         See above.
     columns
         What is counted: for each goal first its violations in the measure, then the true ones.
     n_flown
-        Number of specifications that were flown until now, in all mission seeds each.
+        Number of flights until now, by what they were for.
     """
 
-    def __init__(self, evaluators: Sequence[EvaluateMany], measure: Measure) -> None:
+    def __init__(
+        self,
+        evaluate_many: EvaluateIn,
+        measure: Measure,
+        mission_seeds: tuple[int, ...],
+        most: int | None = None,
+    ) -> None:
         kinds = tuple(dict.fromkeys((measure.kind, "true")))
         self.measure = measure
+        self.mission_seeds = mission_seeds
         self.columns = tuple(Column(goal, kind) for goal in measure.chosen for kind in kinds)
+        self.n_flown: Counter[str] = Counter()
         self._cells = [(measure.goals.index(goal), kind) for goal, kind in self.columns]
-        self._evaluators = evaluators
-        self._known: dict[Specification, tuple[Outcome, ...]] = {}
+        self._evaluate_many = evaluate_many
+        self._known: dict[tuple[Specification, int], Outcome] = {}
+        self._most = most
+        self._purpose = ""
 
-    @property
-    def n_flown(self) -> int:
-        """See the class."""
-        return len(self._known)
+    @contextmanager
+    def on(self, purpose: str) -> Iterator[None]:
+        """Count what is flown in the body as flown for a purpose."""
+        self._purpose = purpose
+        yield
 
-    def fly(self, specifications: Iterable[Specification]) -> None:
+    def spend(self, n_flights: int) -> None:
+        """Count flights that are about to begin.
+
+        Raises
+        ------
+        BudgetSpentError
+            If they are too many.
+        """
+        if self._most is not None and self.n_flown.total() + n_flights > self._most:
+            raise BudgetSpentError
+        self.n_flown[self._purpose] += n_flights
+
+    def fly(self, specifications: Iterable[Specification], seed: int | None = None) -> None:
         """Fly specifications all at once, as far as they are not known.
+
+        Parameters
+        ----------
+        seed
+            Weather to fly in; if left out, in those of all mission seeds.
 
         Raises
         ------
         EvaluationError
             If the mission's own code fails in one of them.
+        BudgetSpentError
+            If they are too many.
         """
-        new = [each for each in dict.fromkeys(specifications) if each not in self._known]
-        if not new:
-            return
-        by_seed = [list(evaluate_many(new)) for evaluate_many in self._evaluators]
-        for specification, *found in zip(new, *by_seed, strict=True):
-            outcomes = []
-            for outcome in found:
+        wanted = tuple(dict.fromkeys(specifications))
+        for one in self.mission_seeds if seed is None else (seed,):
+            new = [each for each in wanted if (each, one) not in self._known]
+            if not new:
+                continue
+            self.spend(len(new))
+            for specification, outcome in zip(new, self._evaluate_many(new, one), strict=True):
                 if isinstance(outcome, FailedFlight):
                     raise EvaluationError(_failure(specification, outcome))
-                outcomes.append(outcome)
-            self._known[specification] = tuple(outcomes)
+                self._known[specification, one] = outcome
 
-    def outcomes(self, specification: Specification) -> tuple[Outcome, ...]:
-        """Return what flying a specification finds in each mission seed."""
+    def outcome(self, specification: Specification) -> Outcome:
+        """Return what flying a specification finds in the first mission seed."""
         self.fly([specification])
-        return self._known[specification]
+        return self._known[specification, self.mission_seeds[0]]
 
     def counts(self, specification: Specification) -> Counts:
         """Return the violations under a specification, shape ``(n_columns,)``."""
-        outcomes = self.outcomes(specification)
+        self.fly([specification])
+        return self._counts([self._known[specification, seed] for seed in self.mission_seeds])
+
+    def counts_in(self, specification: Specification, seed: int) -> Counts:
+        """Return the violations under a specification in the weather of one seed."""
+        self.fly([specification], seed)
+        return self._counts([self._known[specification, seed]])
+
+    def _counts(self, outcomes: Sequence[Outcome]) -> Counts:
         return tuple(
             sum(getattr(outcome, kind)[goal] for outcome in outcomes) for goal, kind in self._cells
         )

@@ -1,22 +1,16 @@
 """All that is found out about one specification, in the order in which it is asked."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 from mrsfi_runtime.causes.attribution import Attribution, attribute
-from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
-from mrsfi_runtime.causes.chain import Chain, chains
+from mrsfi_runtime.causes.cause import Cause, find_cause
+from mrsfi_runtime.causes.cause_set import Places, Question, floor, without
 from mrsfi_runtime.causes.counts import Column, Counts, Flights
-from mrsfi_runtime.causes.firmness import N_SEEDS, Firmness, firmness
 from mrsfi_runtime.causes.labels import GoalCauses, goal_causes
 from mrsfi_runtime.causes.simplest import simplest
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.settings import following
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,18 +19,10 @@ class Explanation:
 
     Attributes
     ----------
-    specification
-        All its faults.
-    columns
-        What is counted.
-    counts, fault_free, kept
-        Counts under all faults, under none, and under the cause set.
-    cause_set
-        The faults without which the violations would not be.
-    outcome
-        What flying the cause set finds in the first mission seed.
+    cause
+        What its violations are due to.
     simplest, simplest_counts
-        Its simplest form, and the counts under that.
+        The simplest form of the cause set, and the counts under that.
     minima
         The different cause sets that shuffled orders gave, this one among them or not.
     goals
@@ -45,22 +31,11 @@ class Explanation:
         Counts under each fault alone, and under all but it.
     attribution
         How much of each count is due to each fault of the cause set.
-    chains
-        What each fault of the cause set changes first, against the cause set without it, in the
-        first mission seed.
-    firmness
-        What each count under the cause set is in ``N_SEEDS`` mission seeds, the first one on.
     n_flown
-        How many specifications were flown for each part of this.
+        How many flights each part of this took.
     """
 
-    specification: Specification
-    columns: tuple[Column, ...]
-    counts: Counts
-    fault_free: Counts
-    kept: Counts
-    cause_set: Places
-    outcome: Outcome
+    cause: Cause
     simplest: Specification
     simplest_counts: Counts
     minima: tuple[Places, ...]
@@ -68,14 +43,7 @@ class Explanation:
     alone: tuple[Counts, ...]
     left_out: tuple[Counts, ...]
     attribution: Attribution
-    chains: tuple[Chain, ...]
-    firmness: tuple[Firmness, ...]
     n_flown: Mapping[str, int]
-
-    @property
-    def cause(self) -> Specification:
-        """The cause set as a specification."""
-        return chosen(self.specification, self.cause_set)
 
 
 def explain(
@@ -85,14 +53,8 @@ def explain(
 
     Parameters
     ----------
-    flights
-        Flies its faults.
-    engine
-        Flies what has to be looked at, or to be in other weather; its seed is the first.
-    specification
-        All its faults.
-    keep
-        Share of every count that a cause set keeps, above 0, at most 1.
+    flights, engine, specification, keep
+        As ``find_cause`` takes them.
 
     Returns
     -------
@@ -104,42 +66,27 @@ def explain(
     EvaluationError
         If the mission's own code fails.
     """
-    spent = _Spent(flights)
-    n, columns = len(specification), flights.columns
-    with spent.on("all faults, and none"):
-        counts, fault_free = flights.counts(specification), flights.counts(())
-    if not any(counts):
+    cause = find_cause(flights, engine, specification, keep)
+    if cause is None:
         return None
-    question = Question(flights, specification, floor(counts, keep, range(len(columns))))
-    with spent.on("cause set"):
-        cause_set = question.minimum()
-    cause = chosen(specification, cause_set)
-    with spent.on("other orders"):
-        minima = question.minima()
-    with spent.on("each fault alone, and left out"):
+    n, columns, counts = len(specification), flights.columns, cause.counts
+    with flights.on("other orders"):
+        minima = Question(flights, specification, floor(counts, keep, range(len(columns)))).minima()
+    with flights.on("each fault alone, and left out"):
         alone = tuple((fault,) for fault in specification)
         left_out = tuple(without(specification, place) for place in range(n))
         flights.fly((*alone, *left_out))
-    with spent.on("cause set and labels of each goal"):
+    with flights.on("cause set and labels of each goal"):
         goals = tuple(
             goal_causes(Question(flights, specification, floor(counts, keep, places)), goal)
             for goal, places in _by_goal(columns).items()
         )
-    with spent.on("attribution"):
-        attribution = attribute(flights, cause)
-    with spent.on("simplest form"):
-        simple = simplest(flights, engine.code.mission, engine.code.pool, cause)
-    observe = partial(_observe, engine)
-    linked = chains(observe, engine.code.mission, cause) if cause else ()
-    firm = _firmness(flights, engine, cause)
+    with flights.on("attribution"):
+        attribution = attribute(flights, cause.faults)
+    with flights.on("simplest form"):
+        simple = simplest(flights, engine.code.mission, engine.code.pool, cause.faults)
     return Explanation(
-        specification=specification,
-        columns=columns,
-        counts=counts,
-        fault_free=fault_free,
-        kept=flights.counts(cause),
-        cause_set=cause_set,
-        outcome=flights.outcomes(cause)[0],
+        cause=cause,
         simplest=simple,
         simplest_counts=flights.counts(simple),
         minima=minima,
@@ -147,27 +94,7 @@ def explain(
         alone=tuple(map(flights.counts, alone)),
         left_out=tuple(map(flights.counts, left_out)),
         attribution=attribution,
-        chains=linked,
-        firmness=firm,
-        n_flown=spent.n_flown
-        | {"chains": len(linked) + 1 if linked else 0, "other mission seeds": N_SEEDS},
-    )
-
-
-def _observe(engine: Engine, specification: Specification, observer: Observer) -> None:
-    engine.evaluate(specification, observer=observer)
-
-
-def _firmness(
-    flights: Flights, engine: Engine, specification: Specification
-) -> tuple[Firmness, ...]:
-    """Return what the counts of a specification are in other weather."""
-    measure = replace(flights.measure, n_seeds=1)
-    return firmness(
-        [
-            Flights([partial(engine.evaluate_many, seed=seed)], measure).counts(specification)
-            for seed in following(engine.seed, N_SEEDS)
-        ]
+        n_flown=dict(flights.n_flown),
     )
 
 
@@ -176,17 +103,3 @@ def _by_goal(columns: tuple[Column, ...]) -> dict[str, list[int]]:
     for place, column in enumerate(columns):
         places.setdefault(column.goal, []).append(place)
     return places
-
-
-class _Spent:
-    """Notes how many specifications are flown for each part of an explanation, and before it."""
-
-    def __init__(self, flights: Flights) -> None:
-        self._flights = flights
-        self.n_flown: dict[str, int] = {}
-
-    @contextmanager
-    def on(self, part: str) -> Iterator[None]:
-        """Note what is flown in the body."""
-        yield
-        self.n_flown[part] = self._flights.n_flown - sum(self.n_flown.values())

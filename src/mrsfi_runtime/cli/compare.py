@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import astuple
+from functools import partial
 from itertools import groupby
 from math import isinf
 from pathlib import Path
@@ -167,14 +168,15 @@ def _compared(
     runs: list[RunResult] = []
     n_new = 0
     try:
-        with workers.evaluators(
+        with workers.evaluator(
             code,
-            mission_seeds,
+            mission_seeds[0],
             engine,
             lambda who: tell(
                 f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, {who}"
             ),
-        ) as evaluators:
+        ) as evaluator:
+            evaluators = [partial(evaluator.evaluate_many, seed=seed) for seed in mission_seeds]
             began = monotonic()
             for run, is_new in runs_of(folder, settings, n_seeds, code, evaluators):
                 runs.append(run)

@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields
-from functools import partial, wraps
+from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -12,7 +12,7 @@ import click
 
 from mrsfi_runtime.cli.console import tell, written_file
 from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
-from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
@@ -27,7 +27,6 @@ from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
-from mrsfi_runtime.search.resumable_record import EvaluateMany
 from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
 
 SIMULATION = "simulation"
@@ -218,17 +217,19 @@ class WorkerOptions:
             )
 
     @contextmanager
-    def evaluators(
+    def evaluator(
         self,
         code: MissionCode,
-        mission_seeds: Sequence[int],
+        seed: int,
         engine: EngineSettings,
-        on_reached: Callable[[str], None],
-    ) -> Iterator[list[EvaluateMany]]:
-        """Yield a function for each mission seed that evaluates, as long as the body runs.
+        on_reached: Callable[[str], None] = lambda _: None,
+    ) -> Iterator[Evaluator]:
+        """Yield what evaluates specifications of a mission, as long as the body runs.
 
         Parameters
         ----------
+        seed
+            Mission seed of what is evaluated without naming one.
         on_reached
             Told who evaluates, before the mission is handed out.
 
@@ -239,21 +240,30 @@ class WorkerOptions:
         MrsfiError
             If the engine cannot be opened.
         """
-        with ExitStack() as stack:
-            evaluate_many: Callable[..., Any]
-            if self.dask is None:
-                n_workers = self.workers or (1 if engine.url else _N_PROCESSORS)
-                on_reached(f"{n_workers} workers")
-                pool = WorkerPool(code, mission_seeds[0], n_workers, engine)
-                evaluate_many = stack.enter_context(pool).evaluate_many
-            else:
-                from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
-                from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
+        if self.dask is None:
+            n_workers = self.workers or (1 if engine.url else _N_PROCESSORS)
+            on_reached(f"{n_workers} workers")
+            with WorkerPool(code, seed, n_workers, engine) as pool:
+                yield pool
+            return
+        from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
+        from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
 
-                cluster = stack.enter_context(Cluster(self.dask, self.workers or _N_PROCESSORS))
-                on_reached(f"{cluster.n_workers()} workers of {cluster.address}")
-                evaluate_many = ClusterPool(cluster, code, mission_seeds[0], engine).evaluate_many
-            yield [partial(evaluate_many, seed=seed) for seed in mission_seeds]
+        with Cluster(self.dask, self.workers or _N_PROCESSORS) as cluster:
+            on_reached(f"{cluster.n_workers()} workers of {cluster.address}")
+            yield ClusterPool(cluster, code, seed, engine)
+
+
+@contextmanager
+def own_engine(
+    evaluator: Evaluator, code: MissionCode, seed: int, settings: EngineSettings
+) -> Iterator[Engine]:
+    """Yield an engine of this process: that of an evaluator, or else another one like it."""
+    if evaluator.engine is not None:
+        yield evaluator.engine
+        return
+    with settings.open(code, seed) as engine:
+        yield engine
 
 
 worker_options = options_as(

@@ -4,6 +4,7 @@ import platform
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,16 @@ import click
 from click.core import ParameterSource
 
 from mrsfi_runtime.analysis.drawing_process import DrawingProcess
-from mrsfi_runtime.analysis.fronts import parse_ratio
+from mrsfi_runtime.analysis.fronts import parse_ratio, top
 from mrsfi_runtime.analysis.report import map_drawing
-from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.analysis.summary import N_TOP
+from mrsfi_runtime.causes.recorded import record_causes
+from mrsfi_runtime.cli.console import counted, tell
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
     WorkerOptions,
     engine_options,
+    own_engine,
     recorded_engine,
     worker_options,
 )
@@ -34,11 +38,13 @@ from mrsfi_runtime.cli.folders import (
 from mrsfi_runtime.cli.progress import search_progress, share
 from mrsfi_runtime.cli.report import report
 from mrsfi_runtime.cli.versions import installed_version
+from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import RecordError, TransportError, UsageError
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.folder import CampaignFolder, hashes, only_writer
 from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.measure import Measure
@@ -47,12 +53,16 @@ from mrsfi_runtime.search.algorithms import ALGORITHMS, MINIMISING
 from mrsfi_runtime.search.campaign import require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 
-_HELP = """Evolve fault specifications against MISSION and print the ten most critical.
+_HELP = """Evolve fault specifications against MISSION and print what breaks it.
 
 The campaign file says how: algorithm, population, generations, fitness. --case a and
 --case b are the files case_a.toml and case_b.toml beside the models; options replace single
 values. Everything goes into a new folder, runs/NAME-CASE-N: copies of the models and of the
 code it ran on, every evaluation, figures, tables, and the ten worst as XMI.
+
+Of these ten it finds out which faults are the cause, with at most as many flights as the search
+took, and prints the findings: specifications with the same cause are one. More is found out by
+mrsfi explain. Somebody else's simulation is only searched on.
 
 \b
 Examples:
@@ -71,7 +81,7 @@ by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on 
 
 
 _FREE = frozenset(
-    {"resume", "ratio", "is_json"}
+    {"resume", "ratio", "no_explain", "is_json"}
     | {option.name for options in (EngineOptions, WorkerOptions) for option in fields(options)}
 )
 """Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
@@ -223,6 +233,7 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     help="Go on with the campaign in DIR, with its own settings; no MISSION then.",
 )
 @click.option("--ratio", metavar="G:H=M:N", help="Also pick from the front, such as g3:g1=2:1.")
+@click.option("--no-explain", is_flag=True, help="Do not look for the causes of the ten worst.")
 @click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
 def command(
     ctx: click.Context,
@@ -232,21 +243,23 @@ def command(
     workers: WorkerOptions,
     resume: Path | None,
     ratio: str | None,
+    no_explain: bool,
     is_json: bool,
     **given: Any,
 ) -> None:
     """Evolve fault specifications against a mission and print the most critical."""
     tried = None
     if resume is None:
-        flown_by = engine.settings(default=AUTO)
-        workers.require_sense(flown_by)
-        path, writer, tried = _new_campaign(ratio, flown_by, **given)
+        asked = engine.settings(default=AUTO)
+        workers.require_sense(asked)
+        path, writer, tried = _new_campaign(ratio, asked, **given)
     else:
         path, writer = resume, resumed(resume, ctx)
     with writer, open_to_fly(path) as campaign:
         _require_ratio(campaign.store.settings, campaign.mission, ratio)
         with DrawingProcess(map_drawing(campaign.mission)) as process:
-            _search(campaign, tried or _tried(campaign, engine, workers), workers)
+            flown_by = tried or _tried(campaign, engine, workers)
+            _search(campaign, flown_by, workers, explains=not no_explain)
             report(campaign, ratio, is_json=is_json, draw=process.draw)
 
 
@@ -289,35 +302,68 @@ def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | No
         Measure.of(settings, mission).require(parse_ratio(ratio).goals)
 
 
-def _search(campaign: FlyableCampaign, engine: EngineSettings, workers: WorkerOptions) -> None:
-    path, code, store = campaign.folder.path, campaign.code, campaign.store
-    settings, n_generations = store.settings, store.n_generations
-    recorded = share(settings, n_generations, store.n_evaluations + len(store.failures()))
+def _search(
+    campaign: FlyableCampaign, settings: EngineSettings, workers: WorkerOptions, *, explains: bool
+) -> None:
+    """Search, and then find out causes."""
+    path, store = campaign.folder.path, campaign.store
+    search = store.settings
+
+    def tell_who(who: str) -> None:
+        tell(
+            f"campaign {path}: {search.algorithm}, seed {search.seed}, {settings.name} engine, "
+            f"{who}"
+        )
+
+    seed = search.mission_seed
     try:
-        with (
-            workers.evaluators(
-                code,
-                settings.mission_seeds,
-                engine,
-                lambda who: tell(
-                    f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.name} "
-                    f"engine, {who}"
-                ),
-            ) as (evaluate_many, *replicas),
-            search_progress(settings, recorded) as progress,
-        ):
-            run_campaign(
-                settings,
-                code.mission,
-                code.pool,
-                evaluate_many,
-                store,
-                progress,
-                replicas=replicas,
-            )
+        with workers.evaluator(campaign.code, seed, settings, tell_who) as evaluator:
+            n_generations = store.n_generations
+            _run(campaign, evaluator)
+            is_new = store.n_generations > n_generations
+            if explains and settings.has_simulation:
+                with own_engine(evaluator, campaign.code, seed, settings) as engine:
+                    is_new |= _explain(campaign, evaluator, engine)
     except (KeyboardInterrupt, TransportError):
         tell(f"what was found until now is kept; see it with: mrsfi report {path}")
         tell(f"go on with: mrsfi evolve --resume {path}")
         raise
-    if store.n_generations == n_generations:
+    if not is_new:
         tell("was finished already; its report is written anew")
+
+
+def _run(campaign: FlyableCampaign, evaluator: Evaluator) -> None:
+    """Run the search to its end."""
+    store = campaign.store
+    settings = store.settings
+    recorded = share(settings, store.n_generations, store.n_evaluations + len(store.failures()))
+    evaluate_many, *replicas = (
+        partial(evaluator.evaluate_many, seed=seed) for seed in settings.mission_seeds
+    )
+    with search_progress(settings, recorded) as progress:
+        run_campaign(
+            settings,
+            campaign.code.mission,
+            campaign.code.pool,
+            evaluate_many,
+            store,
+            progress,
+            replicas=replicas,
+        )
+
+
+def _explain(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine) -> bool:
+    """Find out the causes of the most critical, and tell; return whether any was not known."""
+    store = campaign.store
+    best = top(store.evaluations(), N_TOP)
+    n_recorded = len(store.causes())
+    measure = Measure.of(store.settings, campaign.mission)
+
+    def tell_of(cause: RecordedCause) -> None:
+        faults = counted(len(store.evaluation(cause.index).specification), "faults")
+        found = cause.reason or f"{len(cause.places)} of {faults} are its cause"
+        place = f"{len(store.causes()):>{len(str(N_TOP))}}/{len(best)}"
+        tell(f"cause {place}  evaluation {cause.index}  {found}")
+
+    record_causes(store, measure, best, evaluator.evaluate_many, engine, tell_of)
+    return len(store.causes()) > n_recorded

@@ -1,6 +1,5 @@
 """The command ``mrsfi explain``: which faults of a specification break which goal, and why."""
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -10,20 +9,22 @@ import click
 
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.specification import write_specification
+from mrsfi_runtime.analysis.findings import find_findings
 from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation, explain
+from mrsfi_runtime.causes.recorded import recorded
 from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.engines import EngineOptions, engine_options
-from mrsfi_runtime.cli.explained import (
-    Shown,
-    as_json,
-    findings_as_json,
-    print_explanation,
-    print_findings,
+from mrsfi_runtime.cli.engines import (
+    EngineOptions,
+    WorkerOptions,
+    engine_options,
+    own_engine,
+    worker_options,
 )
+from mrsfi_runtime.cli.explained import Shown, as_json, print_explanation
 from mrsfi_runtime.cli.folders import (
     FlyableCampaign,
     MissionFolders,
@@ -34,7 +35,8 @@ from mrsfi_runtime.cli.folders import (
     read_specification,
 )
 from mrsfi_runtime.cli.replay import find_evaluation, require_same
-from mrsfi_runtime.engine.flights import Engine, require_effects
+from mrsfi_runtime.cli.tables import print_findings
+from mrsfi_runtime.engine.flights import Engine, Evaluator, require_effects
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
 from mrsfi_runtime.mission import MissionCode
@@ -165,6 +167,7 @@ class Case:
     metavar="DIR",
     help="Where to write the cause sets [default: RUN/causes, or the folder of FILE].",
 )
+@worker_options
 @engine_options(BOTH, CI, default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def command(  # noqa: PLR0913 - one parameter per option
@@ -172,6 +175,7 @@ def command(  # noqa: PLR0913 - one parameter per option
     generated: Path | None,
     *,
     engine: EngineOptions,
+    workers: WorkerOptions,
     faults: Path | None,
     best: bool,
     evaluation: int | None,
@@ -192,7 +196,7 @@ def command(  # noqa: PLR0913 - one parameter per option
             raise click.UsageError(f"{given[0]} is about a campaign; --faults names a file")
         settings = engine.settings(default=AUTO)
         case, subject = _of_file(find_mission(target, generated), faults, kind, seed, out)
-        _explain_all(case, [subject], settings, keep, is_json=is_json)
+        _explain_all(case, [subject], settings, workers, keep, is_json=is_json)
         return
     if seed is not None or generated is not None:
         option = "--generated" if seed is None else "--seed"
@@ -203,7 +207,8 @@ def command(  # noqa: PLR0913 - one parameter per option
         recorded_by = campaign.store.manifest.engine
         settings = engine.settings(recorded_by if recorded_by.is_foreign else None, AUTO)
         subjects = _of_run(campaign, evaluation, n_top)
-        _explain_all(_case_of_run(campaign, kind, out), subjects, settings, keep, is_json=is_json)
+        case = _case_of_run(campaign, kind, out)
+        _explain_all(case, subjects, settings, workers, keep, is_json=is_json)
 
 
 def _of_file(
@@ -274,39 +279,52 @@ def _of_run(campaign: FlyableCampaign, index: int | None, n_top: int | None) -> 
 
 
 def _explain_all(
-    case: Case, subjects: Sequence[Subject], settings: EngineSettings, keep: float, *, is_json: bool
+    case: Case,
+    subjects: Sequence[Subject],
+    settings: EngineSettings,
+    workers: WorkerOptions,
+    keep: float,
+    *,
+    is_json: bool,
 ) -> None:
     """Explain specifications one after the other; print each, and write its cause set."""
+    workers.require_sense(settings)
     seed = case.mission_seeds[0]
     if settings.name == AUTO:
         settings = settings.tried(case.code, seed, tell)
-    told, explained = [], []
-    with settings.open(case.code, seed, os.cpu_count() or 1) as engine:
+    told, causes = [], []
+    with (
+        workers.evaluator(case.code, seed, settings) as evaluator,
+        own_engine(evaluator, case.code, seed, settings) as engine,
+    ):
         for subject in subjects:
             if not settings.has_simulation:
                 require_repeatable(engine, subject)
-            shown, found = _explain(case, engine, subject, keep)
+            shown, found = _explain(case, evaluator, engine, subject, keep)
             if is_json:
                 told.append(as_json(shown, found))
             else:
                 print_explanation(shown, found)
-            if found is not None and found.cause_set:
-                explained.append((shown, found))
+            if found is not None and subject.recorded is not None:
+                causes.append(recorded(subject.recorded.index, found.cause, case.code.pool))
+    mission = case.code.mission
+    known = {each.recorded.index: each.specification for each in subjects if each.recorded}
+    findings = find_findings(mission, case.code.pool, causes, known)
+    goals, duration = mission.goal_ids, mission.duration
     if is_json:
-        print_json({"explanations": told, "findings": findings_as_json(explained)})
+        grouped = [finding.as_json(goals, duration) for finding in findings]
+        print_json({"explanations": told, "findings": grouped})
     elif len(subjects) > 1:
-        print_findings(explained)
+        print_findings(goals, duration, findings)
 
 
 def _explain(
-    case: Case, engine: Engine, subject: Subject, keep: float
+    case: Case, evaluator: Evaluator, engine: Engine, subject: Subject, keep: float
 ) -> tuple[Shown, Explanation | None]:
     """Explain a specification, which flies as it is recorded, and write its cause set."""
-    evaluators = [partial(engine.evaluate_many, seed=seed) for seed in case.mission_seeds]
-    flights = Flights(evaluators, case.measure)
+    flights = Flights(evaluator.evaluate_many, case.measure, case.mission_seeds)
     if subject.recorded is not None:
-        (outcome, *_) = flights.outcomes(subject.specification)
-        require_same(case.source, subject.recorded, outcome)
+        require_same(case.source, subject.recorded, flights.outcome(subject.specification))
     found = explain(flights, engine, subject.specification, keep)
     paths = _write(case, subject, found)
     name, title, names = subject.name, subject.title, subject.fault_names
@@ -332,11 +350,11 @@ def require_repeatable(engine: Engine, subject: Subject) -> None:
 
 def _write(case: Case, subject: Subject, found: Explanation | None) -> list[Path]:
     """Write cause set and simplest form as XMI; return the files, none if there is no cause."""
-    if found is None or not found.cause_set:
+    if found is None or not found.cause.places:
         return []
-    names = [subject.fault_names[place] for place in found.cause_set]
+    names = [subject.fault_names[place] for place in found.cause.places]
     paths = []
-    for kind, specification in (("cause", found.cause), ("simplest", found.simplest)):
+    for kind, specification in (("cause", found.cause.faults), ("simplest", found.simplest)):
         path = case.folder / f"{subject.name}-{kind}.xmi"
         rows = specification_rows(case.code.pool, specification)
         try:

@@ -3,24 +3,22 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import click
 from rich.table import Table
-from rich.text import Text
 
-from mrsfi_runtime.causes.chain import Chain, First, FirstVerdicts
+from mrsfi_runtime.causes.chain import First, FirstVerdicts
 from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
-from mrsfi_runtime.causes.findings import Finding, findings
 from mrsfi_runtime.causes.firmness import N_SEEDS
 from mrsfi_runtime.causes.labels import BYSTANDER, GoalCauses
-from mrsfi_runtime.causes.sentence import sentence
+from mrsfi_runtime.causes.recorded import chain_as_json, sentences
 from mrsfi_runtime.cli.console import counted, print_table
-from mrsfi_runtime.cli.tables import goals_as_json, plain_table
+from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.record.measure import NONE, Measure, ticks, violated
+from mrsfi_runtime.record.measure import NONE, Measure, ticks
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,19 +63,20 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
     if shown.measure.n_seeds > 1:
         click.echo(f"Counts are means of {shown.measure.n_seeds} mission seeds.")
     click.echo()
-    if found.cause_set:
-        print_table("Cause set", _fault_table(shown, found, found.cause))
+    if found.cause.places:
+        print_table("Cause set", _fault_table(shown, found, found.cause.faults))
         print_table("Its simplest form", _fault_table(shown, found, found.simplest))
     print_table("Violations", _counts_table(shown, found))
-    if found.cause_set:
+    if found.cause.places:
         print_table("Due to each fault of the cause set", _share_table(shown, found))
-        click.echo(f"{_sentence(shown, found)}\n")
+        for said in sentences(found.cause, shown.names, shown.code.pool):
+            click.echo(f"{said}\n")
         print_table("First differences that each fault makes", _chain_table(shown, found))
         title = f"Violations under the cause set in {N_SEEDS} mission seeds"
         print_table(title, _firmness_table(found))
     _print_labels(shown, found)
     for part, n_flown in found.n_flown.items():
-        click.echo(f"{n_flown:>6} evaluations  {part}")
+        click.echo(f"{n_flown:>6} flights  {part}")
     for what, path in zip(("cause set", "simplest form"), shown.paths, strict=False):
         click.echo(f"{what:<13}  {path}")
     click.echo()
@@ -89,17 +88,17 @@ def _answer(shown: Shown, found: Explanation, n: str) -> str:
     if shown.measure.kind != "true":
         words = f"{words.removesuffix(' violations')} and true violations"
     kept = f"{100 * shown.keep:g} % of every goal's {words}"
-    if not found.cause_set:
+    if not found.cause.places:
         return f"{n}, and none is the cause: without any, {kept} are there as well"
-    n_others = len({*found.minima} - {found.cause_set})
+    n_others = len({*found.minima} - {found.cause.places})
     others = f"; shuffled orders give {counted(n_others, 'other sets')}" if n_others else ""
-    return f"{len(found.cause_set)} of {n} keep {kept}{others}"
+    return f"{len(found.cause.places)} of {n} keep {kept}{others}"
 
 
 def _fault_table(shown: Shown, found: Explanation, faults: Specification) -> Table:
     pool = shown.code.pool
     rows = []
-    for place, timed in zip(found.cause_set, faults, strict=True):
+    for place, timed in zip(found.cause.places, faults, strict=True):
         fault = pool[timed.fault]
         window = timed.start, timed.finish
         values = fault.kind.in_words(timed.values)
@@ -112,11 +111,11 @@ def _counts_table(shown: Shown, found: Explanation) -> Table:
     rows = [
         (column.goal, column.kind, *map(shown.ticks, counts))
         for column, *counts in zip(
-            found.columns,
-            found.counts,
-            found.kept,
+            found.cause.columns,
+            found.cause.counts,
+            found.cause.kept,
             found.simplest_counts,
-            found.fault_free,
+            found.cause.fault_free,
             strict=True,
         )
         if any(counts)
@@ -127,7 +126,11 @@ def _counts_table(shown: Shown, found: Explanation) -> Table:
 
 def _share_table(shown: Shown, found: Explanation) -> Table:
     """Return what part each fault of the cause set has in the counts."""
-    places = [k for k, _ in enumerate(found.columns) if found.kept[k] or found.fault_free[k]]
+    places = [
+        k
+        for k, _ in enumerate(found.cause.columns)
+        if found.cause.kept[k] or found.cause.fault_free[k]
+    ]
     shares, margins = found.attribution.shares, found.attribution.margins
     rows = [
         (
@@ -138,21 +141,10 @@ def _share_table(shown: Shown, found: Explanation) -> Table:
                 for k in places
             ),
         )
-        for row, place in enumerate(found.cause_set)
+        for row, place in enumerate(found.cause.places)
     ]
-    header = [f"{found.columns[k].goal}\n{found.columns[k].kind}" for k in places]
+    header = [f"{found.cause.columns[k].goal}\n{found.cause.columns[k].kind}" for k in places]
     return plain_table(("fault",), header, rows)
-
-
-def _sentence(shown: Shown, found: Explanation) -> str:
-    """Return what the fault did to which most is due, and which faults it needs."""
-    shares = [sum(map(abs, of_fault)) for of_fault in found.attribution.shares]
-    leading = shares.index(max(shares))
-    place = found.cause_set[leading]
-    timed = found.specification[place]
-    said = sentence(shown.names[place], shown.code.pool[timed.fault], timed, found.chains[leading])
-    others = [shown.names[other] for other in found.cause_set if other != place]
-    return f"{said} With it: {' '.join(others)}." if others else said
 
 
 def _chain_table(shown: Shown, found: Explanation) -> Table:
@@ -163,7 +155,7 @@ def _chain_table(shown: Shown, found: Explanation) -> Table:
             *map(_first, (chain.belief, chain.command, chain.truth)),
             " ".join(map(_verdicts, chain.verdicts)),
         )
-        for place, chain in zip(found.cause_set, found.chains, strict=True)
+        for place, chain in zip(found.cause.places, found.cause.chains, strict=True)
     ]
     last = ("goal:believed/true/missed",)
     return plain_table(("fault", "belief", "command", "truth"), (), rows, last)
@@ -184,7 +176,7 @@ def _verdicts(first: FirstVerdicts) -> str:
 def _firmness_table(found: Explanation) -> Table:
     rows = [
         (*column, f"{firm.median:g}", firm.least, firm.most, firm.n_violated)
-        for column, firm in zip(found.columns, found.firmness, strict=True)
+        for column, firm in zip(found.cause.columns, found.cause.firmness, strict=True)
         if firm.most
     ]
     header = ("median", "least", "most", "seeds violated")
@@ -194,7 +186,7 @@ def _firmness_table(found: Explanation) -> Table:
 def _print_labels(shown: Shown, found: Explanation) -> None:
     """Print what every fault is to each goal, and the counts under it alone and without it."""
     goals = [each for each in found.goals if {*each.labels} != {BYSTANDER}]
-    places = range(len(found.specification))
+    places = range(len(found.cause.specification))
     named = [k for k in places if any(goal.labels[k] != BYSTANDER for goal in goals)]
     if named:
         _print_named(shown, found, goals, named)
@@ -215,67 +207,15 @@ def _print_named(
             (shown.names[k], *(_cell(shown, found, goal.goal, counts[k]) for goal in goals))
             for k in named
         ]
-        kinds = "/".join(dict.fromkeys(column.kind for column in found.columns))
+        kinds = "/".join(dict.fromkeys(column.kind for column in found.cause.columns))
         print_table(
             f"Violations with each {title}, {kinds}", plain_table(("fault",), header, cells)
         )
 
 
 def _cell(shown: Shown, found: Explanation, goal: str, counts: Counts) -> str:
-    pairs = zip(found.columns, counts, strict=True)
+    pairs = zip(found.cause.columns, counts, strict=True)
     return "/".join(shown.ticks(count) for column, count in pairs if column.goal == goal)
-
-
-Explained: TypeAlias = tuple[Shown, Explanation]
-"""A specification that violates something, and why."""
-
-
-def print_findings(explained: Sequence[Explained]) -> None:
-    """Print which of several explained specifications are the same finding."""
-    groups = _findings(explained)
-    n_explained = counted(len(explained), "specifications")
-    rows = []
-    for number, group in enumerate(groups, 1):
-        shown, found = explained[group[0]]
-        goals = zip(
-            shown.code.mission.goal_ids,
-            violated(found.outcome, shown.measure.duration),
-            strict=True,
-        )
-        said = ", ".join(f"{goal} {what}" for goal, what in goals if what != "0/0")
-        members = " ".join(explained[member][0].name for member in group)
-        faults = " ".join(timed.fault for timed in found.cause)
-        rows.append((number, members, faults, said))
-    header = ("specifications", "faults", "believed/true")
-    print_table(f"{counted(len(groups), 'findings')} in {n_explained}", _wrapping(header, rows))
-    for number, group in enumerate(groups, 1):
-        click.echo(f"{number}: {_sentence(*explained[group[0]])}\n")
-
-
-def _findings(explained: Sequence[Explained]) -> tuple[Finding, ...]:
-    return findings([found.cause for _, found in explained])
-
-
-def _wrapping(header: Sequence[str], rows: Sequence[Sequence[object]]) -> Table:
-    table = plain_table((), ("#",), (), header)
-    for row in rows:
-        table.add_row(*(Text(str(cell)) for cell in row))
-    return table
-
-
-def findings_as_json(explained: Sequence[Explained]) -> list[dict[str, Any]]:
-    """Return what ``print_findings`` prints, for scripts."""
-    return [
-        {
-            "specifications": [explained[member][0].title for member in group],
-            "faults": [timed.fault for timed in explained[group[0]][1].cause],
-            "goals": goals_as_json(
-                explained[group[0]][0].code.mission, explained[group[0]][1].outcome
-            ),
-            "sentence": _sentence(*explained[group[0]]),
-        }
-        for group in _findings(explained)
-    ]
 
 
 def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
@@ -292,16 +232,16 @@ def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
 
 
 def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
-    pool = shown.code.pool
-    cause = {place: row for row, place in enumerate(found.cause_set)}
+    pool, cause = shown.code.pool, found.cause
+    rows = {place: row for row, place in enumerate(cause.places)}
     shares = found.attribution.shares
     return {
-        "columns": [column._asdict() for column in found.columns],
-        "counts": list(found.counts),
-        "fault_free": list(found.fault_free),
+        "columns": [column._asdict() for column in cause.columns],
+        "counts": list(cause.counts),
+        "fault_free": list(cause.fault_free),
         "cause_set": {
-            "faults": [shown.names[place] for place in found.cause_set],
-            "counts": list(found.kept),
+            "faults": [shown.names[place] for place in cause.places],
+            "counts": list(cause.kept),
             "file": str(shown.paths[0]) if shown.paths else None,
             "shuffled": [[shown.names[place] for place in places] for places in found.minima],
         },
@@ -313,7 +253,7 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
                     "finish": timed.finish,
                     "values": pool[timed.fault].kind.named(timed.values),
                 }
-                for place, timed in zip(found.cause_set, found.simplest, strict=True)
+                for place, timed in zip(cause.places, found.simplest, strict=True)
             ],
             "counts": list(found.simplest_counts),
             "file": str(shown.paths[1]) if shown.paths else None,
@@ -334,33 +274,12 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
                 "labels": {each.goal: each.labels[place] for each in found.goals},
                 "alone": list(found.alone[place]),
                 "left_out": list(found.left_out[place]),
-                "chain": _chain_as_json(found.chains[cause[place]]) if place in cause else None,
-                "share": [float(x) for x in shares[cause[place]]] if place in cause else None,
+                "chain": chain_as_json(cause.chains[rows[place]]) if place in rows else None,
+                "share": [float(x) for x in shares[rows[place]]] if place in rows else None,
             }
-            for place, timed in enumerate(found.specification)
+            for place, timed in enumerate(cause.specification)
         ],
-        "firmness": [asdict(firm) for firm in found.firmness],
-        "sentence": _sentence(shown, found) if found.cause_set else None,
-        "evaluations": dict(found.n_flown),
+        "firmness": [asdict(firm) for firm in cause.firmness],
+        "sentences": list(sentences(cause, shown.names, pool)),
+        "n_flown": dict(found.n_flown),
     }
-
-
-def _chain_as_json(chain: Chain) -> dict[str, Any]:
-    firsts = {"belief": chain.belief, "command": chain.command, "truth": chain.truth}
-    return {
-        **{
-            name: None if first is None else _first_as_json(first) for name, first in firsts.items()
-        },
-        "verdicts": {
-            each.goal: {
-                name: None if verdict is None else verdict._asdict()
-                for name, verdict in zip(each._fields[1:], each[1:], strict=True)
-            }
-            for each in chain.verdicts
-        },
-    }
-
-
-def _first_as_json(first: First) -> dict[str, Any]:
-    changes = [change._asdict() | {"size": change.size} for change in first.changes]
-    return {"tick": first.tick, "changes": changes}

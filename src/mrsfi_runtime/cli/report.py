@@ -15,7 +15,7 @@ from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
 from mrsfi_runtime.cli.console import print_json, print_table
 from mrsfi_runtime.cli.folders import OpenCampaign, latest_folder, open_campaign
-from mrsfi_runtime.cli.tables import critical_tables, plain_table
+from mrsfi_runtime.cli.tables import critical_tables, plain_table, print_findings
 from mrsfi_runtime.record.measure import Measure, ticks
 
 _HELP = """Write the report of CAMPAIGN anew and print the ten most critical specifications.
@@ -60,8 +60,10 @@ def report(
     """
     models = cache(partial(load_mission_folder, campaign.folder.model))
 
-    def write(rows: Sequence[SpecificationRow], path: Path, identifier: str) -> None:
-        write_specification(models(), rows, path, identifier=identifier)
+    def write(
+        rows: Sequence[SpecificationRow], path: Path, identifier: str, names: Sequence[str]
+    ) -> None:
+        write_specification(models(), rows, path, identifier=identifier, names=names)
 
     summary = write_report(
         campaign.folder.path, campaign.mission, campaign.pool, write, ratio=ratio, draw=draw
@@ -74,10 +76,14 @@ def report(
 
 
 def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
-    """Print the most critical specifications, the front, and where everything is."""
-    folder = campaign.folder
-    title = f"The {len(summary.top)} most critical of {summary.n_distinct} fault specifications"
-    print_table(title, *critical_tables(summary.measure, campaign.pool, summary.top))
+    """Print findings or the most critical specifications, the front, where everything is."""
+    folder, measure = campaign.folder, summary.measure
+    if summary.findings:
+        print_findings(measure.goals, measure.duration, summary.findings)
+    else:
+        n_top, n_distinct = len(summary.top), summary.n_distinct
+        title = f"The {n_top} most critical of {n_distinct} fault specifications"
+        print_table(title, *critical_tables(measure, campaign.pool, summary.top))
     if summary.front is not None:
         _print_front(summary.front)
     if summary.harm:

@@ -1,13 +1,16 @@
 """Tables that the commands print, and what scripts get in their place."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, TypeAlias
 
+import click
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from mrsfi_runtime.analysis.findings import Finding
+from mrsfi_runtime.cli.console import counted, print_table
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
@@ -127,9 +130,56 @@ def critical_tables(
 ) -> tuple[Table, Table]:
     """Return specifications with their fitness, violations per goal, and faults.
 
+    Before the lines of ``_ranked`` comes one for the campaign's measure if it is another.
+    """
+    header = ("#", "evaluation", "fitness")
+    rows = (
+        (
+            (str(rank), str(evaluation.index), f"{evaluation.fitness[0]:.2f}"),
+            dict(_violation_lines(measure, evaluation)),
+            _fault_counts(pool, evaluation.specification),
+        )
+        for rank, evaluation in enumerate(evaluations, 1)
+    )
+    return _ranked(header, measure.goals, rows)
+
+
+def print_findings(goals: Sequence[str], duration: int, findings: Sequence[Finding]) -> None:
+    """Print findings, the violations under the cause set of each, and how they come about.
+
+    Parameters
+    ----------
+    goals, duration
+        IDs of the mission's goals, and its ticks.
+    findings
+        The most critical first.
+    """
+    rows = (
+        (
+            (str(number), "\n".join(map(str, finding.evaluations))),
+            dict(_outcome_lines(finding.outcome, duration)),
+            " ".join(finding.names),
+        )
+        for number, finding in enumerate(findings, 1)
+    )
+    n_explained = sum(len(finding.evaluations) for finding in findings)
+    title = f"{counted(len(findings), 'findings')} in {counted(n_explained, 'specifications')}"
+    print_table(title, *_ranked(("#", "evaluations"), goals, rows))
+    for number, finding in enumerate(findings, 1):
+        click.echo(f"{number}: {finding.sentence}\n")
+
+
+_Ranked: TypeAlias = tuple[Sequence[str], Mapping[str, Sequence[str]], str]
+"""First cells, what came of each goal by what it says, and faults."""
+
+
+def _ranked(
+    header: Sequence[str], goals: Sequence[str], rows: Iterable[_Ranked]
+) -> tuple[Table, Table]:
+    """Return rows of what came of goals, and of faults.
+
     Each takes a line for violations as the collective intelligence believed them, one for
-    those that were true, and one for the tick from which on a goal was certain to be missed;
-    before them one for the campaign's measure if it is another.
+    those that were true, and one for the tick from which on a goal was certain to be missed.
 
     Returns
     -------
@@ -137,29 +187,22 @@ def critical_tables(
         One with a column for each goal; and one for where these do not fit, which names the
         goals that were violated, or missed: ``g3:509 g5:915``.
     """
-    wide, narrow = _ranked(), _ranked()
+    wide, narrow = plain_table((), header), plain_table((), header)
+    for table in (wide, narrow):
+        for column in table.columns:
+            column.no_wrap = True
     wide.add_column("violations", no_wrap=True)
-    for goal in measure.goals:
+    for goal in goals:
         wide.add_column(Text(goal), justify="right", no_wrap=True)
     wide.add_column("faults", overflow="fold", min_width=_LEAST_FOR_FAULTS)
     narrow.add_column("violations")
     narrow.add_column("faults")
-    for rank, evaluation in enumerate(evaluations, 1):
-        lines = dict(_violation_lines(measure, evaluation))
-        head = (str(rank), str(evaluation.index), f"{evaluation.fitness[0]:.2f}")
-        faults = _fault_counts(pool, evaluation.specification)
+    for head, lines, faults in rows:
         columns = map("\n".join, zip(*lines.values(), strict=True))
         wide.add_row(*head, "\n".join(lines), *columns, Text(faults))
-        named = (f"{name} {_violated(measure.goals, name, line)}" for name, line in lines.items())
+        named = (f"{name} {_violated(goals, name, line)}" for name, line in lines.items())
         narrow.add_row(*head, Text("\n".join(named)), Text(faults))
     return wide, narrow
-
-
-def _ranked() -> Table:
-    table = plain_table((), ())
-    for name in ("#", "evaluation", "fitness"):
-        table.add_column(name, justify="right", no_wrap=True)
-    return table
 
 
 def _violated(goals: Sequence[str], name: str, cells: Sequence[str]) -> str:
@@ -181,9 +224,13 @@ def _violation_lines(
             name,
             tuple(ticks(measured[goal]) if goal in measured else NONE for goal in measure.goals),
         )
-    yield "believed", tuple(map(str, evaluation.outcome.believed))
-    yield "true", tuple(map(str, evaluation.outcome.true))
-    yield MISSED_FROM, missed_from(evaluation.outcome, measure.duration)
+    yield from _outcome_lines(evaluation.outcome, measure.duration)
+
+
+def _outcome_lines(outcome: Outcome, duration: int) -> Iterator[tuple[str, tuple[str, ...]]]:
+    yield "believed", tuple(map(str, outcome.believed))
+    yield "true", tuple(map(str, outcome.true))
+    yield MISSED_FROM, missed_from(outcome, duration)
 
 
 def _fault_counts(pool: FaultPool, specification: Specification) -> str:

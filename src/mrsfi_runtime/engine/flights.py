@@ -35,7 +35,14 @@ class Evaluator(ABC):
     """Evaluates fault specifications of one mission.
 
     Used as a context manager, it closes itself.
+
+    Attributes
+    ----------
+    engine
+        The engine in this process that it evaluates on; ``None`` if others evaluate.
     """
+
+    engine: "Engine | None" = None
 
     def __enter__(self) -> Self:
         return self

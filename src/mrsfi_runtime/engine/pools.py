@@ -5,6 +5,7 @@ results.
 """
 
 import os
+import pickle
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -52,9 +53,11 @@ class WorkerPool(Evaluator):
         settings = EngineSettings() if settings is None else settings
         settings.require_workers(n_workers)
         is_here = n_workers == 1 or settings.name == COMPILED
-        self._engine = settings.open(code, seed, n_workers) if is_here else None
+        self.engine = settings.open(code, seed, n_workers) if is_here else None
         self._seed = seed
-        self._open_engine = partial(_worker_engine, code.directory, seed, settings)
+        self._open_engine = partial(
+            _worker_engine, code.directory, pickle.dumps(code.pool), seed, settings
+        )
         self._n_workers = n_workers
         self._executor = ProcessPoolExecutor(
             n_workers,
@@ -64,8 +67,8 @@ class WorkerPool(Evaluator):
 
     def close(self) -> None:
         """Stop the workers; what they have not begun is dropped."""
-        if self._engine is not None:
-            self._engine.close()
+        if self.engine is not None:
+            self.engine.close()
         self._executor.shutdown(wait=True, cancel_futures=True)
 
     def evaluate_many(
@@ -79,8 +82,8 @@ class WorkerPool(Evaluator):
             If a worker process died.
         """
         seed = self._seed if seed is None else seed
-        if self._engine is not None:
-            yield from self._engine.evaluate_many(specifications, seed)
+        if self.engine is not None:
+            yield from self.engine.evaluate_many(specifications, seed)
             return
         chunks = _chunks(specifications, 4 * self._n_workers)
         try:
@@ -128,8 +131,8 @@ def _end_with_parent() -> None:
 
 
 @lru_cache(maxsize=1)
-def _worker_engine(directory: Path, seed: int, settings: EngineSettings) -> Engine:
-    return settings.open(load_code(directory), seed)
+def _worker_engine(directory: Path, pool: bytes, seed: int, settings: EngineSettings) -> Engine:
+    return settings.open(load_code(directory, pickle.loads(pool)), seed)
 
 
 def _evaluate_chunk(

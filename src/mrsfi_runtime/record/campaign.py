@@ -1,4 +1,4 @@
-"""The store of a campaign: every evaluation, failure and generation, in one SQLite file.
+"""The store of a campaign: evaluations, failures, generations and causes, in one SQLite file.
 
 Each append is one transaction with a rollback journal, so a run that is killed at any
 moment loses at most the append it was in, and whoever opens the folder next finds every
@@ -19,6 +19,7 @@ from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
 from mrsfi_runtime.record import database, encoding
+from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -242,6 +243,24 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """Return the failed evaluations in the order in which they were asked for."""
         rows = self._select("SELECT * FROM failure ORDER BY idx")
         return tuple(self._decoded(_failure, row) for row in rows)
+
+    def causes(self) -> tuple[RecordedCause, ...]:
+        """Return what was found out about causes, in the order of the evaluations."""
+        if not self._select("SELECT 1 FROM sqlite_master WHERE name = 'cause'"):
+            return ()  # a record of an earlier mrsfi
+        rows = self._select("SELECT * FROM cause ORDER BY idx")
+        return tuple(self._decoded(RecordedCause.from_text, row) for row in rows)
+
+    def append_cause(self, cause: RecordedCause) -> None:
+        """Store what was found out about an evaluation.
+
+        Raises
+        ------
+        RecordError
+            If something is stored about it already, or the file cannot be written.
+        """
+        with database.transaction(self.path, self._connection) as connection:
+            connection.execute("INSERT INTO cause VALUES (?, ?)", (int(cause.index), cause.text()))
 
     def digest(self) -> str:
         """Return SHA-256 over specification, outcome and fitness of all evaluations in order.

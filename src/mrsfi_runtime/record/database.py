@@ -36,6 +36,7 @@ _TABLES = (
     f"CREATE TABLE evaluation ({_columns(COUNTS)}, PRIMARY KEY (idx))",
     "CREATE TABLE failure (idx INTEGER PRIMARY KEY, generation, specification, traceback)",
     "CREATE TABLE generation (idx, statistics, population, random_state, PRIMARY KEY (idx))",
+    "CREATE TABLE cause (idx INTEGER PRIMARY KEY, content)",
 )
 
 

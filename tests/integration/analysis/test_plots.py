@@ -26,7 +26,9 @@ def types_figure() -> Figure:
     from random import Random
 
     top = [random_specification(Random(i)) for i in range(3)]
-    return plots.fault_types(find_patterns(top, top, pool_of()), 3)
+    return plots.fault_types(
+        find_patterns(top, top, pool_of()), "Fault types in the 3 most critical specifications"
+    )
 
 
 FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
@@ -164,7 +166,7 @@ def test_one_generation_and_one_point_can_be_drawn(tmp_path):
         "best": plots.best_fitness(trend, "fitness"),
         "by_generation": plots.generation_fronts({0: zero}),
         "front": plots.whole_front(zero, [(0, 0)], None),
-        "types": plots.fault_types(find_patterns([()], [()], pool_of()), 1),
+        "types": plots.fault_types(find_patterns([()], [()], pool_of()), "Fault types in 1"),
     }.items():
         png, svg = save(figure, tmp_path / name)
         assert png.stat().st_size > 0

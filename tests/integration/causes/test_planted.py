@@ -6,7 +6,6 @@ the deadline is violated until its robots arrive, or to the end, at tick 119.
 """
 
 from dataclasses import replace
-from functools import partial
 
 import pytest
 
@@ -72,7 +71,7 @@ def engine(tmp_path_factory):
 def explained(engine, *faults):
     """Return why these faults break goals, and what each of them is to each goal."""
     measure = Measure.of(CampaignSettings(), engine.code.mission)
-    flights = Flights([partial(engine.evaluate_many, seed=1)], measure)
+    flights = Flights(engine.evaluate_many, measure, (1,))
     found = explain(flights, engine, tuple(TimedFault(*fault) for fault in faults), 0.95)
     return found, {goal.goal: goal.labels for goal in found.goals}
 
@@ -80,7 +79,7 @@ def explained(engine, *faults):
 def believed(found):
     return {
         column.goal: count
-        for column, count in zip(found.columns, found.counts, strict=True)
+        for column, count in zip(found.cause.columns, found.cause.counts, strict=True)
         if column.kind == "believed"
     }
 
@@ -93,13 +92,13 @@ def test_one_fault_alone(engine):
     found, labels = explained(engine, ("stop_b", 60, 65), ("stop_a", 10, 119, ()))
 
     assert believed(found) == {"g1": 50, "g2": 0, "g3": 50}
-    assert found.cause_set == (1,)
+    assert found.cause.places == (1,)
     assert labels == {
         "g1": ("bystander", "sole"),
         "g2": ("bystander", "bystander"),
         "g3": ("bystander", "sole"),
     }
-    (chain,) = found.chains
+    (chain,) = found.cause.chains
     assert (chain.command.tick, chain.truth.tick, chain.belief.tick) == (9, 10, 10)
     assert chain.command.changes[0].size == 4.0
     at_deadline = FirstVerdict(DEADLINE, is_so=True)
@@ -107,7 +106,7 @@ def test_one_fault_alone(engine):
     assert {(each.believed, each.true, each.missed) for each in chain.verdicts} == {
         (at_deadline,) * 3
     }
-    assert {(firm.median, firm.n_violated) for firm in found.firmness} == {(50, 20), (0, 0)}
+    assert {(firm.median, firm.n_violated) for firm in found.cause.firmness} == {(50, 20), (0, 0)}
 
 
 def test_two_faults_only_together(engine):
@@ -115,13 +114,13 @@ def test_two_faults_only_together(engine):
     found, labels = explained(engine, ("stop_a", 10, 22), ("stop_b", 10, 22), ("stop_a", 30, 42))
 
     assert 0 < believed(found)["g1"] < 20
-    assert found.cause_set == (0, 2)
+    assert found.cause.places == (0, 2)
     assert labels["g1"] == ("joint", "bystander", "joint")
     assert not any(found.alone[0])
     assert not any(found.left_out[2])
     (first, second) = (of_fault for of_fault in found.attribution.shares)
     assert first == second
-    assert [chain.command.tick for chain in found.chains] == [9, 29]
+    assert [chain.command.tick for chain in found.cause.chains] == [9, 29]
 
 
 def test_either_of_two_faults(engine):
@@ -130,7 +129,7 @@ def test_either_of_two_faults(engine):
     assert labels["g3"] == ("sole", "redundant")
     assert labels["g1"] == ("sole", "bystander")
     assert labels["g2"] == ("bystander", "sole")
-    assert found.cause_set == (0, 1)
+    assert found.cause.places == (0, 1)
 
 
 def test_a_fault_that_hides_what_another_does(engine):
@@ -140,10 +139,10 @@ def test_a_fault_that_hides_what_another_does(engine):
     )
 
     assert believed(found) == {"g1": 0, "g2": 50, "g3": 50}
-    assert found.outcome.true == (50, 50, 50)
+    assert found.cause.outcome.true == (50, 50, 50)
     assert labels["g1"] == ("sole", "masking", "bystander")
     assert labels["g2"] == ("bystander", "bystander", "sole")
-    assert found.cause_set == (0, 2)
+    assert found.cause.places == (0, 2)
     assert found.left_out[1][0] == 50
 
 
@@ -151,13 +150,13 @@ def test_what_is_violated_without_any_fault_has_no_cause(engine, capsys):
     code = replace(engine.code, mission=_with_an_earlier_deadline(engine.code.mission))
     measure = Measure.of(CampaignSettings(), code.mission)
     late = ReferenceEngine(code, 1)
-    flights = Flights([partial(late.evaluate_many, seed=1)], measure)
+    flights = Flights(late.evaluate_many, measure, (1,))
 
     found = explain(flights, late, (TimedFault("stop_b", 100, 110),), 0.95)
     print_explanation(Shown(code, measure, "x", "x.xmi", ("h1",), 0.95, ()), found)
 
-    assert found.cause_set == found.chains == ()
-    assert found.fault_free == found.counts != (0,) * 6
+    assert found.cause.places == found.cause.chains == ()
+    assert found.cause.fault_free == found.cause.counts != (0,) * 6
     said = capsys.readouterr().out
     assert "x.xmi: 1 fault, and none is the cause: without any, 95 % of every goal's" in said
     assert "bystanders to every goal: h1\n" in said

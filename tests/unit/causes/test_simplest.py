@@ -17,10 +17,10 @@ ODD = 17.123
 def simplified(violations, *drawn):
     """Return the simplest form of faults whose believed violations are given."""
 
-    def evaluate_many(specifications):
+    def evaluate_many(specifications, _seed):
         return [outcome([violations(each)], len(each)) for each in specifications]
 
-    flights = Flights([evaluate_many], Measure("believed", 1, ("g1",), ("g1",), 1000))
+    flights = Flights(evaluate_many, Measure("believed", 1, ("g1",), ("g1",), 1000), (1,))
     return simplest(flights, MISSION, POOL, drawn)
 
 

@@ -50,7 +50,7 @@ class ClusterPool(Evaluator):
         self._seed = seed
         self._settings = settings
         self._pace = Pace()
-        self._plugin = cluster.ship(Shipment.of(code.directory))
+        self._plugin = cluster.ship(Shipment.of(code.directory, code.pool))
 
     def close(self) -> None:
         """Do nothing: workers keep their engines for the next pool of the cluster."""

@@ -1,5 +1,6 @@
 """What travels to a worker, which may be on another machine, in an empty folder."""
 
+import pickle
 import platform
 import sys
 from dataclasses import dataclass
@@ -10,8 +11,9 @@ from pathlib import Path
 from typing import Self
 
 import mrsfi_runtime
+from mrsfi_runtime.model.faults import FaultPool
 
-_ELSEWHERE = frozenset({"analysis", "cli", "search", "study"})
+_ELSEWHERE = frozenset({"analysis", "causes", "cli", "search", "study"})
 """Rooms of mrsfi whose source no evaluation on a worker depends on."""
 
 
@@ -25,6 +27,8 @@ class Shipment:
         Follows from the content.
     files
         By name.
+    pool
+        The faults; ``None`` for those of the mission's own pool.
     given, absolute
         Folder of the code where it comes from, as the user names it and from the root.
     environment
@@ -33,22 +37,24 @@ class Shipment:
 
     name: str
     files: dict[str, bytes]
+    pool: FaultPool | None
     given: str
     absolute: str
     environment: dict[str, str]
 
     @classmethod
-    def of(cls, directory: Path) -> Self:
-        """Return the shipment of a folder of generated code."""
+    def of(cls, directory: Path, pool: FaultPool | None = None) -> Self:
+        """Return the shipment of a folder of generated code, and of the faults to fly."""
         files = {
             path.name: path.read_bytes() for path in sorted(directory.iterdir()) if path.is_file()
         }
-        digest = sha256()
+        digest = sha256(pickle.dumps(pool))
         for name, content in files.items():
             digest.update(f"{name} {len(content)}\n".encode() + content)
         return cls(
             name=f"mrsfi-{digest.hexdigest()[:16]}",
             files=files,
+            pool=pool,
             given=str(directory),
             absolute=str(directory.absolute()),
             environment=environment(),

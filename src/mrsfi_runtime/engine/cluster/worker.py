@@ -136,7 +136,7 @@ class MissionPlugin(WorkerPlugin):
     def _engine(self, seed: int, settings: EngineSettings) -> Engine:
         if settings not in self._engines:
             try:
-                code = load_code(self._folder)
+                code = load_code(self._folder, self._shipment.pool)
                 self._engines[settings] = settings.open(code, seed, self._n_threads)
             except MrsfiError as error:
                 raise type(error)(

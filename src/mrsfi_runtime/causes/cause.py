@@ -1,0 +1,131 @@
+"""The faults that a specification's violations are due to, and how they come to break goals."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
+from mrsfi_runtime.causes.chain import Chain, chains
+from mrsfi_runtime.causes.counts import Column, Counts, Flights
+from mrsfi_runtime.causes.firmness import N_SEEDS, Firmness, firmness
+from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.hosting.lockstep import Observer
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.settings import following
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """What a specification's violations are due to.
+
+    Attributes
+    ----------
+    specification
+        All its faults.
+    columns
+        What is counted.
+    counts, fault_free
+        Counts under all faults, and under none.
+    places
+        The cause set: the faults without which the violations would not be.
+    kept
+        Counts under the cause set.
+    lacking
+        Counts under the cause set without each of its faults.
+    outcome
+        What flying the cause set finds in the first mission seed.
+    chains
+        What each fault of the cause set changes first, against the cause set without it, in the
+        first mission seed.
+    firmness
+        What each count under the cause set is in ``N_SEEDS`` mission seeds, the first one on.
+    n_flown
+        How many flights each part of this took.
+    """
+
+    specification: Specification
+    columns: tuple[Column, ...]
+    counts: Counts
+    fault_free: Counts
+    places: Places
+    kept: Counts
+    lacking: tuple[Counts, ...]
+    outcome: Outcome
+    chains: tuple[Chain, ...]
+    firmness: tuple[Firmness, ...]
+    n_flown: Mapping[str, int]
+
+    @property
+    def faults(self) -> Specification:
+        """The cause set as a specification."""
+        return chosen(self.specification, self.places)
+
+    @property
+    def leading(self) -> int:
+        """Which fault of the cause set most is lost without, of equal ones the first."""
+        return min(range(len(self.places)), key=lambda row: sum(self.lacking[row]), default=0)
+
+
+def find_cause(
+    flights: Flights, engine: Engine, specification: Specification, keep: float
+) -> Cause | None:
+    """Find out what a specification's violations are due to.
+
+    Parameters
+    ----------
+    flights
+        Flies its faults.
+    engine
+        Records flights that have to be looked at, in the first of the mission seeds.
+    specification
+        All its faults.
+    keep
+        Share of every count that a cause set keeps, above 0, at most 1.
+
+    Returns
+    -------
+    Cause or None
+        ``None`` if it violates nothing that is counted.
+
+    Raises
+    ------
+    EvaluationError
+        If the mission's own code fails.
+    BudgetSpentError
+        If that takes more flights than there may be.
+    """
+    with flights.on("all faults, and none"):
+        counts, fault_free = flights.counts(specification), flights.counts(())
+    if not any(counts):
+        return None
+    with flights.on("cause set"):
+        columns = range(len(flights.columns))
+        places = Question(flights, specification, floor(counts, keep, columns)).minimum()
+        cause = chosen(specification, places)
+        lacking = tuple(flights.counts(without(cause, row)) for row in range(len(cause)))
+    with flights.on("chains"):
+        flights.spend(len(cause) + 1 if cause else 0)
+        linked = _chains(engine, cause, flights.mission_seeds[0])
+    with flights.on("other mission seeds"):
+        weathers = following(flights.mission_seeds[0], N_SEEDS)
+        firm = firmness([flights.counts_in(cause, seed) for seed in weathers])
+    return Cause(
+        specification=specification,
+        columns=flights.columns,
+        counts=counts,
+        fault_free=fault_free,
+        places=places,
+        kept=flights.counts(cause),
+        lacking=lacking,
+        outcome=flights.outcome(cause),
+        chains=linked,
+        firmness=firm,
+        n_flown=dict(flights.n_flown),
+    )
+
+
+def _chains(engine: Engine, cause: Specification, seed: int) -> tuple[Chain, ...]:
+    def observe(specification: Specification, observer: Observer) -> None:
+        engine.evaluate(specification, seed, observer=observer)
+
+    return chains(observe, engine.code.mission, cause) if cause else ()
