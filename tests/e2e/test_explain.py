@@ -61,6 +61,24 @@ def test_a_cause_set_flown_again_has_the_counts_that_were_printed(campaign, plac
         assert total == pytest.approx(expected, abs=1e-9)
 
 
+def test_the_cause_set_of_a_goal_flown_alone_keeps_its_violations(campaign, place):
+    (found,) = explained(campaign, cwd=place)
+
+    goals = [each for each in found["goals"] if each["faults"]]
+    assert {each["goal"] for each in goals} == {"g1", "g3"}
+    for each in goals:
+        flight = mrsfi_json("simulate", MISSION, "--faults", each["file"], cwd=place)
+        assert [fault["id"] for fault in flight["faults"]] == each["faults"]
+        counted = zip(
+            found["columns"],
+            flown_counts(flight, found["columns"]),
+            found["counts"],
+            strict=True,
+        )
+        for column, after, before in counted:
+            assert column["goal"] != each["goal"] or after >= 0.95 * before
+
+
 def test_what_is_explained_are_those_that_were_asked_for(campaign, place):
     both = mrsfi_json("explain", campaign, "--top", "2", cwd=place)
     best, second = both["explanations"]
@@ -90,8 +108,8 @@ def test_a_fault_that_does_it_alone_is_named(place):
     assert "stop.xmi: 1 of 3 faults keep 95 % of every goal's believed and true viol" in text
     assert "\nh2      sole\n" in text
     assert "bystanders to every goal: h1 h3\n" in text
-    assert "h2 (StopRobot) forged the speed command of r1 from tick 100 to 900: at tick" in text
-    assert "\ncause set      " in text
+    assert "h2 (StopRobot) forged r1 motion from tick 100 to 900: at tick" in text
+    assert "\ncause set        " in text
     flight = mrsfi_json(
         "simulate", MISSION, "--faults", path.with_name("stop-cause.xmi"), cwd=place
     )

@@ -25,21 +25,20 @@ class Finding:
         Cause of the leader.
     outcome
         What flying its cause set finds.
-    names, faults
-        Names of the faults of its cause set, as written specifications have them, and the faults.
+    faults
+        Its cause set, named as in written specifications.
     """
 
     evaluations: tuple[int, ...]
     cause: RecordedCause
     outcome: Outcome
-    names: tuple[str, ...]
     faults: tuple[NamedFault, ...]
 
     @property
     def sentence(self) -> str:
         """What the leading fault did, and which faults it needs."""
         leading = self.cause.leading
-        others = [name for place, name in enumerate(self.names) if place != leading]
+        others = [fault.name for place, fault in enumerate(self.faults) if place != leading]
         said = self.cause.sentences[leading]
         return f"{said} With it: {' '.join(others)}." if others else said
 
@@ -52,20 +51,20 @@ class Finding:
             IDs of the mission's goals, and its ticks.
         """
         told = self.outcome.told(duration)
-        each = zip(self.names, self.faults, self.cause.sentences, self.cause.chains, strict=True)
+        causes = zip(self.faults, self.cause.sentences, self.cause.chains, strict=True)
         return {
             "evaluations": list(self.evaluations),
             "sentence": self.sentence,
             **{kind: dict(zip(goals, counts, strict=True)) for kind, counts in told.items()},
             "cause_set": [
                 {
-                    "id": name,
+                    "id": fault.name,
                     "fault": fault.fault.id,
                     **fault.as_json(),
                     "sentence": sentence,
                     "chain": chain,
                 }
-                for name, fault, sentence, chain in each
+                for fault, sentence, chain in causes
             ],
             "firmness": list(self.cause.firmness),
         }
@@ -100,8 +99,9 @@ def find_findings(
                 tuple(known[member][0].index for member in group),
                 cause,
                 outcome,
-                tuple(names[place] for place in cause.places),
-                named_faults(mission, pool, sets[group[0]]),
+                named_faults(
+                    mission, pool, sets[group[0]], [names[place] for place in cause.places]
+                ),
             )
         )
     return tuple(found)

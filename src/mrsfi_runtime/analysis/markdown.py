@@ -170,7 +170,7 @@ def _findings(summary: Summary) -> Iterator[str]:
         (
             f"[{number}](critical/{ranks[finding.evaluations[0]]:02d}-cause.xmi)",
             " ".join(map(str, finding.evaluations)),
-            " ".join(finding.names),
+            " ".join(fault.name for fault in finding.faults),
             *violated(finding.outcome, summary.measure.duration),
         )
         for number, finding in enumerate(summary.findings, 1)
@@ -183,9 +183,7 @@ def _findings(summary: Summary) -> Iterator[str]:
     )
     for number, finding in enumerate(summary.findings, 1):
         yield f"### Cause of finding {number}, evaluation {finding.evaluations[0]}"
-        rows_of_faults = fault_rows(finding.faults, finding.outcome)
-        named = zip(finding.names, rows_of_faults, strict=True)
-        yield table(FAULT_COLUMNS, [(name, *row[1:]) for name, row in named])
+        yield table(FAULT_COLUMNS, fault_rows(finding.faults, finding.outcome))
         yield "\n".join(f"- {plain(sentence)}" for sentence in finding.cause.sentences)
         yield "Violations under it in other weather:"
         firm = finding.cause.firmness

@@ -11,6 +11,7 @@ from mrsfi_runtime.causes.labels import GoalCauses, goal_causes
 from mrsfi_runtime.causes.simplest import simplest
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,8 +22,9 @@ class Explanation:
     ----------
     cause
         What its violations are due to.
-    simplest, simplest_counts
-        The simplest form of the cause set, and the counts under that.
+    simplest, simplest_counts, simplest_outcome
+        The simplest form of the cause set, the counts under that, and what flying it finds in the
+        first mission seed.
     minima
         The different cause sets that shuffled orders gave, this one among them or not.
     goals
@@ -38,6 +40,7 @@ class Explanation:
     cause: Cause
     simplest: Specification
     simplest_counts: Counts
+    simplest_outcome: Outcome
     minima: tuple[Places, ...]
     goals: tuple[GoalCauses, ...]
     alone: tuple[Counts, ...]
@@ -89,6 +92,7 @@ def explain(
         cause=cause,
         simplest=simple,
         simplest_counts=flights.counts(simple),
+        simplest_outcome=flights.outcome(simple),
         minima=minima,
         goals=goals,
         alone=tuple(map(flights.counts, alone)),

@@ -11,10 +11,11 @@ from mrsfi_runtime.causes.counts import BudgetSpentError, EvaluateIn, Flights
 from mrsfi_runtime.causes.sentence import sentence
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.faults import FaultPool, numbered
+from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
 
 def record_causes(
@@ -79,12 +80,15 @@ def _found(flights: Flights, engine: Engine, evaluation: Evaluation) -> Recorded
         return because(_SPENT)
     except EvaluationError as error:
         return because(str(error))
-    return (
-        because(_NOTHING) if cause is None else recorded(evaluation.index, cause, engine.code.pool)
-    )
+    if cause is None:
+        return because(_NOTHING)
+    names = numbered(timed.fault for timed in evaluation.specification)
+    mission, pool = engine.code.mission, engine.code.pool
+    faults = named_faults(mission, pool, evaluation.specification, names)
+    return recorded(evaluation.index, cause, faults)
 
 
-def recorded(index: int, cause: Cause, pool: FaultPool) -> RecordedCause:
+def recorded(index: int, cause: Cause, faults: Sequence[NamedFault]) -> RecordedCause:
     """Return what is kept and shown of the cause of an evaluation.
 
     Parameters
@@ -93,8 +97,8 @@ def recorded(index: int, cause: Cause, pool: FaultPool) -> RecordedCause:
         The evaluation.
     cause
         Why it violates goals.
-    pool
-        Where its faults come from.
+    faults
+        All its faults.
     """
     return RecordedCause(
         index=index,
@@ -102,7 +106,7 @@ def recorded(index: int, cause: Cause, pool: FaultPool) -> RecordedCause:
         places=cause.places,
         leading=cause.leading,
         outcome=cause.outcome,
-        sentences=sentences(cause, numbered(timed.fault for timed in cause.specification), pool),
+        sentences=sentences(cause, faults),
         chains=tuple(map(chain_as_json, cause.chains)),
         firmness=tuple(
             column._asdict() | asdict(firm)
@@ -111,19 +115,17 @@ def recorded(index: int, cause: Cause, pool: FaultPool) -> RecordedCause:
     )
 
 
-def sentences(cause: Cause, names: Sequence[str], pool: FaultPool) -> tuple[str, ...]:
+def sentences(cause: Cause, faults: Sequence[NamedFault]) -> tuple[str, ...]:
     """Return for each fault of a cause set what it did, in words.
 
     Parameters
     ----------
-    names
-        Of all faults of the specification.
-    pool
-        Where they come from.
+    faults
+        All faults of the specification.
     """
     return tuple(
-        sentence(names[place], pool[timed.fault], timed, chain)
-        for place, timed, chain in zip(cause.places, cause.faults, cause.chains, strict=True)
+        sentence(faults[place], chain)
+        for place, chain in zip(cause.places, cause.chains, strict=True)
     )
 
 

@@ -4,39 +4,34 @@ from collections.abc import Iterator
 
 from mrsfi_runtime.causes.chain import HEADING, Chain, Change, First, FirstVerdicts
 from mrsfi_runtime.model.fault_types import Field, Mode, Struck
-from mrsfi_runtime.model.faults import Fault, TimedFault
+from mrsfi_runtime.record.named_faults import NamedFault
 
 
-def sentence(name: str, fault: Fault, timed: TimedFault, chain: Chain) -> str:
+def sentence(fault: NamedFault, chain: Chain) -> str:
     """Say what a fault did, what was believed and sent then, what happened, and what was missed.
 
     Parameters
     ----------
-    name
-        Of the timed fault.
     fault
-        Its pool fault.
-    timed
-        Its window.
+        The timed fault.
     chain
         What it changed first.
     """
     parts = [*_differences(chain), *map(_verdict, chain.verdicts)]
-    done = f"{name} ({fault.type}) {_deed(fault)} from tick {timed.start} to {timed.finish}"
+    window = f"from tick {fault.timed.start} to {fault.timed.finish}"
+    done = f"{fault.name} ({fault.fault.type}) {_deed(fault)} {window}"
     return f"{done}: {'; '.join(parts) or 'nothing differs at any tick'}."
 
 
-def _deed(fault: Fault) -> str:
-    kind, target = fault.kind, fault.target
+def _deed(fault: NamedFault) -> str:
+    kind = fault.fault.kind
+    deed = "falsified"
     if kind.mode in {Mode.DELAY, Mode.BLOCK}:
-        return f"held back message {target}"
-    if Field.MOTION in kind.properties:
-        return f"forged the speed command of {target}"
-    if Field.ACTIVATION in kind.properties:
-        return f"forged the activation of {target}"
-    if kind.struck is Struck.MESSAGE:
-        return f"falsified message {target}"
-    return f"falsified what is believed of {target}"
+        deed = "held back"
+    elif {Field.MOTION, Field.ACTIVATION} & {*kind.properties}:
+        deed = "forged"
+    where = f" in message {fault.fault.target}" if kind.struck is Struck.MESSAGE else ""
+    return f"{deed} {', '.join(fault.touched) or 'nothing'}{where}"
 
 
 def _differences(chain: Chain) -> Iterator[str]:

@@ -12,7 +12,7 @@ from m2t.specification import write_specification
 from mrsfi_runtime.analysis.findings import find_findings
 from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.analysis.report import specification_rows
-from mrsfi_runtime.causes.cause_set import KEEP
+from mrsfi_runtime.causes.cause_set import KEEP, chosen
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation, explain
 from mrsfi_runtime.causes.recorded import recorded
@@ -24,7 +24,14 @@ from mrsfi_runtime.cli.engines import (
     own_engine,
     worker_options,
 )
-from mrsfi_runtime.cli.explained import Shown, as_json, print_explanation
+from mrsfi_runtime.cli.explained import (
+    CAUSE_SET,
+    SIMPLEST,
+    Shown,
+    as_json,
+    of_goal,
+    print_explanation,
+)
 from mrsfi_runtime.cli.folders import (
     FlyableCampaign,
     MissionFolders,
@@ -45,6 +52,7 @@ from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings
 
 _HELP = """Find out which faults of a specification break which goal.
@@ -88,17 +96,21 @@ class Subject:
         Stem of what is written about it.
     title
         What it is, for people.
-    specification, fault_names
-        Its timed faults, and a name for each.
+    faults
+        Its timed faults.
     recorded
         What a campaign found under it, if it comes from one.
     """
 
     name: str
     title: str
-    specification: Specification
-    fault_names: tuple[str, ...]
+    faults: tuple[NamedFault, ...]
     recorded: Evaluation | None = None
+
+    @property
+    def specification(self) -> Specification:
+        """The faults without their names."""
+        return tuple(fault.timed for fault in self.faults)
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,8 +239,7 @@ def _of_file(
         folder=path.parent if out is None else out,
         source=path,
     )
-    names = tuple(timed.fault for timed in specification)
-    return case, Subject(path.stem, str(path), specification, names)
+    return case, Subject(path.stem, str(path), named_faults(code.mission, pool, specification))
 
 
 def _run(target: str) -> Path:
@@ -270,8 +281,12 @@ def _of_run(campaign: FlyableCampaign, index: int | None, n_top: int | None) -> 
         Subject(
             f"evaluation_{each.index}",
             f"evaluation {each.index} of {campaign.folder.path}, fitness {each.fitness[0]:.2f}",
-            each.specification,
-            numbered(timed.fault for timed in each.specification),
+            named_faults(
+                campaign.mission,
+                campaign.pool,
+                each.specification,
+                numbered(timed.fault for timed in each.specification),
+            ),
             each,
         )
         for each in evaluations or (find_evaluation(campaign, index),)
@@ -306,7 +321,7 @@ def _explain_all(
             else:
                 print_explanation(shown, found)
             if found is not None and subject.recorded is not None:
-                causes.append(recorded(subject.recorded.index, found.cause, case.code.pool))
+                causes.append(recorded(subject.recorded.index, found.cause, subject.faults))
     mission = case.code.mission
     known = {each.recorded.index: each.specification for each in subjects if each.recorded}
     findings = find_findings(mission, case.code.pool, causes, known)
@@ -327,8 +342,7 @@ def _explain(
         require_same(case.source, subject.recorded, flights.outcome(subject.specification))
     found = explain(flights, engine, subject.specification, keep)
     paths = _write(case, subject, found)
-    name, title, names = subject.name, subject.title, subject.fault_names
-    return Shown(case.code, case.measure, name, title, names, keep, paths), found
+    return Shown(case.code, case.measure, subject.title, subject.faults, keep, paths), found
 
 
 def require_repeatable(engine: Engine, subject: Subject) -> None:
@@ -348,23 +362,33 @@ def require_repeatable(engine: Engine, subject: Subject) -> None:
         )
 
 
-def _write(case: Case, subject: Subject, found: Explanation | None) -> list[Path]:
-    """Write cause set and simplest form as XMI; return the files, none if there is no cause."""
-    if found is None or not found.cause.places:
-        return []
-    names = [subject.fault_names[place] for place in found.cause.places]
-    paths = []
-    for kind, specification in (("cause", found.cause.faults), ("simplest", found.simplest)):
+def _write(case: Case, subject: Subject, found: Explanation | None) -> dict[str, Path]:
+    """Write cause sets and the simplest form as XMI; return the files by what they are."""
+    if found is None:
+        return {}
+    cause, whole = found.cause, subject.specification
+    written = [
+        (CAUSE_SET, "cause", cause.places, cause.faults),
+        (SIMPLEST, "simplest", cause.places, found.simplest),
+        *(
+            (of_goal(each.goal), f"cause-{each.goal}", each.places, chosen(whole, each.places))
+            for each in found.goals
+        ),
+    ]
+    paths = {}
+    for what, kind, places, specification in written:
+        if not places:
+            continue
         path = case.folder / f"{subject.name}-{kind}.xmi"
         rows = specification_rows(case.code.pool, specification)
+        identifier = f"{subject.name}_{kind}".replace("-", "_")
+        names = [subject.faults[place].name for place in places]
         try:
             case.folder.mkdir(parents=True, exist_ok=True)
-            write_specification(
-                case.models(), rows, path, identifier=f"{subject.name}_{kind}", names=names
-            )
+            write_specification(case.models(), rows, path, identifier=identifier, names=names)
         except OSError as error:
             raise UsageError(
                 f"{path}: cannot be written: {error.strerror}; name another folder with --out"
             ) from error
-        paths.append(path)
+        paths[what] = path
     return paths

@@ -1,6 +1,6 @@
 """What ``mrsfi explain`` prints of an explanation, and what scripts get in its place."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -15,10 +15,18 @@ from mrsfi_runtime.causes.firmness import N_SEEDS
 from mrsfi_runtime.causes.labels import BYSTANDER, GoalCauses
 from mrsfi_runtime.causes.recorded import chain_as_json, sentences
 from mrsfi_runtime.cli.console import counted, print_table
-from mrsfi_runtime.cli.tables import plain_table
+from mrsfi_runtime.cli.tables import fault_tables, plain_table
 from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.measure import NONE, Measure, ticks
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+
+CAUSE_SET, SIMPLEST = "cause set", "simplest form"
+"""What specifications are that come of an explanation."""
+
+
+def of_goal(goal: str) -> str:
+    """Return what the cause set of one goal is called."""
+    return f"{CAUSE_SET} of {goal}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,33 +37,37 @@ class Shown:
     ----------
     code, measure
         The mission, and what is counted.
-    name, title
-        What the specification is, in short, and for people.
-    names
-        Of its timed faults.
+    title
+        What the specification is.
+    faults
+        Its timed faults.
     keep
         Share of the counts that the cause set keeps.
     paths
-        Where the cause set was written, and its simplest form; empty if there is none.
+        Where cause sets were written, by what they are.
     """
 
     code: MissionCode
     measure: Measure
-    name: str
     title: str
-    names: tuple[str, ...]
+    faults: tuple[NamedFault, ...]
     keep: float
-    paths: Sequence[Path]
+    paths: Mapping[str, Path]
 
     def ticks(self, count: float) -> str:
         """Return a sum over the mission seeds as text: a count, or a mean of counts."""
         n_seeds = self.measure.n_seeds
         return ticks(count if n_seeds == 1 else count / n_seeds)
 
+    def simplest(self, found: Explanation) -> tuple[NamedFault, ...]:
+        """Return the faults of the simplest form of its cause set."""
+        names = [self.faults[place].name for place in found.cause.places]
+        return named_faults(self.code.mission, self.code.pool, found.simplest, names)
+
 
 def print_explanation(shown: Shown, found: Explanation | None) -> None:
     """Print an explanation for people, or that there is nothing to explain."""
-    n = counted(len(shown.names), "faults")
+    n = counted(len(shown.faults), "faults")
     if found is None:
         click.echo(f"{shown.title}: {n}, and no goal is violated; there is nothing to explain")
         return
@@ -64,12 +76,14 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
         click.echo(f"Counts are means of {shown.measure.n_seeds} mission seeds.")
     click.echo()
     if found.cause.places:
-        print_table("Cause set", _fault_table(shown, found, found.cause.faults))
-        print_table("Its simplest form", _fault_table(shown, found, found.simplest))
+        causes = [shown.faults[place] for place in found.cause.places]
+        print_table("Cause set", *fault_tables(causes, found.cause.outcome))
+        simple = shown.simplest(found)
+        print_table("Its simplest form", *fault_tables(simple, found.simplest_outcome))
     print_table("Violations", _counts_table(shown, found))
     if found.cause.places:
         print_table("Due to each fault of the cause set", _share_table(shown, found))
-        for said in sentences(found.cause, shown.names, shown.code.pool):
+        for said in sentences(found.cause, shown.faults):
             click.echo(f"{said}\n")
         print_table("First differences that each fault makes", _chain_table(shown, found))
         title = f"Violations under the cause set in {N_SEEDS} mission seeds"
@@ -77,8 +91,9 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
     _print_labels(shown, found)
     for part, n_flown in found.n_flown.items():
         click.echo(f"{n_flown:>6} flights  {part}")
-    for what, path in zip(("cause set", "simplest form"), shown.paths, strict=False):
-        click.echo(f"{what:<13}  {path}")
+    width = max(map(len, shown.paths), default=0)
+    for what, path in shown.paths.items():
+        click.echo(f"{what:<{width}}  {path}")
     click.echo()
 
 
@@ -93,17 +108,6 @@ def _answer(shown: Shown, found: Explanation, n: str) -> str:
     n_others = len({*found.minima} - {found.cause.places})
     others = f"; shuffled orders give {counted(n_others, 'other sets')}" if n_others else ""
     return f"{len(found.cause.places)} of {n} keep {kept}{others}"
-
-
-def _fault_table(shown: Shown, found: Explanation, faults: Specification) -> Table:
-    pool = shown.code.pool
-    rows = []
-    for place, timed in zip(found.cause.places, faults, strict=True):
-        fault = pool[timed.fault]
-        window = timed.start, timed.finish
-        values = fault.kind.in_words(timed.values)
-        rows.append((shown.names[place], fault.type, fault.target, *window, values))
-    return plain_table(("fault", "type", "of"), ("start", "finish"), rows, ("values",))
 
 
 def _counts_table(shown: Shown, found: Explanation) -> Table:
@@ -134,7 +138,7 @@ def _share_table(shown: Shown, found: Explanation) -> Table:
     shares, margins = found.attribution.shares, found.attribution.margins
     rows = [
         (
-            shown.names[place],
+            shown.faults[place].name,
             *(
                 f"{float(shares[row][k]) / shown.measure.n_seeds:.1f}"
                 + (f" ±{margins[row][k] / shown.measure.n_seeds:.1f}" if margins else "")
@@ -151,7 +155,7 @@ def _chain_table(shown: Shown, found: Explanation) -> Table:
     """Return when and by how much belief, commands, truth and verdicts differ first."""
     rows = [
         (
-            shown.names[place],
+            shown.faults[place].name,
             *map(_first, (chain.belief, chain.command, chain.truth)),
             " ".join(map(_verdicts, chain.verdicts)),
         )
@@ -190,7 +194,7 @@ def _print_labels(shown: Shown, found: Explanation) -> None:
     named = [k for k in places if any(goal.labels[k] != BYSTANDER for goal in goals)]
     if named:
         _print_named(shown, found, goals, named)
-    rest = [shown.names[k] for k in places if k not in named]
+    rest = [shown.faults[k].name for k in places if k not in named]
     if rest:
         click.echo(f"bystanders to every goal: {' '.join(rest)}\n")
 
@@ -200,11 +204,11 @@ def _print_named(
 ) -> None:
     """Print what some faults are to some goals."""
     header = [each.goal for each in goals]
-    rows = [(shown.names[k], *(goal.labels[k] for goal in goals)) for k in named]
+    rows = [(shown.faults[k].name, *(goal.labels[k] for goal in goals)) for k in named]
     print_table("What each fault is to each goal", plain_table(("fault", *header), (), rows))
     for title, counts in (("alone", found.alone), ("left out", found.left_out)):
         cells = [
-            (shown.names[k], *(_cell(shown, found, goal.goal, counts[k]) for goal in goals))
+            (shown.faults[k].name, *(_cell(shown, found, goal.goal, counts[k]) for goal in goals))
             for k in named
         ]
         kinds = "/".join(dict.fromkeys(column.kind for column in found.cause.columns))
@@ -222,7 +226,7 @@ def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
     """Return an explanation for scripts; counts are sums over the mission seeds."""
     what = {
         "specification": shown.title,
-        "n_faults": len(shown.names),
+        "n_faults": len(shown.faults),
         "keep": shown.keep,
         "measure": shown.measure.kind,
         "mission_seeds": shown.measure.n_seeds,
@@ -232,54 +236,49 @@ def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
 
 
 def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
-    pool, cause = shown.code.pool, found.cause
+    cause = found.cause
     rows = {place: row for row, place in enumerate(cause.places)}
     shares = found.attribution.shares
+
+    def named(places: Iterable[int]) -> list[str]:
+        return [shown.faults[place].name for place in places]
+
+    def file(what: str) -> str | None:
+        return str(shown.paths[what]) if what in shown.paths else None
+
     return {
         "columns": [column._asdict() for column in cause.columns],
         "counts": list(cause.counts),
         "fault_free": list(cause.fault_free),
         "cause_set": {
-            "faults": [shown.names[place] for place in cause.places],
+            "faults": named(cause.places),
             "counts": list(cause.kept),
-            "file": str(shown.paths[0]) if shown.paths else None,
-            "shuffled": [[shown.names[place] for place in places] for places in found.minima],
+            "file": file(CAUSE_SET),
+            "shuffled": [named(places) for places in found.minima],
         },
         "simplest": {
-            "faults": [
-                {
-                    "id": shown.names[place],
-                    "start": timed.start,
-                    "finish": timed.finish,
-                    "values": pool[timed.fault].kind.named(timed.values),
-                }
-                for place, timed in zip(cause.places, found.simplest, strict=True)
-            ],
+            "faults": [{"id": each.name, **each.as_json()} for each in shown.simplest(found)],
             "counts": list(found.simplest_counts),
-            "file": str(shown.paths[1]) if shown.paths else None,
+            "file": file(SIMPLEST),
         },
         "goals": [
-            {"goal": each.goal, "faults": [shown.names[place] for place in each.places]}
+            {"goal": each.goal, "faults": named(each.places), "file": file(of_goal(each.goal))}
             for each in found.goals
         ],
         "faults": [
             {
-                "id": shown.names[place],
-                "fault": timed.fault,
-                "type": pool[timed.fault].type,
-                "target": pool[timed.fault].target,
-                "start": timed.start,
-                "finish": timed.finish,
-                "values": pool[timed.fault].kind.named(timed.values),
+                "id": fault.name,
+                "fault": fault.fault.id,
+                **fault.as_json(),
                 "labels": {each.goal: each.labels[place] for each in found.goals},
                 "alone": list(found.alone[place]),
                 "left_out": list(found.left_out[place]),
                 "chain": chain_as_json(cause.chains[rows[place]]) if place in rows else None,
                 "share": [float(x) for x in shares[rows[place]]] if place in rows else None,
             }
-            for place, timed in enumerate(cause.specification)
+            for place, fault in enumerate(shown.faults)
         ],
         "firmness": [asdict(firm) for firm in cause.firmness],
-        "sentences": list(sentences(cause, shown.names, pool)),
+        "sentences": list(sentences(cause, shown.faults)),
         "n_flown": dict(found.n_flown),
     }

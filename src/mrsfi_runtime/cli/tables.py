@@ -158,7 +158,7 @@ def print_findings(goals: Sequence[str], duration: int, findings: Sequence[Findi
         (
             (str(number), "\n".join(map(str, finding.evaluations))),
             dict(_outcome_lines(finding.outcome, duration)),
-            " ".join(finding.names),
+            " ".join(fault.name for fault in finding.faults),
         )
         for number, finding in enumerate(findings, 1)
     )

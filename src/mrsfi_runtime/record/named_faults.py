@@ -18,6 +18,8 @@ class NamedFault:
 
     Attributes
     ----------
+    name
+        Its name in the specification.
     timed
         The timed fault.
     fault
@@ -28,6 +30,7 @@ class NamedFault:
         First and last tick at which it is active; ``None`` if it never is.
     """
 
+    name: str
     timed: TimedFault
     fault: Fault
     touched: tuple[str, ...]
@@ -60,9 +63,19 @@ class NamedFault:
 
 
 def named_faults(
-    mission: Mission, pool: FaultPool, specification: Specification
+    mission: Mission,
+    pool: FaultPool,
+    specification: Specification,
+    names: Sequence[str] | None = None,
 ) -> tuple[NamedFault, ...]:
     """Return the faults of a specification with what names them, in its order.
+
+    Parameters
+    ----------
+    mission, pool, specification
+        What has them.
+    names
+        Of the timed faults; the IDs of the pool faults if left out.
 
     Raises
     ------
@@ -71,12 +84,17 @@ def named_faults(
     """
     return tuple(
         NamedFault(
+            name,
             timed,
             pool[timed.fault],
             tuple(describe(mission, target) for target in touched(mission, pool[timed.fault])),
             active_window(mission, pool, timed),
         )
-        for timed in specification
+        for name, timed in zip(
+            [timed.fault for timed in specification] if names is None else names,
+            specification,
+            strict=True,
+        )
     )
 
 
@@ -90,7 +108,7 @@ def fault_rows(
     """Return a row of a table for each fault of a flight."""
     return [
         (
-            each.fault.id,
+            each.name,
             each.fault.type,
             each.timed.start,
             each.timed.finish,

@@ -10,6 +10,7 @@ from mrsfi_runtime.causes.chain import FirstVerdict, chains
 from mrsfi_runtime.causes.sentence import sentence
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import TraceTable
 from tests.support.world import code_of, paper_code, specification
 from tests.tiers import seeds
@@ -41,6 +42,11 @@ def alone(type_name, start, finish, duration=200):
     return code, fault, timed, chain
 
 
+def named(code, timed, name):
+    (fault,) = named_faults(code.mission, code.pool, (timed,), [name])
+    return fault
+
+
 def test_a_forged_speed_is_sent_a_tick_before_the_robot_stands_and_the_ci_sees_it():
     _, fault, _, chain = alone("StopRobot", 100, 150)
 
@@ -65,11 +71,11 @@ def test_a_falsified_position_is_believed_at_once_and_moves_robots_a_tick_later(
 
 
 def test_a_fault_that_touches_nothing_in_its_window_makes_no_difference():
-    _, fault, timed, chain = alone("StopRobot", 300, 310)
+    code, fault, timed, chain = alone("StopRobot", 300, 310)
 
     assert (chain.belief, chain.command, chain.truth, chain.verdicts) == (None, None, None, ())
-    assert sentence("x.1", fault, timed, chain) == (
-        f"x.1 (StopRobot) forged the speed command of {fault.target} from tick 300 to 310: "
+    assert sentence(named(code, timed, "x.1"), chain) == (
+        f"x.1 (StopRobot) forged {fault.target} motion from tick 300 to 310: "
         "nothing differs at any tick."
     )
 
@@ -138,7 +144,7 @@ def test_every_number_of_a_sentence_about_belief_and_truth_stands_in_the_trace()
     code, fault, timed, chain = alone("FixedRobotCoordinates", 60, 90, 1000)
     with_it, without = trace(code, (timed,)), trace(code, ())
 
-    said = sentence("f.1", fault, timed, chain)
+    said = sentence(named(code, timed, "f.1"), chain)
 
     sender = code.mission.message_goal[fault.target][0].sender
     for words, side, tick in (("the CI believed", "believed", 60), ("truly was", "true", 61)):

@@ -18,6 +18,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
 
 _XMI = 'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
@@ -152,8 +153,10 @@ def test_what_is_violated_without_any_fault_has_no_cause(engine, capsys):
     late = ReferenceEngine(code, 1)
     flights = Flights(late.evaluate_many, measure, (1,))
 
-    found = explain(flights, late, (TimedFault("stop_b", 100, 110),), 0.95)
-    print_explanation(Shown(code, measure, "x", "x.xmi", ("h1",), 0.95, ()), found)
+    drawn = (TimedFault("stop_b", 100, 110),)
+    named = named_faults(code.mission, code.pool, drawn, ["h1"])
+    found = explain(flights, late, drawn, 0.95)
+    print_explanation(Shown(code, measure, "x.xmi", named, 0.95, {}), found)
 
     assert found.cause.places == found.cause.chains == ()
     assert found.cause.fault_free == found.cause.counts != (0,) * 6
