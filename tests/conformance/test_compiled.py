@@ -92,8 +92,9 @@ def test_a_region_that_divides_by_zero_fails_with_its_line_and_spares_the_others
 
     with COMPILED.open(code, SEED) as engine:
         found = list(engine.evaluate_many(drawn))
-        with pytest.raises(EvaluationError, match=r"collective_intelligence.py:\d+: .*division"):
-            engine.evaluate(())
+        for fly in (engine.evaluate, engine.record):
+            with pytest.raises(EvaluationError, match=r"telligence.py:\d+: .*division"):
+                fly(())
 
     expected = list(reference.evaluate_many(drawn))
     assert [type(one) for one in found] == [type(one) for one in expected]

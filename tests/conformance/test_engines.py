@@ -1,7 +1,7 @@
 """What every engine does, however it flies."""
 
 import csv
-from dataclasses import replace
+from dataclasses import asdict, replace
 from io import StringIO
 
 import pytest
@@ -10,10 +10,11 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.hosting.waiting import Patience
+from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
-from tests.support.trace import traced
+from tests.support.trace import columns, traced
 from tests.support.world import code_of, paper_code, specifications
 
 SEED = 5
@@ -80,6 +81,52 @@ def test_an_observer_sees_every_tick_once(engine):
     )
 
     assert seen == [(tick, tick) for tick in range(150)]
+
+
+def test_a_recording_has_every_field_of_the_reference(engine):
+    reference = ReferenceEngine(engine.code, SEED)
+
+    for specification in ((), *specifications(engine.code, 3)):
+        recording = dict(columns(engine.record(specification)))
+
+        assert recording == dict(columns(reference.record(specification)))
+
+
+@pytest.mark.parametrize("name", ["uuv_sampling", "tight_margins", "tight_energy"])
+def test_compiled_flights_of_every_mission_have_the_recordings_of_the_reference(name):
+    code = code_of(name)
+    reference = ReferenceEngine(code, SEED)
+
+    with ENGINES["compiled"].open(code, SEED) as engine:
+        for seed, specification in enumerate(specifications(code, 2)):
+            recording = dict(columns(engine.record(specification, seed)))
+
+            assert recording == dict(columns(reference.record(specification, seed)))
+
+
+def test_a_recording_has_what_an_observer_sees(engine):
+    specification = specifications(engine.code, 2)[1]
+    recording = engine.record(specification)
+    seen = []
+
+    def compare(world, belief, verdicts):
+        moment = recording[len(seen)]
+        for side, state in (("world", world), ("belief", belief)):
+            for name, fields in COLUMNS.items():
+                expected = [
+                    tuple(getattr(record, field) for field in fields)
+                    for record in getattr(state, name)
+                ]
+                assert moment[side][name][[*fields]].tolist() == expected
+            memories = [[*goal.memory] for goal in state.goals]
+            assert moment[side]["goals"]["memory"].tolist() == memories
+        judged = (*recording.dtype.names[2:],)
+        assert {each: moment[each].tolist() for each in judged} == asdict(verdicts)
+        seen.append(world.mission.tick)
+
+    engine.evaluate(specification, observer=compare)
+
+    assert seen == [*range(len(recording))]
 
 
 def test_log_and_trace_say_from_which_tick_on_a_goal_is_missed(engine):
@@ -158,8 +205,11 @@ def test_a_fault_that_ends_when_it_first_changes_something_changes_it_once_and_b
 
 
 def test_conflicting_faults_are_refused_before_the_flight(engine):
-    with pytest.raises(SpecificationError, match="overlap"):
-        engine.evaluate((TimedFault("f27", 0, 9), TimedFault("f4", 5, 9, (1.0,))))
+    conflicting = (TimedFault("f27", 0, 9), TimedFault("f4", 5, 9, (1.0,)))
+
+    for fly in (engine.evaluate, engine.record):
+        with pytest.raises(SpecificationError, match="overlap"):
+            fly(conflicting)
 
 
 @pytest.mark.parametrize("name", ["reference", "rosbridge"])

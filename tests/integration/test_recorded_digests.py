@@ -40,8 +40,8 @@ def test_a_campaign_finds_what_it_found_at_first(tmp_path, case):
             engine._fly(batch, engine._fresh(settings.mission_seed), 0, len(specifications)) == []
         )
         for k in range(len(specifications)):
-            read_recorded(world, batch.worlds[k])
-            read_recorded(belief, batch.beliefs[k])
+            read_recorded(world, batch.results["world"][k])
+            read_recorded(belief, batch.results["belief"][k])
             outcome = batch.outcome(k)
             yield replace(outcome, digest=outcome_digest(outcome, world, belief))
 

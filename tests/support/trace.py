@@ -1,8 +1,10 @@
-"""The digest of every tick of a flight."""
+"""Every tick of a flight: its digest, and its numbers by name."""
 
 import hashlib
+from collections.abc import Iterator
 
 from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.recording import Records
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.kernel.state import State
@@ -32,3 +34,12 @@ def traced(engine: Engine, specification: Specification) -> tuple[Outcome, str]:
     """Return the outcome of a flight, and the digest of all its ticks."""
     digest = TraceDigest()
     return engine.evaluate(specification, observer=digest), digest.hexdigest()
+
+
+def columns(records: Records, name: str = "") -> Iterator[tuple[str, list[object]]]:
+    """Yield all numbers of a recording, field by field."""
+    if records.dtype.names is None:
+        yield name, records.tolist()
+    else:
+        for field in records.dtype.names:
+            yield from columns(records[field], f"{name}.{field}")

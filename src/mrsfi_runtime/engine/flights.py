@@ -7,10 +7,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Self, TypeAlias
 
+from mrsfi_runtime.engine.recording import Recorder, Recording
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError
 from mrsfi_runtime.hosting.lockstep import Flight, Observer
 from mrsfi_runtime.hosting.own_effects import guarded
 from mrsfi_runtime.hosting.sides import SimInterface
+from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally, Plan, plan
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.mission import MissionCode, failed
@@ -128,6 +130,24 @@ class Engine(Evaluator):
         received: list[FaultTally] = [] if tallies is None else tallies
         return self._evaluate(specification, seed, pool, observer, received)
 
+    def record(self, specification: Specification, seed: int | None = None) -> Recording:
+        """Fly the mission under a fault specification, and return every tick.
+
+        Parameters
+        ----------
+        specification
+            Timed faults of the mission's own pool.
+        seed
+            Mission seed; the engine's own if left out.
+
+        Raises
+        ------
+        SpecificationError, EvaluationError, TransportError
+            As ``evaluate``.
+        """
+        require_no_overlap(self.code.mission, self.code.pool, specification)
+        return self._record(specification, self.seed if seed is None else seed)
+
     def attempt(self, specification: Specification, seed: int | None = None) -> Evaluated:
         """Evaluate a specification; the failure of a region is a result too."""
         try:
@@ -151,6 +171,12 @@ class Engine(Evaluator):
         tallies: list[FaultTally],
     ) -> Outcome:
         """Fly under a specification without overlaps."""
+
+    def _record(self, specification: Specification, seed: int) -> Recording:
+        """Return every tick of a flight under a specification without overlaps."""
+        recorder = Recorder(initial_state(self.code.mission, seed))
+        self._evaluate(specification, seed, self.code.pool, recorder, [])
+        return recorder.recording()
 
 
 class PlainEngine(Engine):

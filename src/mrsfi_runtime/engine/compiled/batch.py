@@ -6,14 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from mrsfi_runtime.engine.compiled.layout import (
-    PlanSize,
-    Records,
-    packed,
-    read_words,
-    record_type,
-)
+from mrsfi_runtime.engine.compiled.layout import PlanSize, packed
 from mrsfi_runtime.engine.flights import digested
+from mrsfi_runtime.engine.recording import Records, record_type
 from mrsfi_runtime.kernel.injections import (
     FaultTally,
     InjectionRow,
@@ -45,13 +40,7 @@ class Batch:
         What a compiled plan must have room for.
     """
 
-    def __init__(
-        self,
-        plans: Sequence[PlanRows],
-        result_type: np.dtype[Any],
-        recorded_type: np.dtype[Any],
-    ) -> None:
-        self._recorded_type = recorded_type
+    def __init__(self, plans: Sequence[PlanRows], result_type: np.dtype[Any]) -> None:
         rows: list[InjectionRow] = []
         ends = []
         n_tallies = 0
@@ -81,7 +70,7 @@ class Batch:
         result = self.results[k]
         tallies = self._tallies(k)
         counts = [result[name].tolist() for name in COUNTED]
-        counts += [self.worlds[k]["goals"]["count"].tolist()]
+        counts += [result["world"]["goals"]["count"].tolist()]
         counts += [tallies["applied"].tolist(), tallies["changed"].tolist()]
         return digested(counts, *(rows[k] for rows in self._packed))
 
@@ -94,18 +83,8 @@ class Batch:
         return tallies
 
     @cached_property
-    def worlds(self) -> Records:
-        """The last truth of every specification, as recorded; all flights are over."""
-        return read_words(self.results["world"], self._recorded_type)
-
-    @cached_property
-    def beliefs(self) -> Records:
-        """The last belief of every specification; as ``worlds``."""
-        return read_words(self.results["belief"], self._recorded_type)
-
-    @cached_property
     def _packed(self) -> tuple[list[memoryview], list[memoryview]]:
-        return packed(self.worlds), packed(self.beliefs)
+        return packed(self.results["world"]), packed(self.results["belief"])
 
 
 def _fill(records: Records, rows: Sequence[tuple[Any, ...]]) -> None:

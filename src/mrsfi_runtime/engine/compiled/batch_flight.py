@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.engine.compiled.layout import NEVER, Records
+from mrsfi_runtime.engine.compiled.layout import NEVER
+from mrsfi_runtime.engine.recording import Records
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.delivery import send
 from mrsfi_runtime.kernel.effects.commands import issue

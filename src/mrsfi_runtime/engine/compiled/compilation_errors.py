@@ -8,8 +8,8 @@ from typing import Any
 
 import numba
 
-from mrsfi_runtime.engine.compiled.layout import record_type
 from mrsfi_runtime.engine.compiled.reach import is_kernel
+from mrsfi_runtime.engine.recording import record_type
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.markers import MARKER

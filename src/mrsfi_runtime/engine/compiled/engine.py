@@ -16,18 +16,15 @@ from mrsfi_runtime.engine.compiled.batch import Batch
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
 from mrsfi_runtime.engine.compiled.compiling import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import (
-    VERDICTS,
-    Records,
-    moment_type,
     plan_type,
     read_recorded,
-    read_words,
-    recorded_type,
     split,
     state_type,
+    words_type,
     write_state,
 )
 from mrsfi_runtime.engine.flights import Engine, Evaluated
+from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.hosting.lockstep import Observer
@@ -76,7 +73,7 @@ class CompiledEngine(Engine):
         state_layout = state_type(state)
         self._fresh = cache(partial(_fresh_states, code.mission, state_layout))
         self._moment_type = moment_type(state)
-        self._recorded_type = recorded_type(state)
+        self._words_type = words_type(self._moment_type)
         self._reference = ReferenceEngine(code, seed)
         self._is_checked = False
         self._n_threads = n_threads
@@ -97,15 +94,25 @@ class CompiledEngine(Engine):
         tallies: list[FaultTally],
     ) -> Outcome:
         batch = self._batch([specification], pool)
-        moments = np.zeros(self.code.mission.duration if observer else 0, self._moment_type)
-        if self._fly(batch, self._fresh(seed), 0, 1, moments):
+        recording = self._blank(self.code.mission.duration if observer else 0)
+        if self._fly(batch, self._fresh(seed), 0, 1, recording):
             return self._reference.evaluate(
                 specification, seed, pool=pool, observer=observer, tallies=tallies
             )
         tallies[:] = batch.tallies_of(0)
         if observer is not None:
-            self._tell(observer, seed, moments)
+            self._tell(observer, seed, recording)
         return batch.outcome(0)
+
+    def _record(self, specification: Specification, seed: int) -> Recording:
+        batch = self._batch([specification], self.code.pool)
+        recording = self._blank(self.code.mission.duration)
+        if self._fly(batch, self._fresh(seed), 0, 1, recording):
+            return self._reference.record(specification, seed)
+        return recording
+
+    def _blank(self, n_ticks: int) -> Recording:
+        return np.zeros(n_ticks, self._moment_type)
 
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
@@ -164,14 +171,20 @@ class CompiledEngine(Engine):
     def _batch(self, specifications: Sequence[Specification], pool: FaultPool) -> Batch:
         mission = self.code.mission
         plans = [plan_rows(mission, pool, specification) for specification in specifications]
-        return Batch(plans, self._moment_type, self._recorded_type)
+        return Batch(plans, self._moment_type)
 
     def _fly(
-        self, batch: Batch, fresh: Records, first: int, last: int, moments: Records | None = None
+        self,
+        batch: Batch,
+        fresh: Records,
+        first: int,
+        last: int,
+        recording: Recording | None = None,
     ) -> list[int]:
         """Fly some specifications of a batch, and return which of them failed.
 
-        All have if one of them wrote to a table, as it may have misled those after it.
+        A recording receives as many ticks of the last one as it has room for. All have failed if
+        one of them wrote to a table, as it may have misled those after it.
         """
         failed = []
         everyone = list(range(first, last))
@@ -179,7 +192,7 @@ class CompiledEngine(Engine):
         states = fresh.copy()
         (fresh_words, fresh_tables), (words, tables) = split(fresh), split(states)
         plans = np.zeros(1, plan_type(batch.plan_size))
-        moments = np.zeros(0, self._moment_type) if moments is None else moments
+        recording = self._blank(0) if recording is None else recording
         arrays = Arrays(
             fresh_words,
             words,
@@ -189,8 +202,8 @@ class CompiledEngine(Engine):
             batch.tallies,
             batch.own,
             batch.ends,
-            batch.results,
-            moments,
+            batch.results.view(self._words_type),
+            recording.view(self._words_type),
             at,
         )
         while first < last:
@@ -203,16 +216,14 @@ class CompiledEngine(Engine):
                 first = last
         return failed if np.array_equal(tables, fresh_tables) else everyone
 
-    def _tell(self, observer: Observer, seed: int, moments: Records) -> None:
+    def _tell(self, observer: Observer, seed: int, recording: Recording) -> None:
         """Let an observer see recorded ticks."""
         world = initial_state(self.code.mission, seed)
         belief = initial_state(self.code.mission, seed)
-        worlds = read_words(moments["world"], self._recorded_type)
-        beliefs = read_words(moments["belief"], self._recorded_type)
-        for tick, moment in enumerate(moments):
+        for tick, moment in enumerate(recording):
             world.mission.tick = belief.mission.tick = tick
-            read_recorded(world, worlds[tick])
-            read_recorded(belief, beliefs[tick])
+            read_recorded(world, moment["world"])
+            read_recorded(belief, moment["belief"])
             observer(world, belief, Verdicts(*(moment[name].tolist() for name in VERDICTS)))
 
 

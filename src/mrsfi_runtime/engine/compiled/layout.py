@@ -4,32 +4,24 @@ A state becomes one record that holds arrays of records; the kernel reads and wr
 the same attributes, indices and loops as the plain objects.
 """
 
-from collections.abc import Mapping, MutableSequence, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
 from functools import lru_cache
-from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.kernel.flight import Verdicts
+from mrsfi_runtime.engine.recording import KINDS, Records, record_type
 from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, OwnFault, PlanRows
 from mrsfi_runtime.kernel.packing import COLUMNS
-from mrsfi_runtime.kernel.state import N_MEMORY, State
-
-Records: TypeAlias = npt.NDArray[Any]
-"""A structured array."""
+from mrsfi_runtime.kernel.state import State
 
 NEVER = 2**62
 """Start of the sentinel behind the last injection of a list."""
 
 TABLES = tuple(name for name, hint in get_type_hints(State).items() if get_origin(hint) is tuple)
 """Parts of a state that no flight may change, so that they need not be laid out anew for each."""
-
-VERDICTS = tuple(get_type_hints(Verdicts))
-"""What is judged and counted for each goal."""
-
-_KINDS: Mapping[Any, Any] = {int: "<i8", float: "<f8", MutableSequence[float]: ("<f8", (N_MEMORY,))}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,22 +53,10 @@ def _grown(room: int, needed: int) -> int:
     return room
 
 
-def record_type(record: type) -> np.dtype[Any]:
-    """Return the layout of a record of integers, floats and arrays of floats."""
-    return np.dtype([(name, _KINDS[hint]) for name, hint in get_type_hints(record).items()])
-
-
 def state_type(state: State) -> np.dtype[Any]:
     """Return the layout of a state: what is recorded, what else changes, tables."""
     hints = get_type_hints(State)
     names = sorted(hints, key=lambda name: (name in TABLES, name not in COLUMNS))
-    return np.dtype([_member(name, hints[name], getattr(state, name)) for name in names])
-
-
-def recorded_type(state: State) -> np.dtype[Any]:
-    """Return the layout of what is recorded of a state: its beginning, as far as it changes."""
-    hints = get_type_hints(State)
-    names = [name for name in hints if name in COLUMNS]
     return np.dtype([_member(name, hints[name], getattr(state, name)) for name in names])
 
 
@@ -93,11 +73,11 @@ def split(states: Records) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]
 
 def _member(name: str, hint: Any, value: Any) -> tuple[Any, ...]:
     """Return the layout of a record's field: a number, a record, or a list of either."""
-    if hint in _KINDS:
-        return name, _KINDS[hint]
+    if hint in KINDS:
+        return name, KINDS[hint]
     elements = get_args(hint)
     if elements:
-        return name, _KINDS.get(elements[0]) or record_type(elements[0]), (len(value),)
+        return name, KINDS.get(elements[0]) or record_type(elements[0]), (len(value),)
     members = get_type_hints(hint).items()
     return name, np.dtype([_member(inner, kind, getattr(value, inner)) for inner, kind in members])
 
@@ -107,7 +87,7 @@ def write_state(row: Any, state: Any) -> None:
     for name, hint in get_type_hints(type(state)).items():
         elements = get_args(hint)
         value = getattr(state, name)
-        if hint in _KINDS:
+        if hint in KINDS:
             row[name] = value
         elif not elements:
             write_state(row[name], value)
@@ -131,23 +111,14 @@ def plan_type(room: PlanSize) -> np.dtype[Any]:
     )
 
 
-def moment_type(state: State) -> np.dtype[Any]:
-    """Return the layout of a tick: states as words of ``recorded_type``, and verdicts."""
-    words = (recorded_type(state).itemsize // 8,)
-    goals = (len(state.goals),)
+def words_type(moment: np.dtype[Any]) -> np.dtype[Any]:
+    """Return the layout of a tick with its states as words, which compiled code copies."""
     return np.dtype(
         [
-            ("world", "<i8", words),
-            ("belief", "<i8", words),
-            *((name, "<i8", goals) for name in VERDICTS),
+            (name, "<i8", moment[name].shape or (moment[name].itemsize // 8,))
+            for name in moment.names or ()
         ]
     )
-
-
-def read_words(values: Records, kind: np.dtype[Any]) -> Records:
-    """Return states of ``recorded_type`` that were copied as words, shape ``(n, n_words)``."""
-    states: Records = values.view(kind)[:, 0]
-    return states
 
 
 def packed(states: Records) -> list[memoryview]:
