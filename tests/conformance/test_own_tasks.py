@@ -1,13 +1,17 @@
 """A goal task of a team's own: generated, filled, and flown alike on every engine."""
 
+import math
 from dataclasses import replace
 
 import pytest
 
 from m2t.generate import generate, stale
+from mrsfi_runtime.causes.chain import chains
+from mrsfi_runtime.causes.observed import known
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.fault_types import FAULT_TYPES
@@ -84,6 +88,32 @@ def test_it_flies_alike_on_every_engine(generated, name):
 
     with EngineSettings(name).open(code, 1) as engine:
         assert flown(engine) == flown(ReferenceEngine(code, 1))
+
+
+@pytest.mark.parametrize("name", ["reference", "compiled"])
+def test_what_differs_in_memory_stands_in_the_chain_of_a_fault(generated, name):
+    fill(generated)
+    code = replace(load_code(generated), pool=POOL)
+
+    with EngineSettings(name).open(code, 1) as engine:
+        (chain,) = chains(engine.record, code.mission, SPECIFICATION)
+
+    assert chain.belief.tick == 10
+    near = {change.quantity: change for change in chain.belief.changes if change.owner == "near"}
+    assert [*near] == ["memory[0]", "memory[1]"]
+    assert near["memory[0]"][2:] == ((1.0,), (0.0,))
+    assert near["memory[1]"].found == (pytest.approx(math.dist((500.0, 500.0), (30.0, 0.0))),)
+
+
+def test_memory_alone_is_a_difference(generated):
+    fill(generated)
+    code = load_code(generated)
+    view = initial_state(code.mission, 1)
+    before = known(view)
+
+    view.goals[1].memory[3] = 2.5
+
+    assert known(view) != before == known(initial_state(code.mission, 1))
 
 
 def test_regions_that_nobody_filled_do_not_fly(generated):

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
 from mrsfi_runtime.causes.chain import Chain, chains
 from mrsfi_runtime.causes.counts import Column, Counts, Flights
 from mrsfi_runtime.causes.firmness import N_SEEDS, Firmness, firmness
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import following
@@ -105,7 +105,8 @@ def find_cause(
         lacking = tuple(flights.counts(without(cause, row)) for row in range(len(cause)))
     with flights.on("chains"):
         flights.spend(len(cause) + 1 if cause else 0)
-        linked = _chains(engine, cause, flights.mission_seeds[0])
+        record = partial(engine.record, seed=flights.mission_seeds[0])
+        linked = chains(record, engine.code.mission, cause) if cause else ()
     with flights.on("other mission seeds"):
         weathers = following(flights.mission_seeds[0], N_SEEDS)
         firm = firmness([flights.counts_in(cause, seed) for seed in weathers])
@@ -122,10 +123,3 @@ def find_cause(
         firmness=firm,
         n_flown=dict(flights.n_flown),
     )
-
-
-def _chains(engine: Engine, cause: Specification, seed: int) -> tuple[Chain, ...]:
-    def observe(specification: Specification, observer: Observer) -> None:
-        engine.evaluate(specification, seed, observer=observer)
-
-    return chains(observe, engine.code.mission, cause) if cause else ()

@@ -4,20 +4,15 @@ Both flights meet the same weather, so that every difference comes from the faul
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple, TypeAlias
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from mrsfi_runtime.causes.cause_set import without
-from mrsfi_runtime.causes.observed import KNOWN, SENT, Read, known, sent
-from mrsfi_runtime.hosting.lockstep import Observer
-from mrsfi_runtime.kernel.flight import Verdicts
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.causes.observed import FORGED, HEADING, KNOWN, MEMORY, SENT, Quantities
+from mrsfi_runtime.engine.recording import Recording, Records
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
-
-Observe: TypeAlias = Callable[[Specification, Observer], object]
-"""Flies a specification while somebody looks on."""
 
 
 class Change(NamedTuple):
@@ -28,7 +23,8 @@ class Change(NamedTuple):
     owner
         ID of the robot, sensor, obstacle or goal that has it.
     quantity
-        What it is; positions are in distance units, headings in degrees, activation is 0 or 1.
+        What it is; positions are in distance units, headings in degrees, activation is 0 or 1,
+        ``memory[k]`` is a number that a goal remembers.
     found, otherwise
         With the fault, and without it.
     """
@@ -45,21 +41,6 @@ class Change(NamedTuple):
             turned = abs(self.found[0] - self.otherwise[0])
             return min(turned, 360.0 - turned)
         return math.dist(self.found, self.otherwise)
-
-
-HEADING, POSITION, PROGRESS = "heading", "position", "progress"
-
-_QUANTITIES = {
-    "x": POSITION,
-    "y": POSITION,
-    "z": POSITION,
-    "count": "samples",
-    "active": "activation",
-    "heading_x": HEADING,
-    "heading_y": HEADING,
-    "sent_speed": "speed",
-}
-"""By the field of a record; the others have the name of theirs."""
 
 
 class First(NamedTuple):
@@ -117,123 +98,133 @@ class Chain:
     verdicts: tuple[FirstVerdicts, ...]
 
 
-class _Moment(NamedTuple):
-    """A tick of a flight."""
-
-    truth: Read
-    belief: Read
-    command: Read
-    verdicts: tuple[tuple[int, ...], tuple[int, ...], tuple[bool, ...]]
-
-
-@dataclass(slots=True)
-class _Recording:
-    """Observer that keeps what is compared of every tick."""
-
-    moments: list[_Moment] = field(default_factory=list)
-
-    def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
-        judged = (
-            tuple(map(int, verdicts.is_believed)),
-            tuple(map(int, verdicts.is_true)),
-            tuple(ticks > 0 for ticks in verdicts.missed),
-        )
-        self.moments.append(_Moment(known(world), known(belief), sent(world, belief), judged))
-
-
-def chains(observe: Observe, mission: Mission, specification: Specification) -> tuple[Chain, ...]:
+def chains(
+    record: Callable[[Specification], Recording], mission: Mission, specification: Specification
+) -> tuple[Chain, ...]:
     """Return the chain of each fault of a specification, against all of it but the fault.
 
     Parameters
     ----------
-    observe
+    record
         Flies specifications of the mission, all in the same weather.
     mission, specification
         The mission, and the faults.
     """
-    whole = _recorded(observe, specification)
+    whole = record(specification)
     return tuple(
-        _chain(mission, whole, _recorded(observe, without(specification, place)))
+        _chain(mission, whole, record(without(specification, place)))
         for place in range(len(specification))
     )
 
 
-def _recorded(observe: Observe, specification: Specification) -> list[_Moment]:
-    recording = _Recording()
-    observe(specification, recording)
-    return recording.moments
-
-
-def _chain(mission: Mission, flight: Sequence[_Moment], twin: Sequence[_Moment]) -> Chain:
-    pairs = [*zip(flight, twin, strict=True)]
-    names = _known_names(mission)
-    verdicts = (
-        FirstVerdicts(goal, *(_judged(pairs, kind, g) for kind in range(3)))
-        for g, goal in enumerate(mission.goal_ids)
-    )
+def _chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
+    owners = _owners(mission)
+    truths, beliefs = ((flight[side], twin[side]) for side in ("world", "belief"))
     return Chain(
-        belief=_first([(one.belief, other.belief) for one, other in pairs], names),
-        command=_first(
-            [(one.command, other.command) for one, other in pairs], _sent_names(mission)
-        ),
-        truth=_first([(one.truth, other.truth) for one, other in pairs], names),
-        verdicts=tuple(each for each in verdicts if {*each[1:]} != {None}),
+        belief=_first(owners, _pairs(*beliefs, KNOWN)),
+        command=_first(owners, _pairs(*beliefs, SENT) + _pairs(*truths, FORGED)),
+        truth=_first(owners, _pairs(*truths, KNOWN)),
+        verdicts=tuple(_verdicts(mission, flight, twin)),
     )
 
 
-def _judged(pairs: Sequence[tuple[_Moment, _Moment]], kind: int, goal: int) -> FirstVerdict | None:
-    """Return where one of the three verdicts on a goal differs first."""
-    verdicts = [(one.verdicts[kind][goal], other.verdicts[kind][goal]) for one, other in pairs]
-    tick = _first_tick(verdicts)
-    return None if tick is None else FirstVerdict(tick, bool(verdicts[tick][0]))
+_JUDGED = ("is_believed", "is_true", "missed")
+"""What is judged of a goal, in the order of ``FirstVerdicts``."""
 
 
-def _first_tick(pairs: Iterable[tuple[object, object]]) -> int | None:
-    return next((tick for tick, (one, other) in enumerate(pairs) if one != other), None)
+def _verdicts(mission: Mission, flight: Recording, twin: Recording) -> Iterator[FirstVerdicts]:
+    for g, goal in enumerate(mission.goal_ids):
+        judged = [_judged(flight[name][:, g] > 0, twin[name][:, g] > 0) for name in _JUDGED]
+        if any(judged):
+            yield FirstVerdicts(goal, *judged)
 
 
-_Names: TypeAlias = list[tuple[str, tuple[str, ...]]]
-"""Owner and fields of each record."""
+def _judged(found: Records, otherwise: Records) -> FirstVerdict | None:
+    """Return where a verdict differs first."""
+    tick = _first_tick(found, otherwise)
+    return None if tick is None else FirstVerdict(tick, bool(found[tick]))
 
 
-def _known_names(mission: Mission) -> _Names:
-    goals = [goal.id for goal in mission.goals]
-    members = [goal.id for goal in mission.goals for _ in goal.members]
-    robots, sensors, obstacles = (
-        [each.id for each in some] for some in (mission.robots, mission.sensors, mission.obstacles)
-    )
-    owners = (robots, sensors, obstacles, goals, members)
+def _first_tick(found: Records, otherwise: Records) -> int | None:
+    """Return the first tick at which any value differs."""
+    differs = found != otherwise
+    if not differs.any():
+        return None
+    return int(differs.reshape(len(differs), -1).any(axis=1).argmax())
+
+
+class _Pair(NamedTuple):
+    """A list of records in both flights, shape ``(n_ticks, n_records)``, and what counts there."""
+
+    name: str
+    quantities: Quantities
+    found: Records
+    otherwise: Records
+
+
+def _pairs(found: Records, otherwise: Records, lists: Mapping[str, Quantities]) -> list[_Pair]:
     return [
-        (owner, (PROGRESS,) * len(fields) if name in {"goals", "members"} else fields)
-        for some, (name, fields) in zip(owners, KNOWN.items(), strict=True)
-        for owner in some
+        _Pair(name, quantities, found[name], otherwise[name]) for name, quantities in lists.items()
     ]
 
 
-def _sent_names(mission: Mission) -> _Names:
-    commands = [(robot.id, SENT["commands"]) for robot in mission.robots]
-    switches = [(sensor.id, SENT["switches"]) for sensor in mission.sensors]
-    return [*commands, *switches, *switches]
+def _owners(mission: Mission) -> Mapping[str, tuple[str, ...]]:
+    """Return the IDs of those whose quantities are in each list."""
+    robots, sensors, obstacles, goals = (
+        tuple(each.id for each in some)
+        for some in (mission.robots, mission.sensors, mission.obstacles, mission.goals)
+    )
+    return {
+        "robots": robots,
+        "sensors": sensors,
+        "obstacles": obstacles,
+        "goals": goals,
+        "members": tuple(goal.id for goal in mission.goals for _ in goal.members),
+        "commands": robots,
+        "switches": sensors,
+    }
 
 
-def _first(pairs: Sequence[tuple[Read, Read]], names: _Names) -> First | None:
-    tick = _first_tick(pairs)
-    if tick is None:
+def _first(owners: Mapping[str, tuple[str, ...]], pairs: Sequence[_Pair]) -> First | None:
+    first: int | None = None
+    for pair in pairs:
+        for fields in pair.quantities.values():
+            for field in fields:
+                tick = _first_tick(pair.found[field][:first], pair.otherwise[field][:first])
+                first = first if tick is None else tick
+    if first is None:
         return None
-    return First(tick, tuple(dict.fromkeys(_changes(*pairs[tick], names))))
+    changes = (change for pair in pairs for change in _changes(owners[pair.name], pair, first))
+    return First(first, tuple(dict.fromkeys(changes)))
 
 
-def _changes(found: Read, otherwise: Read, names: _Names) -> Iterator[Change]:
-    for (owner, fields), one, other in zip(names, found, otherwise, strict=True):
-        by_quantity: dict[str, list[int]] = {}
-        for k, name in enumerate(fields):
-            by_quantity.setdefault(_QUANTITIES.get(name, name), []).append(k)
-        for quantity, places in by_quantity.items():
-            a, b = (tuple(each[k] for k in places) for each in (one, other))
-            if a != b:
-                if quantity == HEADING:
-                    a, b = _degrees(a), _degrees(b)
-                yield Change(owner, quantity, a, b)
+def _changes(owners: Sequence[str], pair: _Pair, tick: int) -> Iterator[Change]:
+    read = {
+        quantity: [_read(records[tick], fields) for records in (pair.found, pair.otherwise)]
+        for quantity, fields in pair.quantities.items()
+    }
+    for place, owner in enumerate(owners):
+        for quantity, (found, otherwise) in read.items():
+            if found[place] != otherwise[place]:
+                yield from _told(owner, quantity, found[place], otherwise[place])
+
+
+def _read(records: Records, fields: Sequence[str]) -> list[tuple[Any, ...]]:
+    """Return fields of each record as plain numbers."""
+    return [*zip(*(records[field].tolist() for field in fields), strict=True)]
+
+
+def _told(
+    owner: str, quantity: str, found: tuple[Any, ...], otherwise: tuple[Any, ...]
+) -> Iterator[Change]:
+    if quantity == HEADING:
+        yield Change(owner, quantity, _degrees(found), _degrees(otherwise))
+    elif quantity == MEMORY:
+        for place, (one, other) in enumerate(zip(*found, *otherwise, strict=True)):
+            if one != other:
+                yield Change(owner, f"{quantity}[{place}]", (one,), (other,))
+    else:
+        yield Change(owner, quantity, found, otherwise)
 
 
 def _degrees(heading: tuple[float, ...]) -> tuple[float, ...]:

@@ -7,21 +7,37 @@ from typing import Any, TypeAlias
 
 from mrsfi_runtime.kernel.state import State
 
-KNOWN: Mapping[str, tuple[str, ...]] = MappingProxyType(
+POSITION, HEADING, PROGRESS, MEMORY = "position", "heading", "progress", "memory"
+
+Quantities: TypeAlias = Mapping[str, tuple[str, ...]]
+"""Fields of a record, by what they say together."""
+
+KNOWN: Mapping[str, Quantities] = MappingProxyType(
     {
-        "robots": ("x", "y", "z", "speed", "energy"),
-        "sensors": ("count", "active", "rate", "cost"),
-        "obstacles": ("x", "y"),
-        "goals": ("count", "seen", "sampled_x", "sampled_y"),
-        "members": ("since", "reached", "waypoint"),
+        "robots": {POSITION: ("x", "y", "z"), "speed": ("speed",), "energy": ("energy",)},
+        "sensors": {
+            "samples": ("count",),
+            "activation": ("active",),
+            "rate": ("rate",),
+            "cost": ("cost",),
+        },
+        "obstacles": {POSITION: ("x", "y")},
+        "goals": {PROGRESS: ("count", "seen", "sampled_x", "sampled_y"), MEMORY: ("memory",)},
+        "members": {PROGRESS: ("since", "reached", "waypoint")},
     }
 )
-"""Fields of the records of a true or local state, by the name of their list."""
+"""Quantities of a true or local state, by the list whose records have them."""
 
-SENT: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {"commands": ("heading_x", "heading_y", "sent_speed"), "switches": ("active",)}
+SENT: Mapping[str, Quantities] = MappingProxyType(
+    {
+        "commands": {HEADING: ("heading_x", "heading_y"), "speed": ("sent_speed",)},
+        "switches": {"activation": ("active",)},
+    }
 )
 """Those of the local state that say what was sent."""
+
+FORGED: Mapping[str, Quantities] = MappingProxyType({"sensors": {"activation": ("active",)}})
+"""Those of the true state that do: a forged activation shows in these only, a tick later."""
 
 Read: TypeAlias = list[tuple[float, ...]]
 """The fields of each record, list by list."""
@@ -29,14 +45,18 @@ Read: TypeAlias = list[tuple[float, ...]]
 _Reader: TypeAlias = Callable[[Any], tuple[float, ...]]
 
 
-def _reader(fields: tuple[str, ...]) -> _Reader:
-    get: Any = attrgetter(*fields)
-    return get if len(fields) > 1 else lambda record: (get(record),)  # of one, no tuple
+def _reader(quantities: Quantities) -> _Reader:
+    names = [name for fields in quantities.values() for name in fields if name != MEMORY]
+    get: Any = attrgetter(*names)
+    if MEMORY in quantities:
+        return lambda record: (*get(record), *record.memory)
+    return get if len(names) > 1 else lambda record: (get(record),)  # of one, no tuple
 
 
-_KNOWN = {name: _reader(fields) for name, fields in KNOWN.items()}
-_SENT = {name: _reader(fields) for name, fields in SENT.items()}
-_FORGED = {"sensors": _reader(("active",))}
+_KNOWN, _SENT, _FORGED = (
+    {name: _reader(quantities) for name, quantities in lists.items()}
+    for lists in (KNOWN, SENT, FORGED)
+)
 
 
 def _read(state: State, columns: Mapping[str, _Reader]) -> Read:
@@ -49,8 +69,5 @@ def known(state: State) -> Read:
 
 
 def sent(world: State, belief: State) -> Read:
-    """Return headings, speeds and activations as sent, then the true activations.
-
-    A forged activation shows in these only, a tick later.
-    """
+    """Return headings, speeds and activations as sent, then the true activations."""
     return _read(belief, _SENT) + _read(world, _FORGED)

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from mrsfi_runtime.causes.chain import HEADING, Chain, Change, First, FirstVerdicts
+from mrsfi_runtime.causes.chain import Chain, Change, First, FirstVerdicts
+from mrsfi_runtime.causes.observed import HEADING
 from mrsfi_runtime.model.fault_types import Field, Mode, Struck
 from mrsfi_runtime.record.named_faults import NamedFault
 

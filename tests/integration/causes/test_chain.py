@@ -9,6 +9,7 @@ import pytest
 from mrsfi_runtime.causes.chain import FirstVerdict, chains
 from mrsfi_runtime.causes.sentence import sentence
 from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import TraceTable
@@ -18,10 +19,7 @@ from tests.tiers import seeds
 
 def linked(code, drawn):
     """Return the chain of each fault of a specification."""
-    engine = ReferenceEngine(code, 1)
-    return chains(
-        lambda flown, observer: engine.evaluate(flown, observer=observer), code.mission, drawn
-    )
+    return chains(ReferenceEngine(code, 1).record, code.mission, drawn)
 
 
 def trace(code, drawn):
@@ -129,6 +127,17 @@ def test_chains_are_the_first_differences_of_two_traces(case):
                 assert first.tick == expected
             else:  # nothing differs, or first what has no column
                 assert expected is None or (first is not None and first.tick < expected)
+
+
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_chains_are_the_same_compiled(case):
+    code = code_of(case[0])
+    drawn = specification(code, case[1], 5)
+
+    with EngineSettings("compiled").open(code, 1) as engine:
+        found = chains(engine.record, code.mission, drawn)
+
+    assert repr(found) == repr(linked(code, drawn))  # 1 is not 1.0 in words
 
 
 def _first(whole, rest, columns):
