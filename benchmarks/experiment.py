@@ -78,9 +78,9 @@ def search(case: str, n_workers: int) -> dict[str, float]:
 
 
 def experiment(case: str, cache: Path) -> Run:
-    """Run ``mrsfi evolve`` from process start to its report."""
+    """Run ``mrsfi evolve`` from process start to its report, which explains nothing."""
     with tempfile.TemporaryDirectory() as name:
-        words = ("mrsfi_runtime.cli.main", "evolve", MISSION, "--case", case)
+        words = ("mrsfi_runtime.cli.main", "evolve", MISSION, "--case", case, "--no-explain")
         return run(*words, "--out", f"{name}/run", environment={"MRSFI_CACHE": str(cache)})
 
 

@@ -43,7 +43,15 @@ def found(mission: str, case: str, violations: str, seed: int) -> list[dict[str,
             "out": folder,
         }
         words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
-        command = [sys.executable, "-m", "mrsfi_runtime.cli.main", "evolve", mission, *words]
+        command = [
+            sys.executable,
+            "-m",
+            "mrsfi_runtime.cli.main",
+            "evolve",
+            mission,
+            "--no-explain",
+        ]
+        command += words
         subprocess.run(command, check=True, capture_output=True)
     harm: list[dict[str, Any]] = json.loads((folder / "summary.json").read_text())["harm"]
     return harm
