@@ -42,11 +42,6 @@ def ticks(faults: Sequence[Mapping[str, Any]]) -> int:
     return sum(last - first + 1 for first, last in filter(None, (f["window"] for f in faults)))
 
 
-def of_each(explanations: Sequence[Mapping[str, Any]], count: Callable[[Any], int]) -> list[int]:
-    """Return a count of each explanation."""
-    return [count(each) for each in explanations]
-
-
 def cause_faults(found: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Return the faults of a cause set."""
     return [fault for fault in found["faults"] if fault["id"] in found["cause_set"]["faults"]]
@@ -69,15 +64,21 @@ def rows_of(seed: int) -> dict[str, str]:
     seconds = monotonic() - began
     summary = json.loads((folder / "summary.json").read_text())
     each = printed["explanations"]
-    sizes = of_each(each, lambda found: len(found["cause_set"]["faults"]))
+    sizes = [len(found["cause_set"]["faults"]) for found in each]
     flown: Counter[str] = Counter()
     for found in each:
         flown.update(found["n_flown"])
+    kept = {
+        "fault-ticks: specification": lambda found: found["faults"],
+        "– cause set": cause_faults,
+        "– simplest form": lambda found: found["simplest"]["faults"],
+    }
     rows = {
         "faults of the cause set, of 20": f"{median(sizes):g} ({min(sizes)} to {max(sizes)})",
-        "fault-ticks: specification": f"{median(of_each(each, lambda f: ticks(f['faults']))):,g}",
-        "– cause set": f"{median(of_each(each, lambda f: ticks(cause_faults(f)))):,g}",
-        "– simplest form": f"{median(of_each(each, lambda f: ticks(f['simplest']['faults']))):,g}",
+        **{
+            name: f"{median(ticks(faults(found)) for found in each):,.0f}"
+            for name, faults in kept.items()
+        },
         "findings": str(len(printed["findings"])),
         "goals truly violated under a cause set, of all ten": str(
             sum(firm(found, lambda _: True) for found in each)

@@ -6,7 +6,7 @@ from functools import partial
 
 from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
 from mrsfi_runtime.causes.chain import Chain, chains
-from mrsfi_runtime.causes.counts import Column, Counts, Flights
+from mrsfi_runtime.causes.counts import ALL_OR_NONE, Column, Counts, Flights
 from mrsfi_runtime.causes.firmness import N_SEEDS, Firmness, firmness
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.faults import Specification
@@ -94,7 +94,7 @@ def find_cause(
     BudgetSpentError
         If that takes more flights than there may be.
     """
-    with flights.on("all faults, and none"):
+    with flights.on(ALL_OR_NONE):
         counts, fault_free = flights.counts(specification), flights.counts(())
     if not any(counts):
         return None

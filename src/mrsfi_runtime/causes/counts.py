@@ -26,6 +26,10 @@ Counts: TypeAlias = tuple[int, ...]
 """Counts of one specification, shape ``(n_columns,)``, summed over the mission seeds."""
 
 
+ALL_OR_NONE = "all faults, and none"
+"""What flights are for until it is said."""
+
+
 class BudgetSpentError(Exception):
     """More would have to be flown than may be."""
 
@@ -70,7 +74,7 @@ class Flights:
         self._evaluate_many = evaluate_many
         self._known: dict[tuple[Specification, int], Outcome] = {}
         self._most = most
-        self._purpose = ""
+        self._purpose = ALL_OR_NONE
 
     @contextmanager
     def on(self, purpose: str) -> Iterator[None]:
