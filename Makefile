@@ -59,7 +59,7 @@ validate: $(BASE) ## check the models of MISSION
 simulate: generate ## fly MISSION once without faults
 	$(BIN)/mrsfi simulate "$(mission)" $(seed) $(engine)
 
-evolve: generate ## search critical fault specifications of MISSION; ends with the ten worst
+evolve: generate ## search critical fault specifications of MISSION; ends with what breaks it
 	$(BIN)/mrsfi evolve $(campaign) $(engine) $(workers)
 
 report: $(BASE) ## write the report of campaign folder OUT anew (default: the latest of runs/)

@@ -129,10 +129,13 @@ def test_emf_validates_what_search_found_and_saves_the_same_bytes(tmp_path, note
     require_harness()
     place = workspace(tmp_path)
     mrsfi("evolve", MISSION, "--case", "b", *SMALL, "--out", "runs/small", cwd=place)
+    mrsfi("explain", "runs/small", cwd=place)
 
     files = resave(sorted((place / "runs" / "small").rglob("*.xmi")), tmp_path / "out")
 
     assert any(file.path.parent.name == "critical" for file in files)
+    for kind in ("cause", "simplest"):
+        assert any(file.path.stem.endswith(f"-{kind}") for file in files)
     _require_equal("(b) specifications of search", files, note)
 
 

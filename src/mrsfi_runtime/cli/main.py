@@ -49,7 +49,7 @@ In this order:
   mrsfi validate uuv_sampling            are the models sound?
   mrsfi generate uuv_sampling            write generated/uuv_sampling/*.py
   mrsfi simulate uuv_sampling            does it fly without faults?
-  mrsfi evolve uuv_sampling --case a     search; ends with the ten worst
+  mrsfi evolve uuv_sampling --case a     search; ends with what breaks it and why
   mrsfi replay runs/uuv_sampling-a-1 --best --log flight.log
   mrsfi explain runs/uuv_sampling-a-1    which faults did it?
   mrsfi report runs/uuv_sampling-a-1

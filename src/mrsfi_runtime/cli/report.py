@@ -18,7 +18,9 @@ from mrsfi_runtime.cli.folders import OpenCampaign, latest_folder, open_campaign
 from mrsfi_runtime.cli.tables import critical_tables, plain_table, print_findings
 from mrsfi_runtime.record.measure import Measure, ticks
 
-_HELP = """Write the report of CAMPAIGN anew and print the ten most critical specifications.
+_HELP = """Write the report of CAMPAIGN anew and print its findings.
+
+Where nothing was explained, these are the ten most critical specifications.
 
 CAMPAIGN is the folder of a campaign, finished or interrupted; without one, the campaign in
 runs/ that was written last. Everything comes from the folder's own copies, whatever was
@@ -39,7 +41,7 @@ Written into the folder: report.md, summary.json, figures/, tables/, critical/*.
 @click.option("--ratio", metavar="G:H=M:N", help="Pick from the front, such as g3:g1=2:1.")
 @click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
 def command(folder: Path | None, *, ratio: str | None, is_json: bool) -> None:
-    """Write the report of a campaign anew and print its most critical specifications."""
+    """Write the report of a campaign anew and print its findings."""
     with open_campaign(latest_folder() if folder is None else folder) as campaign:
         report(campaign, ratio, is_json=is_json)
 
