@@ -166,27 +166,19 @@ def illustrate(
     if summary.front is not None and summary.front.points and len(summary.front.goals) >= 2:
         yield from _fronts(summary, summary.front.goals, evaluations, generations)
     if summary.top:
-        caption = f"Fault types in the {len(summary.top)} most critical specifications"
-        yield Illustration(
-            "figure_12_fault_types",
-            caption,
-            Drawing("fault_types", (summary.patterns, caption)),
-            _pattern_rows(summary.patterns),
-        )
+        where = f"the {len(summary.top)} most critical specifications"
+        yield _types("figure_12_fault_types", where, summary.patterns)
     if summary.findings:
         n_sets = sum(bool(cause.places) for cause in summary.causes)
-        caption = f"Fault types in the cause sets of {n_sets} specifications"
-        yield Illustration(
-            "figure_12_cause_sets",
-            caption,
-            Drawing("fault_types", (summary.guilty, caption)),
-            _pattern_rows(summary.guilty),
-        )
+        where = f"the cause sets of {n_sets} specifications"
+        yield _types("figure_12_cause_sets", where, summary.guilty)
 
 
-def _pattern_rows(patterns: Sequence[TypePattern]) -> tables.Rows:
+def _types(name: str, where: str, patterns: Sequence[TypePattern]) -> Illustration:
+    caption = f"Fault types in {where}"
     header = tuple(field.name.removeprefix("n_") for field in fields(TypePattern))
-    return [header, *map(astuple, patterns)]
+    drawing = Drawing("fault_types", (patterns, caption))
+    return Illustration(name, caption, drawing, [header, *map(astuple, patterns)])
 
 
 def map_drawing(mission: Mission) -> Drawing:
