@@ -248,8 +248,11 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         """Return what was found out about causes, in the order of the evaluations."""
         if not self._select("SELECT 1 FROM sqlite_master WHERE name = 'cause'"):
             return ()  # a record of an earlier mrsfi
-        rows = self._select("SELECT * FROM cause ORDER BY idx")
-        return tuple(self._decoded(RecordedCause.from_text, row) for row in rows)
+        rows = self._select(
+            "SELECT cause.idx, content, specification FROM cause LEFT JOIN evaluation "
+            "ON evaluation.idx = cause.idx ORDER BY cause.idx"
+        )
+        return tuple(self._decoded(RecordedCause.from_row, row) for row in rows)
 
     def append_cause(self, cause: RecordedCause) -> None:
         """Store what was found out about an evaluation.
@@ -260,6 +263,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             If something is stored about it already, or the file cannot be written.
         """
         with database.transaction(self.path, self._connection) as connection:
+            connection.execute(database.CAUSE_TABLE)
             connection.execute("INSERT INTO cause VALUES (?, ?)", (int(cause.index), cause.text()))
 
     def digest(self) -> str:

@@ -47,6 +47,11 @@ class RecordedCause:
         """What the leading fault did, in words; empty if there is none."""
         return self.sentences[self.leading] if self.sentences else ""
 
+    @property
+    def why_not(self) -> str:
+        """That it is not known, and why, in words."""
+        return f"evaluation {self.index} is not explained: {self.reason}"
+
     def text(self) -> str:
         """Return all of it but the index as JSON."""
         content = asdict(self)
@@ -54,17 +59,57 @@ class RecordedCause:
         return encoding.canonical(content)
 
     @classmethod
-    def from_text(cls, row: tuple[int, str]) -> Self:
-        """Return what an index and such a text say; a ValueError or TypeError if they do not."""
-        index, text = row
+    def from_row(cls, row: tuple[int, str, str]) -> Self:
+        """Return what is stored of an evaluation: its index, such a text, its specification's.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If they make no sense.
+        """
+        index, text, specification = row
         content = encoding.object_from_text(text)
-        outcome = content.pop("outcome", None)
-        lists = {name: tuple(each) for name, each in content.items() if isinstance(each, list)}
-        return cls(index, outcome=_outcome(outcome), **content | lists)
+        (faults,) = encoding.lists([specification])
+        if not _is_whole(content) or not _makes_sense(content, len(faults)):
+            raise ValueError(
+                f"found {text[:60]}; expected a cause set of the {len(faults)} faults of "
+                f"evaluation {index}, with a sentence and a chain each, or a reason"
+            )
+        lists = {name: tuple(content[name]) for name in _ELEMENTS}
+        outcome = content["outcome"] and _outcome(content["outcome"])
+        return cls(index, **content | lists | {"outcome": outcome})
 
 
-def _outcome(content: Mapping[str, Any] | None) -> Outcome | None:
-    if content is None:
-        return None
-    counts = {name: tuple(content[name]) for name in encoding.COUNTS}
-    return Outcome(**counts, digest=content["digest"])
+_KINDS = {"n_flown": int, "reason": str, "leading": int, "outcome": dict | None}
+_ELEMENTS = {"places": int, "sentences": str, "chains": dict, "firmness": dict}
+_OUTCOME = {*encoding.COUNTS, "digest"}
+_FIRMNESS = {"goal", "kind", "median", "least", "most", "n_violated"}
+
+
+def _is_whole(content: Mapping[str, Any]) -> bool:
+    """Return whether all is there and of its kind."""
+    kinds = _KINDS | dict.fromkeys(_ELEMENTS, list)
+    return content.keys() == kinds.keys() and all(
+        isinstance(content[name], kind) for name, kind in kinds.items()
+    )
+
+
+def _makes_sense(content: Mapping[str, Any], n_faults: int) -> bool:
+    """Return whether it is a cause set of some of so many faults, or none."""
+    n = len(content["places"])
+    outcome = content["outcome"]
+    return (
+        all(isinstance(one, kind) for name, kind in _ELEMENTS.items() for one in content[name])
+        and {*content["places"]} <= {*range(n_faults)}
+        and content["leading"] in range(max(n, 1))
+        and len(content["sentences"]) == len(content["chains"]) == n
+        and (outcome is None) == (n == 0)
+        and (outcome is None or outcome.keys() == _OUTCOME)
+        and all(each.keys() == _FIRMNESS for each in content["firmness"])
+    )
+
+
+def _outcome(content: Mapping[str, Any]) -> Outcome:
+    counts = encoding.integers([content[name] for name in encoding.COUNTS])
+    named = dict(zip(encoding.COUNTS, counts, strict=True))
+    return Outcome(**named, digest=str(content["digest"]))

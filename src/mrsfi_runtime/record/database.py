@@ -31,12 +31,15 @@ def _columns(counts: Iterable[str]) -> str:
     return f"idx, generation, specification, fitness, fault_ticks, {_quoted(counts)}, digest"
 
 
+CAUSE_TABLE = "CREATE TABLE IF NOT EXISTS cause (idx INTEGER PRIMARY KEY, content)"
+"""Makes the table of causes, which a record that was begun by an earlier mrsfi lacks."""
+
 _TABLES = (
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
     f"CREATE TABLE evaluation ({_columns(COUNTS)}, PRIMARY KEY (idx))",
     "CREATE TABLE failure (idx INTEGER PRIMARY KEY, generation, specification, traceback)",
     "CREATE TABLE generation (idx, statistics, population, random_state, PRIMARY KEY (idx))",
-    "CREATE TABLE cause (idx INTEGER PRIMARY KEY, content)",
+    CAUSE_TABLE,
 )
 
 
