@@ -9,6 +9,7 @@
     │   └── ProtectedRegionError   hand-written code in danger
     ├── SpecificationError      5  a fault specification that cannot be flown
     ├── EvaluationError         6  the mission's own code failed
+    │   └── WorkerLost             or ended its process
     ├── ReplayMismatch          7  a replay differs from its record
     ├── TransportError          8  messages were lost
     │   ├── TransportTimeout
@@ -68,6 +69,10 @@ class EvaluationError(MrsfiError):
 
     exit_code = 6
     line: tuple[Path, int] | None = None
+
+
+class WorkerLost(EvaluationError):
+    """A process died while it evaluated; the specification may have nothing to do with it."""
 
 
 class ReplayMismatch(MrsfiError):

@@ -10,7 +10,7 @@ from mrsfi_runtime.causes.chain import Chain, First
 from mrsfi_runtime.causes.counts import BudgetSpentError, EvaluateIn, Flights
 from mrsfi_runtime.causes.sentence import sentence
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.causes import RecordedCause
@@ -50,6 +50,8 @@ def record_causes(
     ------
     RecordError
         If the record cannot be written.
+    WorkerLost, TransportError
+        If somebody who flies is gone; nothing is stored about what was being looked at.
     """
     mission_seeds = store.settings.mission_seeds
     left = store.n_evaluations * len(mission_seeds)
@@ -68,6 +70,7 @@ def record_causes(
 
 _SPENT = "it would take more flights than the search did"
 _NOTHING = "it violates no goal that is counted"
+_NO_FAULT = "without any of its faults, the violations are there as well"
 
 
 def _found(flights: Flights, engine: Engine, evaluation: Evaluation) -> RecordedCause:
@@ -78,10 +81,14 @@ def _found(flights: Flights, engine: Engine, evaluation: Evaluation) -> Recorded
         cause = find_cause(flights, engine, evaluation.specification, KEEP)
     except BudgetSpentError:
         return because(_SPENT)
+    except WorkerLost:
+        raise
     except EvaluationError as error:
         return because(str(error))
     if cause is None:
         return because(_NOTHING)
+    if not cause.places:
+        return because(_NO_FAULT)
     names = numbered(timed.fault for timed in evaluation.specification)
     mission, pool = engine.code.mission, engine.code.pool
     faults = named_faults(mission, pool, evaluation.specification, names)

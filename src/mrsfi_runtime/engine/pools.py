@@ -18,7 +18,7 @@ from threading import Thread
 
 from mrsfi_runtime.engine.flights import Engine, Evaluated, Evaluator
 from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
-from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
 
@@ -78,7 +78,7 @@ class WorkerPool(Evaluator):
 
         Raises
         ------
-        EvaluationError
+        WorkerLost
             If a worker process died.
         """
         seed = self._seed if seed is None else seed
@@ -94,7 +94,7 @@ class WorkerPool(Evaluator):
             for chunk in results:
                 yield from chunk
         except BrokenProcessPool as error:
-            raise EvaluationError(
+            raise WorkerLost(
                 "a worker process died; resume the campaign, or use --workers 1 to see why"
             ) from error
 

@@ -1,15 +1,9 @@
-"""Causes that are there by construction: robots that must be at a point by a deadline.
-
-Robots a and b begin 200 units from the point, and fly 4 a tick: they are there at tick 50, and have
-until tick 70. Goals g1 and g2 are about one of them each, g3 about both. A goal that is missed at
-the deadline is violated until its robots arrive, or to the end, at tick 119.
-"""
+"""Causes that are there by construction, in the mission of ``tests/support/rendezvous.py``."""
 
 from dataclasses import replace
 
 import pytest
 
-from m2t.generate import generate
 from mrsfi_runtime.causes.chain import FirstVerdict
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import explain
@@ -20,52 +14,12 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
-
-_XMI = 'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
-_ROBOT = """
-  <robots ID="{0}" name="{0}" speed="4.0">
-    <position x="{1}"/>
-    <batteries ID="{0}_battery" name="" totalEnergy="100000.0"/>
-    <motionSources ID="{0}_drive" name="" energyPerDistanceUnit="1.0"/>
-  </robots>"""
-_GOAL = """
-  <goals ID="{0}" name="" members="{1}">
-    <task xsi:type="mission:Visit" tolerance="3.0" deadline="70">
-      <coordinates x="0.0" y="0.0"/>
-    </task>{2}
-  </goals>"""
-_MESSAGE = """
-    <messages ID="report" sender="a" receiver="base">
-      <body name="POSITION" type="Coordinates"/>
-    </messages>"""
-MISSION = f"""<?xml version="1.0" encoding="ASCII"?>
-<mission:Mission {_XMI} xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" \
-xmlns:mission="http://mrsfi.org/mission/1.0" name="rendezvous" duration="120">
-  <missionArea ID="whole" radius="1000.0"><center/></missionArea>\
-{_ROBOT.format("a", -200.0)}{_ROBOT.format("b", 200.0)}
-  <servers ID="base" name=""/>\
-{_GOAL.format("g1", "a", _MESSAGE)}{_GOAL.format("g2", "b", "")}{_GOAL.format("g3", "a b", "")}
-</mission:Mission>
-"""
-FAULTS = f"""<?xml version="1.0" encoding="ASCII"?>
-<faults:FaultSpecification {_XMI} xmlns:faults="http://mrsfi.org/faults/1.0" ID="pool">
-  <faults ID="stop_a" name=""><stopRobot><affectedRobot href="mission.xmi#a"/></stopRobot></faults>
-  <faults ID="stop_b" name=""><stopRobot><affectedRobot href="mission.xmi#b"/></stopRobot></faults>
-  <faults ID="lie_a" name=""><fixedRobotCoordinates NEW_X="0.0" NEW_Y="0.0" NEW_Z="0.0">
-    <affectedMessage href="mission.xmi#report"/></fixedRobotCoordinates></faults>
-</faults:FaultSpecification>
-"""
-DEADLINE, DURATION = 70, 120
+from tests.support.rendezvous import DEADLINE, write_rendezvous
 
 
 @pytest.fixture(scope="module")
 def engine(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("planted")
-    models, generated = folder / "models" / "rendezvous", folder / "generated" / "rendezvous"
-    models.mkdir(parents=True)
-    (models / "mission.xmi").write_text(MISSION, encoding="ascii")
-    (models / "faults.xmi").write_text(FAULTS, encoding="ascii")
-    generate(models, generated)
+    generated = write_rendezvous(tmp_path_factory.mktemp("planted"))
     return ReferenceEngine(load_code(generated), 1)
 
 

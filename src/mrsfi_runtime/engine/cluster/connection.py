@@ -17,7 +17,7 @@ from mrsfi_runtime.engine.cluster.address import LOCAL
 from mrsfi_runtime.engine.cluster.shipment import Shipment
 from mrsfi_runtime.engine.cluster.worker import Chunk, EvaluatedChunk, MissionPlugin
 from mrsfi_runtime.engine.pools import interrupts_held
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, TransportError, UsageError
+from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost
 
 CONNECT_SECONDS = 5.0
 """How long a scheduler may take to answer."""
@@ -162,7 +162,7 @@ class Cluster:
         try:
             yield
         except KilledWorker as error:
-            raise EvaluationError(
+            raise WorkerLost(
                 f"{error.allowed_failures + 1} workers of {self.address} died, one after the "
                 f"other, while they had the same chunk, the last at {error.last_worker.address}; "
                 "resume the campaign without --dask and with --workers 1 to see why"

@@ -62,7 +62,7 @@ class ClusterPool(Evaluator):
 
         Raises
         ------
-        EvaluationError
+        WorkerLost
             If a chunk kills every worker that evaluates it.
         TransportError
             If the scheduler is lost, or no worker is left.
