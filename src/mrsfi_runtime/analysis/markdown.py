@@ -157,7 +157,7 @@ def _findings(summary: Summary) -> Iterator[str]:
         return
     ranks = {evaluation.index: rank for rank, evaluation in enumerate(summary.top, 1)}
     n_flown = sum(cause.n_flown for cause in summary.causes)
-    n_explained = sum(not cause.reason for cause in summary.causes)
+    n_explained = len(summary.causes) - len(summary.unexplained)
     yield "## Findings"
     yield (
         f"Of the {len(summary.top)} most critical specifications {n_explained} are explained, with "
@@ -175,12 +175,10 @@ def _findings(summary: Summary) -> Iterator[str]:
         )
         for number, finding in enumerate(summary.findings, 1)
     ]
-    yield table(header, rows)
-    yield from (
-        f"Evaluation {cause.index} is not explained: {plain(cause.reason)}."
-        for cause in summary.causes
-        if cause.reason
-    )
+    if rows:
+        yield table(header, rows)
+    if summary.unexplained:
+        yield "\n".join(f"- {plain(cause.why_not)}" for cause in summary.unexplained)
     for number, finding in enumerate(summary.findings, 1):
         yield f"### Cause of finding {number}, evaluation {finding.evaluations[0]}"
         yield table(FAULT_COLUMNS, fault_rows(finding.faults, finding.outcome))

@@ -85,6 +85,11 @@ class Summary:
     patterns: tuple[TypePattern, ...]
     guilty: tuple[TypePattern, ...]
 
+    @property
+    def unexplained(self) -> tuple[RecordedCause, ...]:
+        """Those of the causes that were looked for and not found, with the reason."""
+        return tuple(cause for cause in self.causes if cause.reason)
+
 
 def summarise(
     folder: Path,
@@ -176,12 +181,10 @@ def _causes(summary: Summary) -> dict[str, Any] | None:
         return None
     measure = summary.measure
     return {
-        "n_explained": sum(not cause.reason for cause in summary.causes),
+        "n_explained": len(summary.causes) - len(summary.unexplained),
         "n_flown": sum(cause.n_flown for cause in summary.causes),
         "not_explained": [
-            {"evaluation": cause.index, "reason": cause.reason}
-            for cause in summary.causes
-            if cause.reason
+            {"evaluation": cause.index, "reason": cause.reason} for cause in summary.unexplained
         ],
         "findings": [
             finding.as_json(measure.goals, measure.duration) for finding in summary.findings

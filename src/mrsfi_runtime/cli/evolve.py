@@ -35,12 +35,12 @@ from mrsfi_runtime.cli.folders import (
     manifest_of,
     open_to_fly,
 )
-from mrsfi_runtime.cli.progress import search_progress, share
+from mrsfi_runtime.cli.progress import search_progress, share, tell_of_fitness
 from mrsfi_runtime.cli.report import report
 from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.errors import RecordError, TransportError, UsageError
+from mrsfi_runtime.errors import RecordError, TransportError, UsageError, WorkerLost
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -324,7 +324,7 @@ def _search(
             if explains and settings.has_simulation:
                 with own_engine(evaluator, campaign.code, seed, settings) as engine:
                     is_new |= _explain(campaign, evaluator, engine)
-    except (KeyboardInterrupt, TransportError):
+    except (KeyboardInterrupt, TransportError, WorkerLost):
         tell(f"what was found until now is kept; see it with: mrsfi report {path}")
         tell(f"go on with: mrsfi evolve --resume {path}")
         raise
@@ -358,6 +358,7 @@ def _explain(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine) ->
     best = top(store.evaluations(), N_TOP)
     n_recorded = len(store.causes())
     measure = Measure.of(store.settings, campaign.mission)
+    tell_of_fitness(store.settings, measure)
 
     def tell_of(cause: RecordedCause) -> None:
         faults = counted(len(store.evaluation(cause.index).specification), "faults")

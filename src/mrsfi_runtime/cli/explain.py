@@ -41,6 +41,7 @@ from mrsfi_runtime.cli.folders import (
     open_to_fly,
     read_specification,
 )
+from mrsfi_runtime.cli.progress import tell_of_fitness
 from mrsfi_runtime.cli.replay import find_evaluation, require_same
 from mrsfi_runtime.cli.tables import print_findings
 from mrsfi_runtime.engine.flights import Engine, Evaluator, require_effects
@@ -262,11 +263,11 @@ def _run(target: str) -> Path:
 def _case_of_run(campaign: FlyableCampaign, kind: str | None, out: Path | None) -> Case:
     settings = campaign.store.settings
     measure = Measure.of(settings, campaign.mission)
-    if ":" in settings.fitness:
-        tell(f"fitness {settings.fitness} plays no part: causes are about {measure.words}")
+    measure = measure if kind is None else replace(measure, kind=kind)
+    tell_of_fitness(settings, measure)
     return Case(
         code=campaign.code,
-        measure=measure if kind is None else replace(measure, kind=kind),
+        measure=measure,
         mission_seeds=settings.mission_seeds,
         models=cache(partial(load_mission_folder, campaign.folder.model)),
         folder=campaign.folder.causes if out is None else out,

@@ -7,6 +7,7 @@ from time import monotonic
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from mrsfi_runtime.cli.console import progress_console, tell
+from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import CampaignProgress
 
@@ -106,3 +107,9 @@ def _generation(settings: CampaignSettings, state: CampaignProgress) -> str:
         return str(state.generation)
     width = len(str(settings.generations))
     return f"{state.generation:>{width}}/{settings.generations}"
+
+
+def tell_of_fitness(settings: CampaignSettings, measure: Measure) -> None:
+    """Tell what causes are about, if the fitness is a function of the user's own."""
+    if ":" in settings.fitness:
+        tell(f"fitness {settings.fitness} plays no part: causes are about {measure.words}")

@@ -86,6 +86,8 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
         n_top, n_distinct = len(summary.top), summary.n_distinct
         title = f"The {n_top} most critical of {n_distinct} fault specifications"
         print_table(title, *critical_tables(measure, campaign.pool, summary.top))
+    if summary.unexplained:
+        click.echo("\n".join(cause.why_not for cause in summary.unexplained) + "\n")
     if summary.front is not None:
         _print_front(summary.front)
     if summary.harm:
