@@ -1,0 +1,137 @@
+"""Who flies what ``mrsfi explain`` asks for: workers, servers, somebody else's simulation."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+
+import pytest
+
+from tests.support.cli import command_line, mrsfi, mrsfi_process
+from tests.support.rendezvous import (
+    NAME,
+    PLANTED,
+    harmless,
+    write_planted,
+    write_rendezvous,
+)
+from tests.support.rosbridge import process
+from tests.tiers import slow
+
+ONE = ("--engine", "reference", "--workers", "1")
+
+
+@pytest.fixture
+def place(tmp_path):
+    """Folder with models and generated code of the mission."""
+    write_rendezvous(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory):
+    """Folder in which a campaign is that was not explained, ``runs/it``."""
+    folder = tmp_path_factory.mktemp("ended")
+    write_rendezvous(folder)
+    evolve = write_planted(folder, [*PLANTED, *harmless(10)])
+    mrsfi(*evolve, "--workers", "1", "--no-explain", "--out", "runs/it", cwd=folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def told(ended):
+    """What ``mrsfi explain`` prints of its three most critical, flown in this process."""
+    return mrsfi("explain", "runs/it", "--top", "3", *ONE, cwd=ended).stdout
+
+
+@pytest.fixture
+def url():
+    """Address of a server in a process of its own."""
+    with process("bridge", "--port", "0") as server:
+        yield re.search(r"ws://\S+", server.stdout.readline())[0]
+
+
+@contextmanager
+def simulation(url, cwd, *, is_chancy=False):
+    """Somebody else's simulation of the mission, at a server."""
+    words = ("simulate", NAME, "--engine", "rosbridge", "--side", "simulation", "--url", url)
+    line = [sys.executable, "-c", CHANCY, *words] if is_chancy else command_line(*words)
+    with subprocess.Popen(line, cwd=cwd, stderr=subprocess.PIPE, encoding="utf-8") as running:
+        try:
+            assert f"serves at {url}" in running.stderr.readline()
+            yield
+        finally:
+            running.send_signal(signal.SIGINT)
+            running.communicate(timeout=60)
+
+
+CHANCY = """
+import sys
+from itertools import count
+from mrsfi_runtime import api
+from mrsfi_runtime.cli.main import main
+
+initial_state, flown = api.initial_state, count()
+
+def drifted(mission, seed):
+    state = initial_state(mission, seed)
+    state.robots[1].x += next(flown)
+    return state
+
+api.initial_state = drifted
+sys.exit(main(sys.argv[1:]))
+"""
+"""A simulation in which robot b begins elsewhere in every flight, whatever the seed."""
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--engine", "reference", "--workers", "2"),
+        pytest.param(("--engine", "reference", "--dask", "local", "--workers", "2"), marks=slow),
+        pytest.param(("--engine", "compiled", "--workers", "2"), marks=slow),
+        pytest.param(("--engine", "rosbridge", "--workers", "1"), marks=slow),
+        pytest.param(("--engine", "rosbridge", "--bundle", "--workers", "2"), marks=slow),
+    ],
+    ids=" ".join,
+)
+def test_whoever_flies_it_prints_the_same(ended, told, options):
+    done = mrsfi_process("explain", "runs/it", "--top", "3", *options, cwd=ended, timeout=240)
+
+    assert done.stdout == told
+
+
+def test_on_somebody_elses_simulation_nothing_is_explained_unasked_nor_what_flies_otherwise(
+    place, url
+):
+    with simulation(url, place, is_chancy=True):
+        printed, found = evolved_elsewhere(place, url)
+        refused = mrsfi_process("explain", "out", "--best", cwd=place, expected=7)
+
+    assert found["causes"] is None
+    assert "cause " not in printed.stderr
+    assert printed.stdout.startswith("The 4 most critical of 4 fault specifications\n")
+    assert ": flown twice, it had violations " in refused.stderr
+    assert "expected a simulation that repeats itself" in refused.stderr
+    assert not (place / "out" / "causes").exists()
+
+
+def evolved_elsewhere(place, url):
+    """Return what ``mrsfi evolve`` prints and finds on somebody else's simulation."""
+    evolve = write_planted(place, PLANTED)[:-2]
+    meet = ("--engine", "rosbridge", "--url", url, "--side", "ci", "--bundle")
+    done = mrsfi_process(*evolve, *meet, "--out", "out", cwd=place)
+    return done, json.loads((place / "out" / "summary.json").read_text(encoding="utf-8"))
+
+
+@slow
+def test_somebody_elses_simulation_that_repeats_itself_is_explained_when_asked(ended, place, url):
+    one = ("--evaluation", "0", "--json")
+    with simulation(url, place):
+        evolved_elsewhere(place, url)
+        found = mrsfi_process("explain", "out", *one, cwd=place, timeout=240)
+
+    expected = mrsfi("explain", "runs/it", *one, *ONE, cwd=ended)
+    assert json.loads(found.stdout)["findings"] == json.loads(expected.stdout)["findings"] != []
