@@ -9,6 +9,8 @@ from statistics import median
 import pytest
 
 from tests.support.cli import MISSION, mrsfi, mrsfi_json, stop_specification
+from tests.support.rendezvous import NAME as RENDEZVOUS
+from tests.support.rendezvous import write_rendezvous
 
 FAST = ("--engine", "reference")
 
@@ -135,6 +137,33 @@ def test_chances_of_the_weather_are_those_of_twenty_flights(place):
         assert firm["median"] == median(counts)
         assert firm["n_violated"] == sum(count > 0 for count in counts)
     assert by_seed[0] == found["cause_set"]["counts"]
+
+
+def test_a_single_fault_that_breaks_a_goal_is_its_cause_set(tmp_path):
+    write_rendezvous(tmp_path)
+    path = stop_specification(tmp_path / "models" / RENDEZVOUS / "stop.xmi", [(10, 119)], "a")
+
+    (found,) = explained(RENDEZVOUS, "--faults", path, *FAST, cwd=tmp_path)
+
+    assert found["cause_set"]["faults"] == ["h1"]
+    (fault,) = found["faults"]
+    assert fault["labels"] == {"g1": "sole", "g2": "bystander", "g3": "sole"}
+    assert fault["share"] == fault["alone"] == found["counts"] == [50, 50, 0, 0, 50, 50]
+    assert fault["left_out"] == found["fault_free"] == [0] * 6
+
+
+def test_of_a_hundred_faults_those_that_did_it_are_named(tmp_path):
+    """Robot a, stopped for 30 ticks, is 10 ticks too late; the other faults come afterwards."""
+    write_rendezvous(tmp_path)
+    did_it = [(10, 19), (21, 30), (32, 41)]
+    windows = [*((tick, tick) for tick in range(85, 182)), *did_it]
+    path = stop_specification(tmp_path / "models" / RENDEZVOUS / "stop.xmi", windows, "a")
+
+    (found,) = explained(RENDEZVOUS, "--faults", path, *FAST, cwd=tmp_path)
+
+    assert found["cause_set"]["faults"] == ["h98", "h99", "h100"]
+    labels = [fault["labels"]["g1"] for fault in found["faults"]]
+    assert labels == ["bystander"] * 97 + ["joint"] * 3
 
 
 @pytest.mark.parametrize(("windows", "n"), [([], "0 faults"), ([(100, 101)], "1 fault")])

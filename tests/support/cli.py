@@ -27,7 +27,7 @@ xmlns:faults="http://mrsfi.org/faults/1.0" ID="byhand">
 """
 _STOP = """  <faults ID="{id}" name="stop"{window}>
     <stopRobot>
-      <affectedRobot href="mission.xmi#r1"/>
+      <affectedRobot href="mission.xmi#{robot}"/>
     </stopRobot>
   </faults>
 """
@@ -131,11 +131,14 @@ def edit(path: Path, found: str, replaced: str) -> None:
     path.write_text(text.replace(found, replaced), encoding="utf-8")
 
 
-def stop_specification(path: Path, windows: Sequence[tuple[int, int] | None]) -> Path:
-    """Write a specification that stops robot r1 in some windows, or without one."""
+def stop_specification(
+    path: Path, windows: Sequence[tuple[int, int] | None], robot: str = "r1"
+) -> Path:
+    """Write a specification that stops a robot in some windows, or without one."""
     faults = "".join(
         _STOP.format(
             id=f"h{number}",
+            robot=robot,
             window="" if window is None else f' start="{window[0]}" finish="{window[1]}"',
         )
         for number, window in enumerate(windows, 1)
