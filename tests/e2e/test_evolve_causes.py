@@ -204,14 +204,11 @@ def test_no_explain_leaves_it_out_and_resume_goes_on_with_it(ended, place):
 
     without = mrsfi(*evolve, *ONE, "--no-explain", "--out", "runs/it", cwd=place)
     found = summary(place / "runs" / "it")
-    still = mrsfi("evolve", "--resume", "runs/it", "--no-explain", cwd=place)
     resumed = mrsfi("evolve", "--resume", "runs/it", cwd=place)
 
     assert without.stdout.startswith("The 10 most critical of 130 fault specifications\n")
     assert "cause " not in without.stderr
     assert found["causes"] is None
-    assert still.stdout == without.stdout
-    assert "was finished already" in still.stderr
     assert "was finished already" not in resumed.stderr
     assert resumed.stdout == done.stdout
     assert is_equal(place / "runs" / "it", run)
@@ -381,10 +378,8 @@ def test_a_fitness_of_ones_own_plays_no_part_and_both_commands_say_so(place):
     )
 
     done = mrsfi(*evolve, *ONE, "--out", "out", cwd=place)
-    told = mrsfi("explain", "out", "--engine", "reference", cwd=place)
-    of_true = mrsfi("explain", "out", "--engine", "reference", "--measure", "true", cwd=place)
+    told = mrsfi("explain", "out", "--engine", "reference", "--measure", "true", cwd=place)
 
     assert words in done.stderr
-    assert words in told.stderr
-    assert words.replace("believed", "true") in of_true.stderr
+    assert words.replace("believed", "true") in told.stderr
     assert "findings in " in done.stdout

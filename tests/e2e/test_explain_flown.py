@@ -103,6 +103,7 @@ def test_whoever_flies_it_prints_the_same(ended, told, options):
     assert done.stdout == told
 
 
+@slow
 def test_on_somebody_elses_simulation_nothing_is_explained_unasked_nor_what_flies_otherwise(
     place, url
 ):
