@@ -1,7 +1,6 @@
 """The one door to generated code."""
 
 import importlib.util
-import json
 import sys
 import traceback
 from collections.abc import Mapping
@@ -18,12 +17,9 @@ from mrsfi_runtime.hosting.sides import SimInterface, Simulation
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.semantics import SEMANTICS, UNNUMBERED, difference, flown_by
+from mrsfi_runtime.semantics_of_code import require_semantics
 from mrsfi_runtime.transport.topics import Topic
 from mrsfi_runtime.unfilled import require_filled
-
-MANIFEST = "manifest.json"
-"""File of a folder of generated code that says what it was generated for."""
 
 
 @dataclass(frozen=True)
@@ -85,43 +81,6 @@ def load_code(directory: Path, pool: FaultPool | None = None) -> MissionCode:
         functions=_functions(directory, collective, _module(directory, "fault_effects")),
         directory=directory,
     )
-
-
-def generated_semantics(directory: Path) -> int:
-    """Return the version of the world's rules that a folder's code was generated for.
-
-    Raises
-    ------
-    GenerationError
-        If the folder does not say, because its manifest is missing or is none.
-    """
-    path = directory / MANIFEST
-    if not path.is_file():
-        raise GenerationError(f"{path}: no such file; run `mrsfi generate` to make it")
-    try:
-        return int(json.loads(path.read_bytes()).get("semantics", UNNUMBERED))
-    except (ValueError, TypeError, AttributeError) as error:
-        raise GenerationError(
-            f"{path}: is no manifest ({type(error).__name__}: {error}); restore it from version "
-            "control, or delete it and run `mrsfi generate`"
-        ) from error
-
-
-def require_semantics(directory: Path) -> None:
-    """Refuse code that was generated for other rules of the world than this runtime flies.
-
-    Raises
-    ------
-    GenerationError
-        Naming both versions, and what to do.
-    """
-    found = generated_semantics(directory)
-    if found != SEMANTICS:
-        remedy = "run `mrsfi generate`, then review the diff and your regions"
-        raise GenerationError(
-            f"{directory / MANIFEST}: {difference(found)}; "
-            f"{remedy if found < SEMANTICS else f'use {flown_by(found)}'}"
-        )
 
 
 def _functions(directory: Path, collective: ModuleType, effects: ModuleType) -> MissionFunctions:

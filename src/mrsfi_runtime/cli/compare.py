@@ -11,16 +11,18 @@ from time import monotonic
 import click
 from rich.table import Table
 
-from mrsfi_runtime.cli.console import print_json, print_table, tell
+from mrsfi_runtime.cli.campaigns import RUNS
+from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions, engine_options, worker_options
 from mrsfi_runtime.cli.folders import (
-    RUNS,
     campaign_file,
     find_mission,
     generated_option,
     mission_argument,
 )
+from mrsfi_runtime.cli.loading import load_fresh
 from mrsfi_runtime.cli.tables import plain_table
+from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
 from mrsfi_runtime.mission import load_code
@@ -116,7 +118,7 @@ def command(  # noqa: PLR0913 - one for each option
     flown_by = engine.settings(default=AUTO)
     workers.require_sense(flown_by)
     folders = find_mission(mission, generated)
-    code = folders.load()
+    code = load_fresh(folders)
     settings = _settings(campaign_file(folders, case), code.mission, algorithms, evaluations)
     SearchSpace.of(code.mission, code.pool)  # refuses a pool that cannot be searched
     tried = flown_by.tried(code, next(iter(settings.values())).mission_seed, tell)

@@ -27,7 +27,7 @@ from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
-from mrsfi_runtime.transport.rosbridge import CLIENTS, Client, without_token
+from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
 
 SIMULATION = "simulation"
 BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")

@@ -16,6 +16,7 @@ from mrsfi_runtime.analysis.fronts import parse_ratio, top
 from mrsfi_runtime.analysis.report import map_drawing
 from mrsfi_runtime.analysis.summary import N_TOP
 from mrsfi_runtime.causes.recorded import record_causes
+from mrsfi_runtime.cli.campaigns import FlyableCampaign, free_folder, manifest_of, open_to_fly
 from mrsfi_runtime.cli.console import counted, tell
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
@@ -25,16 +26,8 @@ from mrsfi_runtime.cli.engines import (
     recorded_engine,
     worker_options,
 )
-from mrsfi_runtime.cli.folders import (
-    FlyableCampaign,
-    MissionFolders,
-    campaign_file,
-    find_mission,
-    free_folder,
-    generated_option,
-    manifest_of,
-    open_to_fly,
-)
+from mrsfi_runtime.cli.folders import MissionFolders, campaign_file, find_mission, generated_option
+from mrsfi_runtime.cli.loading import load_fresh
 from mrsfi_runtime.cli.progress import search_progress, share, tell_of_fitness
 from mrsfi_runtime.cli.report import report
 from mrsfi_runtime.cli.versions import installed_version
@@ -278,7 +271,7 @@ def _new_campaign(
     case = case or "a"
     folders = find_mission(mission, generated)
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
-    code = folders.load()
+    code = load_fresh(folders)
     require_settings(settings, code.mission)
     SearchSpace.of(code.mission, code.pool)  # refuses a pool that cannot be searched
     _require_ratio(settings, code.mission, ratio)

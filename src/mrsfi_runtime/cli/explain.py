@@ -16,6 +16,7 @@ from mrsfi_runtime.causes.cause_set import KEEP, chosen
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation, explain
 from mrsfi_runtime.causes.recorded import recorded
+from mrsfi_runtime.cli.campaigns import FlyableCampaign, open_to_fly
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
@@ -32,15 +33,8 @@ from mrsfi_runtime.cli.explained import (
     of_goal,
     print_explanation,
 )
-from mrsfi_runtime.cli.folders import (
-    FlyableCampaign,
-    MissionFolders,
-    find_mission,
-    generated_option,
-    is_mission,
-    open_to_fly,
-    read_specification,
-)
+from mrsfi_runtime.cli.folders import MissionFolders, find_mission, generated_option, is_mission
+from mrsfi_runtime.cli.loading import load_fresh, read_specification
 from mrsfi_runtime.cli.progress import tell_of_fitness
 from mrsfi_runtime.cli.replay import find_evaluation, require_same
 from mrsfi_runtime.cli.tables import print_findings
@@ -228,7 +222,7 @@ def _of_file(
     folders: MissionFolders, path: Path, kind: str | None, seed: int | None, out: Path | None
 ) -> tuple[Case, Subject]:
     """Return a written specification, and what it is explained with."""
-    code = folders.load()
+    code = load_fresh(folders)
     models, pool = read_specification(path)
     require_effects(code.pool, pool)
     specification = pool.written_specification()

@@ -14,8 +14,9 @@ from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.firmness import N_SEEDS
 from mrsfi_runtime.causes.labels import BYSTANDER, GoalCauses
 from mrsfi_runtime.causes.recorded import chain_as_json, sentences
-from mrsfi_runtime.cli.console import counted, print_table
+from mrsfi_runtime.cli.console import counted
 from mrsfi_runtime.cli.tables import fault_tables, plain_table
+from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.measure import NONE, Measure, ticks
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults

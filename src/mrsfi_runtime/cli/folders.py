@@ -1,30 +1,14 @@
-"""The folders of missions, their models and generated code, and of campaigns."""
+"""The folders of missions: models, generated code, campaign files."""
 
-import platform
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
-from m2t.generate import fault_loader_text, mission_loader_text, stale
-from m2t.load import LoadedModels, load_mission_folder, load_specification
-from mrsfi_runtime.cli.versions import installed_version
-from mrsfi_runtime.engine.region_lint import require_sound_regions
-from mrsfi_runtime.errors import GenerationError, RecordError, UsageError
-from mrsfi_runtime.mission import (
-    MissionCode,
-    load_code,
-    mission_from_text,
-    pool_from_text,
-    require_semantics,
-)
-from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.folder import CampaignFolder, hashes
-from mrsfi_runtime.record.manifest import EngineRecord, Manifest
+from m2t.generate import stale
+from mrsfi_runtime.errors import GenerationError, UsageError
+from mrsfi_runtime.semantics_of_code import require_semantics
 
 mission_argument = click.argument("mission", metavar="MISSION")
 """Gives a command the argument MISSION."""
@@ -36,12 +20,6 @@ generated_option = click.option(
     help="Folder of the generated code [default: generated/NAME beside models/].",
 )
 """Gives a command the option --generated."""
-
-RUNS = Path("runs")
-"""Where campaigns go unless the user says otherwise."""
-
-_VERSIONED = ("mrsfi", "deap", "numpy", "pyecore")
-
 
 _MODELS = Path("models")
 _MISSION_FILE = "mission.xmi"
@@ -75,12 +53,6 @@ class MissionFolders:
                 f"{self.generated}: stale, because the models or templates changed: "
                 f"{', '.join(names)}; run `mrsfi generate {self.models}` and review the diff"
             )
-
-    def load(self) -> MissionCode:
-        """Load the generated code, which must be fresh, and whose regions must be sound."""
-        self.require_fresh()
-        require_sound_regions(self.generated)
-        return load_code(self.generated)
 
 
 def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
@@ -123,22 +95,6 @@ def _places(mission: str) -> Iterator[Path]:
             yield models
 
 
-def read_specification(path: Path) -> tuple[LoadedModels, FaultPool]:
-    """Return a written fault specification, and its faults with windows and values.
-
-    Raises
-    ------
-    UsageError
-        If there is no such file.
-    ModelError
-        If it cannot be used.
-    """
-    if not path.is_file():
-        raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
-    models = load_specification(path)
-    return models, pool_from_text(fault_loader_text(models))
-
-
 def campaign_file(folders: MissionFolders, case: str) -> Path:
     """Return the campaign file that --case names: ``case_NAME.toml`` of a mission, or any file.
 
@@ -163,116 +119,3 @@ def _from_here(path: Path) -> Path:
     """Return a path as short as a user would write it."""
     here = Path.cwd()
     return path.relative_to(here) if path.is_relative_to(here) else path
-
-
-@dataclass(frozen=True, slots=True)
-class OpenCampaign:
-    """A campaign with its store open, and what its own copy of the models describes."""
-
-    folder: CampaignFolder
-    store: CampaignStore
-    mission: Mission
-    pool: FaultPool
-
-
-@dataclass(frozen=True, slots=True)
-class FlyableCampaign(OpenCampaign):
-    """A campaign whose own copy of the code is loaded and flies as it did."""
-
-    code: MissionCode
-
-
-def free_folder(mission: str, case: str) -> Path:
-    """Make and return ``runs/<mission>-<case>-<n>`` with the first number that is free."""
-    number = 1
-    while True:
-        path = RUNS / f"{mission}-{case}-{number}"
-        try:
-            path.mkdir(parents=True)
-        except FileExistsError:
-            number += 1
-        except OSError as error:
-            raise RecordError(
-                f"{path}: cannot be made: {error.strerror}; choose a place with --out"
-            ) from error
-        else:
-            return path
-
-
-def latest_folder() -> Path:
-    """Return the campaign in ``runs`` that was written last.
-
-    Raises
-    ------
-    UsageError
-        If there is none.
-    """
-    databases = {
-        folder: CampaignFolder(folder).database
-        for folder in RUNS.glob("*")
-        if CampaignFolder(folder).database.is_file()
-    }
-    if not databases:
-        raise UsageError(
-            f"found no campaign in {RUNS}/; name its folder, or run `mrsfi evolve` first"
-        )
-    return max(databases, key=lambda folder: databases[folder].stat().st_mtime_ns)
-
-
-def manifest_of(folders: MissionFolders, case: str, engine: EngineRecord) -> Manifest:
-    """Return what a campaign runs on: engine, versions, and the hash of every copied file."""
-    return Manifest(
-        mission=folders.name,
-        case=case,
-        engine=engine,
-        versions={
-            "python": platform.python_version(),
-            **{name: installed_version(name) for name in _VERSIONED},
-        },
-        machine=platform.machine(),
-        sha256=hashes(folders.generated) | hashes(folders.models),
-    )
-
-
-@contextmanager
-def open_campaign(path: Path) -> Iterator[OpenCampaign]:
-    """Open a campaign for reading, one of an earlier mrsfi too.
-
-    It does without the copy of the generated code, which only the mrsfi of its day understands.
-
-    Raises
-    ------
-    RecordError
-        If the folder holds no campaign.
-    ModelError
-        If its copy of the models cannot be read.
-    """
-    folder = CampaignFolder(path)
-    with CampaignStore.open(path) as store:
-        models = load_mission_folder(folder.model)
-        mission = mission_from_text(mission_loader_text(models))
-        pool = pool_from_text(fault_loader_text(models))
-        yield OpenCampaign(folder, store, mission, pool)
-
-
-@contextmanager
-def open_to_fly(path: Path) -> Iterator[FlyableCampaign]:
-    """Open a campaign for flying it again or on.
-
-    Raises
-    ------
-    RecordError
-        If the folder holds no campaign, or one of other rules of the world, or its copy of the
-        generated code is not whole.
-    """
-    folder = CampaignFolder(path)
-    with CampaignStore.open(path) as store:
-        store.require_flyable()
-        try:
-            code = load_code(folder.generated)
-        except GenerationError as error:
-            raise RecordError(
-                f"{path}: the campaign's own copy of the generated code is not whole: {error}; "
-                "expected the folder as `mrsfi evolve` left it"
-            ) from error
-        yield FlyableCampaign(folder, store, code.mission, code.pool, code)

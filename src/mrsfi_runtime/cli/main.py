@@ -1,7 +1,6 @@
 """The command ``mrsfi``: the group of subcommands, and what every error ends with."""
 
 import sys
-import traceback as traceback_module
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
@@ -117,7 +116,7 @@ def _tell(error: BaseException, *, is_traced: bool) -> int:
         click.echo("mrsfi: interrupted", err=True)
         return _INTERRUPTED
     if is_traced:
-        traceback_module.print_exception(error)
+        sys.__excepthook__(type(error), error, error.__traceback__)
     if isinstance(error, MrsfiError):
         click.echo(f"mrsfi: {error}", err=True)
         return error.exit_code

@@ -6,7 +6,8 @@ from time import monotonic
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from mrsfi_runtime.cli.console import progress_console, tell
+from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.terminal import progress_console
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import CampaignProgress

@@ -7,10 +7,11 @@ import click
 from rich.progress import track
 
 from mrsfi_runtime.analysis.fronts import top
-from mrsfi_runtime.cli.console import print_json, print_table, progress_console
+from mrsfi_runtime.cli.campaigns import FlyableCampaign, OpenCampaign, open_to_fly
+from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.engines import EngineOptions, engine_options, fly_recorded, recording_options
-from mrsfi_runtime.cli.folders import FlyableCampaign, OpenCampaign, open_to_fly
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
+from mrsfi_runtime.cli.terminal import print_table, progress_console
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import RecordError, ReplayMismatch
 from mrsfi_runtime.model.outcome import Outcome

@@ -13,9 +13,10 @@ from mrsfi_runtime.analysis.fronts import Front, Harm, Pick
 from mrsfi_runtime.analysis.report import SpecificationRow, write_report
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
-from mrsfi_runtime.cli.console import print_json, print_table
-from mrsfi_runtime.cli.folders import OpenCampaign, latest_folder, open_campaign
+from mrsfi_runtime.cli.campaigns import OpenCampaign, latest_folder, open_campaign
+from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.tables import critical_tables, plain_table, print_findings
+from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.record.measure import Measure, ticks
 
 _HELP = """Write the report of CAMPAIGN anew and print its findings.

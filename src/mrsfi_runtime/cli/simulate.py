@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from mrsfi_runtime.analysis.effects import audit
-from mrsfi_runtime.cli.console import print_json, print_table, tell, written_file
+from mrsfi_runtime.cli.console import print_json, tell, written_file
 from mrsfi_runtime.cli.engines import (
     SIMULATION,
     EngineOptions,
@@ -17,23 +17,18 @@ from mrsfi_runtime.cli.engines import (
     recording_options,
 )
 from mrsfi_runtime.cli.fault_effects import Effects
-from mrsfi_runtime.cli.folders import (
-    find_mission,
-    generated_option,
-    mission_argument,
-    read_specification,
-)
+from mrsfi_runtime.cli.folders import find_mission, generated_option, mission_argument
+from mrsfi_runtime.cli.loading import load_fresh, read_specification
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
+from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, ROSBRIDGE, EngineSettings
-from mrsfi_runtime.engine.simulation_process import serve_simulation
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.hosting.simulation_host import SimulationHost
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
-from mrsfi_runtime.transport.rosbridge import without_token
+from mrsfi_runtime.transport.server_address import without_token
 
 _HELP = """Fly MISSION once and print what happened to each goal.
 
@@ -124,7 +119,7 @@ def command(  # noqa: PLR0913 - one parameter per option
         raise click.UsageError(f"{option} needs --each-fault")
     settings = engine.settings(default=REFERENCE if each_fault is None else AUTO)
     folders = find_mission(mission, generated)
-    code = folders.load()
+    code = load_fresh(folders)
     if engine.side == SIMULATION:
         _require_nothing_else(ways, is_json=is_json, has_log=bool(log or trace))
         _serve(folders.name, code, settings)
@@ -171,8 +166,11 @@ def _require_nothing_else(ways: Sequence[object], *, is_json: bool, has_log: boo
 
 def _serve(name: str, code: MissionCode, settings: EngineSettings) -> None:
     """Serve the simulation until it is interrupted or the connection is gone."""
+    from mrsfi_runtime.engine.simulation_process import (  # noqa: PLC0415 - brings a server
+        serve_simulation,
+    )
 
-    def on_ready(url: str, _host: SimulationHost) -> None:
+    def on_ready(url: str, _host: object) -> None:
         tell(f"simulation of {name} serves at {without_token(url)}; Ctrl-C ends it")
 
     serve_simulation(code, settings.url, settings.client, settings.patience, on_ready)

@@ -10,7 +10,8 @@ from rich.table import Table
 from rich.text import Text
 
 from mrsfi_runtime.analysis.findings import Finding
-from mrsfi_runtime.cli.console import counted, print_table
+from mrsfi_runtime.cli.console import counted
+from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.model.outcome import COUNTED, Outcome

@@ -23,6 +23,7 @@ from mrsfi_runtime.cli.folders import (
     generated_option,
     mission_argument,
 )
+from mrsfi_runtime.cli.loading import load_fresh
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.errors import EvaluationError, ModelError, MrsfiError, UsageError
@@ -189,7 +190,7 @@ def _flown(folders: MissionFolders, loaded: LoadedModels) -> tuple[Diagnostic, .
         tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")
         return ()
     try:
-        outcome = ReferenceEngine(folders.load(), 1).evaluate(())
+        outcome = ReferenceEngine(load_fresh(folders), 1).evaluate(())
     except EvaluationError as error:
         path, line = error.line or (folders.generated, 1)
         message = str(error).removeprefix(f"{path}:{line}: ")

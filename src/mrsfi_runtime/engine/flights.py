@@ -5,9 +5,8 @@ import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Self, TypeAlias
+from typing import TYPE_CHECKING, Self, TypeAlias
 
-from mrsfi_runtime.engine.recording import Recorder, Recording
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError
 from mrsfi_runtime.hosting.lockstep import Flight, Observer
 from mrsfi_runtime.hosting.own_effects import guarded
@@ -20,6 +19,9 @@ from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.recording import Recording
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +132,7 @@ class Engine(Evaluator):
         received: list[FaultTally] = [] if tallies is None else tallies
         return self._evaluate(specification, seed, pool, observer, received)
 
-    def record(self, specification: Specification, seed: int | None = None) -> Recording:
+    def record(self, specification: Specification, seed: int | None = None) -> "Recording":
         """Fly the mission under a fault specification, and return every tick.
 
         Parameters
@@ -172,8 +174,10 @@ class Engine(Evaluator):
     ) -> Outcome:
         """Fly under a specification without overlaps."""
 
-    def _record(self, specification: Specification, seed: int) -> Recording:
+    def _record(self, specification: Specification, seed: int) -> "Recording":
         """Return every tick of a flight under a specification without overlaps."""
+        from mrsfi_runtime.engine.recording import Recorder  # noqa: PLC0415 - brings numpy
+
         recorder = Recorder(initial_state(self.code.mission, seed))
         self._evaluate(specification, seed, self.code.pool, recorder, [])
         return recorder.recording()

@@ -29,7 +29,8 @@ from mrsfi_runtime.hosting.lockstep import Flight
 from mrsfi_runtime.hosting.lockstep_topics import GO_BUNDLE
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.transport.rosbridge import Client, RosbridgeTransport
+from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.server_address import Client
 
 _GREATEST_SEED = 2**63 - 1
 _LAST_WORDS = 2.0

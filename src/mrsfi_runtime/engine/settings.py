@@ -9,7 +9,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.transport.rosbridge import Client
+from mrsfi_runtime.transport.server_address import Client
 
 AUTO, REFERENCE, COMPILED, ROSBRIDGE = "auto", "reference", "compiled", "rosbridge"
 ENGINES = (AUTO, REFERENCE, COMPILED, ROSBRIDGE)

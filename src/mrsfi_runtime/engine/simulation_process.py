@@ -22,7 +22,8 @@ from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
-from mrsfi_runtime.transport.rosbridge import Client, RosbridgeTransport
+from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.server_address import Client
 from mrsfi_runtime.transport.topics import Transport
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import mrsfi_runtime
 from mrsfi_runtime.errors import GenerationError, RecordError
-from mrsfi_runtime.mission import MissionCode, generated_semantics
+from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import hashes, only_writer
@@ -19,6 +19,7 @@ from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
 from mrsfi_runtime.search.resumable_record import EvaluateMany
+from mrsfi_runtime.semantics_of_code import generated_semantics
 from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.run_results import RunResult, measure_run
 

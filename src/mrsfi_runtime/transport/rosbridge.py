@@ -15,13 +15,14 @@ import socket
 from collections.abc import Callable
 from contextlib import suppress
 from threading import Event
-from typing import Any, Literal, TypeAlias
+from typing import Any
 from urllib.parse import urlsplit
 
 import roslibpy
 
 from mrsfi_runtime.errors import TransportClosed, TransportTimeout, UsageError
 from mrsfi_runtime.transport.listened import ListenedTransport
+from mrsfi_runtime.transport.server_address import Client, without_token
 from mrsfi_runtime.transport.topics import (
     Payload,
     Provider,
@@ -30,11 +31,6 @@ from mrsfi_runtime.transport.topics import (
     Service,
     Topic,
 )
-
-Client: TypeAlias = Literal["asyncio", "twisted"]
-"""Kind of roslibpy's connection; a process can have one kind only."""
-
-CLIENTS: tuple[Client, ...] = ("asyncio", "twisted")
 
 _PORTS = {"ws": 80, "wss": 443}
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)  # Linux
@@ -238,11 +234,6 @@ def _acknowledge_at_once(protocol: Any, receiver: str, connection: Any) -> None:
 
     if _QUICKACK is not None:
         setattr(protocol, receiver, receive_and_acknowledge)
-
-
-def without_token(url: str) -> str:
-    """Return a URL as it may be shown: a query may hold a token."""
-    return url.partition("?")[0]
 
 
 def _require_listener(url: str, timeout: float) -> None:

@@ -4,7 +4,6 @@ from typing import Any
 import pytest
 from rich.table import Table
 
-from mrsfi_runtime.cli.console import print_table
 from mrsfi_runtime.cli.tables import (
     critical_tables,
     fault_tables,
@@ -12,6 +11,7 @@ from mrsfi_runtime.cli.tables import (
     goals_as_json,
     plain_table,
 )
+from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults

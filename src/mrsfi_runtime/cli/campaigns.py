@@ -1,0 +1,137 @@
+"""Campaigns: where they go, what they run on, how they are opened."""
+
+import platform
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from m2t.generate import fault_loader_text, mission_loader_text
+from m2t.load import load_mission_folder
+from mrsfi_runtime.cli.folders import MissionFolders
+from mrsfi_runtime.cli.versions import installed_version
+from mrsfi_runtime.errors import GenerationError, RecordError, UsageError
+from mrsfi_runtime.mission import MissionCode, load_code, mission_from_text, pool_from_text
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.folder import CampaignFolder, hashes
+from mrsfi_runtime.record.manifest import EngineRecord, Manifest
+
+RUNS = Path("runs")
+"""Where campaigns go unless the user says otherwise."""
+
+_VERSIONED = ("mrsfi", "deap", "numpy", "pyecore")
+
+
+@dataclass(frozen=True, slots=True)
+class OpenCampaign:
+    """A campaign with its store open, and what its own copy of the models describes."""
+
+    folder: CampaignFolder
+    store: CampaignStore
+    mission: Mission
+    pool: FaultPool
+
+
+@dataclass(frozen=True, slots=True)
+class FlyableCampaign(OpenCampaign):
+    """A campaign whose own copy of the code is loaded and flies as it did."""
+
+    code: MissionCode
+
+
+def free_folder(mission: str, case: str) -> Path:
+    """Make and return ``runs/<mission>-<case>-<n>`` with the first number that is free."""
+    number = 1
+    while True:
+        path = RUNS / f"{mission}-{case}-{number}"
+        try:
+            path.mkdir(parents=True)
+        except FileExistsError:
+            number += 1
+        except OSError as error:
+            raise RecordError(
+                f"{path}: cannot be made: {error.strerror}; choose a place with --out"
+            ) from error
+        else:
+            return path
+
+
+def latest_folder() -> Path:
+    """Return the campaign in ``runs`` that was written last.
+
+    Raises
+    ------
+    UsageError
+        If there is none.
+    """
+    databases = {
+        folder: CampaignFolder(folder).database
+        for folder in RUNS.glob("*")
+        if CampaignFolder(folder).database.is_file()
+    }
+    if not databases:
+        raise UsageError(
+            f"found no campaign in {RUNS}/; name its folder, or run `mrsfi evolve` first"
+        )
+    return max(databases, key=lambda folder: databases[folder].stat().st_mtime_ns)
+
+
+def manifest_of(folders: MissionFolders, case: str, engine: EngineRecord) -> Manifest:
+    """Return what a campaign runs on: engine, versions, and the hash of every copied file."""
+    return Manifest(
+        mission=folders.name,
+        case=case,
+        engine=engine,
+        versions={
+            "python": platform.python_version(),
+            **{name: installed_version(name) for name in _VERSIONED},
+        },
+        machine=platform.machine(),
+        sha256=hashes(folders.generated) | hashes(folders.models),
+    )
+
+
+@contextmanager
+def open_campaign(path: Path) -> Iterator[OpenCampaign]:
+    """Open a campaign for reading, one of an earlier mrsfi too.
+
+    It does without the copy of the generated code, which only the mrsfi of its day understands.
+
+    Raises
+    ------
+    RecordError
+        If the folder holds no campaign.
+    ModelError
+        If its copy of the models cannot be read.
+    """
+    folder = CampaignFolder(path)
+    with CampaignStore.open(path) as store:
+        models = load_mission_folder(folder.model)
+        mission = mission_from_text(mission_loader_text(models))
+        pool = pool_from_text(fault_loader_text(models))
+        yield OpenCampaign(folder, store, mission, pool)
+
+
+@contextmanager
+def open_to_fly(path: Path) -> Iterator[FlyableCampaign]:
+    """Open a campaign for flying it again or on.
+
+    Raises
+    ------
+    RecordError
+        If the folder holds no campaign, or one of other rules of the world, or its copy of the
+        generated code is not whole.
+    """
+    folder = CampaignFolder(path)
+    with CampaignStore.open(path) as store:
+        store.require_flyable()
+        try:
+            code = load_code(folder.generated)
+        except GenerationError as error:
+            raise RecordError(
+                f"{path}: the campaign's own copy of the generated code is not whole: {error}; "
+                "expected the folder as `mrsfi evolve` left it"
+            ) from error
+        yield FlyableCampaign(folder, store, code.mission, code.pool, code)

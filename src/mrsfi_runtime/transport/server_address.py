@@ -1,0 +1,13 @@
+"""How a rosbridge server is named and joined, for whoever does not join it."""
+
+from typing import Literal, TypeAlias
+
+Client: TypeAlias = Literal["asyncio", "twisted"]
+"""Kind of roslibpy's connection; a process can have one kind only."""
+
+CLIENTS: tuple[Client, ...] = ("asyncio", "twisted")
+
+
+def without_token(url: str) -> str:
+    """Return a URL as it may be shown: a query may hold a token."""
+    return url.partition("?")[0]
