@@ -3,6 +3,7 @@
 from mrsfi_runtime.hosting.interface_parts import RobotInterface, SensorInterface
 from mrsfi_runtime.hosting.simulation_parts import SimulatedRobot, SimulatedSensor
 from mrsfi_runtime.hosting.team_topics import RobotTopics, SensorTopics
+from mrsfi_runtime.hosting.world import initial_state, move
 from mrsfi_runtime.kernel import commands, forecast, geometry, guidance, randomness
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks
@@ -16,9 +17,7 @@ from mrsfi_runtime.kernel.goal_tasks.sufficient_energy import SufficientEnergy
 from mrsfi_runtime.kernel.goal_tasks.table import OwnTask
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
-from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import OwnFault
-from mrsfi_runtime.kernel.motion import move
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode, Parameter, Range, Struck
 from mrsfi_runtime.model.faults import Fault, FaultPool

@@ -19,6 +19,7 @@ from mrsfi_runtime.api import (
     Track,
     Visit,
 )
+from mrsfi_runtime.hosting.world import initial_state as true_state
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, pool_from_text
 from mrsfi_runtime.model.mission import (
@@ -212,7 +213,7 @@ def test_commands_reach_the_simulation_of_their_robot_and_sensor(sides):
     interface.robots[2].set_speed(1.5)
     interface.sensors[4].set_active(False)
 
-    expected = initial_state(code.mission, 3)
+    expected = true_state(code.mission, 3)
     expected.commands[1].heading_x = 0.6
     expected.commands[1].heading_y = -0.8
     expected.commands[2].speed = 1.5

@@ -2,7 +2,6 @@
 
 from m2t.metamodels import load_metamodels
 from mrsfi_runtime.kernel.effects.belief import PURPOSES
-from mrsfi_runtime.kernel.initial import sample_chances
 from mrsfi_runtime.kernel.randomness import (
     PURPOSE_HEADING,
     PURPOSE_ROAM,
@@ -13,6 +12,7 @@ from mrsfi_runtime.kernel.randomness import (
     seed_key,
     uniform,
 )
+from mrsfi_runtime.kernel.weather import sample_chances
 from mrsfi_runtime.model.fault_types import FaultType, Field
 from tests.support.tree import ROOT
 

@@ -22,9 +22,8 @@ from mrsfi_runtime.kernel.state import (
     State,
     SwitchState,
 )
+from mrsfi_runtime.kernel.weather import sample_chances
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission, Robot
-
-CHANCE_PRECISION = 2**32
 
 DIRECTIONS = tuple(
     DirectionState(math.cos(angle), math.sin(angle)) for angle in map(math.radians, range(360))
@@ -34,28 +33,6 @@ DIRECTIONS = tuple(
 A table reads the same in the interpreter and in compiled code, where ``math.sin`` need not.
 States carry it, because a compiler would copy a constant tuple at every use.
 """
-
-
-def sample_chances(n: int) -> tuple[int, ...]:
-    """Return the cumulative chances of 0, 1, 2 … valid samples, in units of 2**-32.
-
-    Each of ``n`` samples of a tick is valid with chance ``1 / n``, so their number is
-    binomial; one draw against these bounds replaces ``n`` draws. The list ends where the
-    rest is below the precision of a draw.
-    """
-    if n == 1:
-        return (0,)
-    bounds: list[int] = []
-    chance = (1.0 - 1.0 / n) ** n
-    total = 0.0
-    for k in range(n):
-        total += chance
-        bound = round(total * CHANCE_PRECISION)
-        if bound >= CHANCE_PRECISION:
-            break
-        bounds.append(bound)
-        chance *= (n - k) / ((k + 1) * (n - 1))
-    return tuple(bounds)
 
 
 def initial_state(mission: Mission, seed: int) -> State:

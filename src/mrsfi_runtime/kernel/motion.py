@@ -5,21 +5,24 @@ References
 Source paper, sections III-F and III-H.
 """
 
+from collections.abc import Sequence
+
 from mrsfi_runtime.kernel.commands import feasible
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw_at, mixed
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.kernel.tolerance import excess
 
 
 @kernel
-def move(world: State, tick: int) -> None:
-    """Move every robot by its commanded speed along its heading, spend energy, draw samples.
+def move(world: State, valid: Sequence[int], tick: int) -> None:
+    """Move every robot by its commanded speed along its heading, spend energy, take samples.
 
     Parameters
     ----------
     world
         True state after the tick before; its commands are obeyed.
+    valid
+        How many samples of each sensor are valid in this tick, if it is active.
     tick
         The tick.
 
@@ -30,7 +33,6 @@ def move(world: State, tick: int) -> None:
     in which the energy runs out it still moves. No robot flies faster than it can.
     """
     world.mission.tick = tick
-    moment = mixed(world.mission.seed ^ tick)
     for index in range(len(world.robots)):
         robot = world.robots[index]
         if robot.energy <= 0.0:
@@ -49,26 +51,8 @@ def move(world: State, tick: int) -> None:
             sensor.active = world.switches[k].active
             if sensor.active:
                 spent += sensor.nominal_rate * sensor.nominal_cost
-                sensor.count += valid_samples(world, k, moment)
+                sensor.count += valid[k]
         robot.energy = max(excess(robot.energy, spent), 0.0)
-
-
-@kernel
-def valid_samples(world: State, k: int, moment: int) -> int:
-    """Return how many of a sensor's samples of this tick are valid: one on average.
-
-    Notes
-    -----
-    All chances are compared, though they ascend: compiled, that is faster than a branch that
-    nobody can predict.
-    """
-    sensor = world.sensors[k]
-    value = draw_at(moment, k, PURPOSE_SAMPLES)
-    n = 0
-    for chance in range(sensor.first_chance, sensor.first_chance + sensor.n_chances):
-        if value >= world.chances[chance]:
-            n += 1
-    return n
 
 
 @kernel

@@ -45,13 +45,7 @@ def draw(seed: int, tick: int, entity: int, purpose: int) -> int:
     purpose
         One of the ``PURPOSE_…`` numbers, below 256.
     """
-    return draw_at(mixed(seed ^ tick), entity, purpose)
-
-
-@kernel
-def draw_at(moment: int, entity: int, purpose: int) -> int:
-    """Return what ``draw`` does; ``moment`` is ``mixed(seed ^ tick)``."""
-    return mixed(moment ^ ((entity << 8) | purpose))
+    return mixed(mixed(seed ^ tick) ^ ((entity << 8) | purpose))
 
 
 @kernel

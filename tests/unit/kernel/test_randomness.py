@@ -5,7 +5,6 @@ from collections import Counter
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.kernel.initial import sample_chances
 from mrsfi_runtime.kernel.randomness import choice, draw, seed_key, uniform
 
 
@@ -54,11 +53,3 @@ def test_different_parts_of_a_key_draw_differently():
 
 def test_seeds_beyond_32_bits_differ_from_their_low_half():
     assert len({seed_key(7), seed_key(7 + 2**32), seed_key(7 + 2**64)}) == 3
-
-
-def test_chances_are_those_of_the_binomial_with_mean_one():
-    for n in (1, 2, 5, 40, 1000):
-        bounds = [bound / 2**32 for bound in sample_chances(n)]
-        mean = sum(1.0 - bound for bound in bounds)
-        assert abs(mean - 1.0) < 1e-8, n
-        assert bounds == sorted(bounds)

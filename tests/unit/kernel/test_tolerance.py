@@ -81,7 +81,7 @@ def test_energy_that_is_used_up_but_for_rounding_is_used_up(share):
     world = state(SufficientEnergy())
     world.robots[0].energy = share * (4.0 * 5.0 + 2 * 3.0 * 2)
 
-    move(world, 0)
+    move(world, [0] * 4, 0)
 
     assert world.robots[0].energy == 0.0
 

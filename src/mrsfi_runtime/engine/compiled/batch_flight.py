@@ -16,6 +16,7 @@ from mrsfi_runtime.kernel.delivery import send
 from mrsfi_runtime.kernel.effects.commands import issue
 from mrsfi_runtime.kernel.flight import MissionFunctions, answer
 from mrsfi_runtime.kernel.motion import move
+from mrsfi_runtime.kernel.weather import Weather
 
 
 class Arrays(NamedTuple):
@@ -27,6 +28,8 @@ class Arrays(NamedTuple):
         What changes in the states, as words: before the first tick, and of ``states`` itself.
     states
         Truth, belief and inbox.
+    weather
+        Valid samples, a row a tick.
     plans
         Room for one plan.
     injections, tallies, own, ends
@@ -42,6 +45,7 @@ class Arrays(NamedTuple):
     fresh: npt.NDArray[np.int64]
     words: npt.NDArray[np.int64]
     states: Records
+    weather: Weather
     plans: Records
     injections: Records
     tallies: Records
@@ -69,7 +73,7 @@ def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int)
         result = arrays.results[k]
         issue(belief, world, plan, 0)
         for tick in range(world.mission.duration):
-            move(world, tick)
+            move(world, arrays.weather[tick], tick)
             send(world, inbox)
             answer(functions, world, belief, inbox, world, plan, result, tick)
             if tick < len(moments):

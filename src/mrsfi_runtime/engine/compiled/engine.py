@@ -8,7 +8,7 @@ Source paper, section III-G and Figure 4, without the bus between the two sides.
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally, plan_rows
+from mrsfi_runtime.kernel.weather import Weather, weather
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
@@ -71,7 +72,7 @@ class CompiledEngine(Engine):
         super().__init__(code, seed)
         state = initial_state(code.mission, seed)
         state_layout = state_type(state)
-        self._fresh = cache(partial(_fresh_states, code.mission, state_layout))
+        self._fresh = cache(partial(_fresh, code.mission, state_layout))
         self._moment_type = moment_type(state)
         self._words_type = words_type(self._moment_type)
         self._reference = ReferenceEngine(code, seed)
@@ -176,7 +177,7 @@ class CompiledEngine(Engine):
     def _fly(
         self,
         batch: Batch,
-        fresh: Records,
+        fresh: "_Fresh",
         first: int,
         last: int,
         recording: Recording | None = None,
@@ -189,14 +190,15 @@ class CompiledEngine(Engine):
         failed = []
         everyone = list(range(first, last))
         at = np.zeros(1, np.int64)
-        states = fresh.copy()
-        (fresh_words, fresh_tables), (words, tables) = split(fresh), split(states)
+        states = fresh.states.copy()
+        (fresh_words, fresh_tables), (words, tables) = split(fresh.states), split(states)
         plans = np.zeros(1, plan_type(batch.plan_size))
         recording = self._blank(0) if recording is None else recording
         arrays = Arrays(
             fresh_words,
             words,
             states,
+            fresh.weather,
             plans,
             batch.injections,
             batch.tallies,
@@ -227,9 +229,17 @@ class CompiledEngine(Engine):
             observer(world, belief, Verdicts(*(moment[name].tolist() for name in VERDICTS)))
 
 
-def _fresh_states(mission: Mission, layout: np.dtype[Any], seed: int) -> Records:
-    """Return truth, belief and inbox before the first tick."""
+class _Fresh(NamedTuple):
+    """Truth, belief and inbox before the first tick, and the weather that is to come."""
+
+    states: Records
+    weather: Weather
+
+
+def _fresh(mission: Mission, layout: np.dtype[Any], seed: int) -> _Fresh:
+    """Return what a seed decides."""
+    state = initial_state(mission, seed)
     states: Records = np.zeros(3, layout)
-    write_state(states[0], initial_state(mission, seed))
+    write_state(states[0], state)
     states[1:] = states[0]
-    return states
+    return _Fresh(states, weather(state))
