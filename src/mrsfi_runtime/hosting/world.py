@@ -1,11 +1,10 @@
 """The true state that a generated simulation moves, and the weather that it meets."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mrsfi_runtime.kernel import initial, motion
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.kernel.weather import weather
+from mrsfi_runtime.kernel.weather import Weather, weather
 from mrsfi_runtime.model.mission import Mission
 
 
@@ -13,14 +12,14 @@ from mrsfi_runtime.model.mission import Mission
 class World(State):
     """A true state; ``weather[tick]`` has the valid samples of each sensor."""
 
-    weather: Sequence[Sequence[int]]
+    weather: Weather
 
 
 def initial_state(mission: Mission, seed: int) -> World:
     """Return what is true before the first tick; as ``kernel.initial.initial_state``."""
     state = initial.initial_state(mission, seed)
     known = {name: getattr(state, name) for name in State.__slots__}
-    return World(**known, weather=weather(state).tolist())
+    return World(**known, weather=weather(state))
 
 
 def move(world: World, tick: int) -> None:

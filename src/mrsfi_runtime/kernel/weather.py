@@ -3,19 +3,18 @@
 It hangs on nothing that happens in a flight, so it is drawn once for all flights of a seed.
 """
 
+from bisect import bisect_right
+from collections.abc import Iterator
 from functools import lru_cache
-from typing import Any, TypeAlias
-
-import numpy as np
-import numpy.typing as npt
+from typing import TypeAlias
 
 from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
 from mrsfi_runtime.kernel.state import State
 
 CHANCE_PRECISION = 2**32
 
-Weather: TypeAlias = npt.NDArray[np.uint8]
-"""Valid samples, shape ``(n_ticks, n_sensors)``: what ``kernel.motion.move`` adds, a row a tick."""
+Weather: TypeAlias = tuple[bytes, ...]
+"""Valid samples of each sensor, a row a tick, each below 256; ``kernel.motion.move`` adds them."""
 
 
 def sample_chances(n: int) -> tuple[int, ...]:
@@ -40,28 +39,34 @@ def sample_chances(n: int) -> tuple[int, ...]:
     return tuple(bounds)
 
 
+def reached(state: State) -> Iterator[tuple[int, ...]]:
+    """Yield the chances of each sensor: of its samples, as many are valid as a draw reaches."""
+    for sensor in state.sensors:
+        yield state.chances[sensor.first_chance : sensor.first_chance + sensor.n_chances]
+
+
 def weather(state: State) -> Weather:
-    """Return the weather of a mission and seed, to be read only.
+    """Return the weather of a mission and seed.
 
     Parameters
     ----------
     state
         A state before its first tick.
+
+    Notes
+    -----
+    Without numpy, whose import takes longer; ``engine.compiled.layout.weather_table`` draws the
+    same for many robots at once.
     """
-    bounds = tuple(
-        state.chances[sensor.first_chance : sensor.first_chance + sensor.n_chances]
-        for sensor in state.sensors
-    )
-    return _drawn(state.mission.seed, state.mission.duration, bounds)
+    return _drawn(state.mission.seed, state.mission.duration, tuple(reached(state)))
 
 
 @lru_cache(maxsize=8)
-def _drawn(seed: int, duration: int, bounds: tuple[tuple[int, ...], ...]) -> Weather:
-    """Return how many of its sensor's bounds each draw reaches."""
-    ticks: Any = np.arange(duration, dtype=np.uint64)  # draws all of them at once
-    found = np.empty((duration, len(bounds)), np.uint8)
-    for sensor, reached in enumerate(bounds):
-        draws = draw(seed, ticks, sensor, PURPOSE_SAMPLES)
-        found[:, sensor] = np.searchsorted(np.array(reached, np.uint64), draws, side="right")
-    found.flags.writeable = False
-    return found
+def _drawn(seed: int, duration: int, chances: tuple[tuple[int, ...], ...]) -> Weather:
+    return tuple(
+        bytes(
+            bisect_right(bounds, draw(seed, tick, sensor, PURPOSE_SAMPLES))
+            for sensor, bounds in enumerate(chances)
+        )
+        for tick in range(duration)
+    )

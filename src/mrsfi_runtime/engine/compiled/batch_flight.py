@@ -16,7 +16,6 @@ from mrsfi_runtime.kernel.delivery import send
 from mrsfi_runtime.kernel.effects.commands import issue
 from mrsfi_runtime.kernel.flight import MissionFunctions, answer
 from mrsfi_runtime.kernel.motion import move
-from mrsfi_runtime.kernel.weather import Weather
 
 
 class Arrays(NamedTuple):
@@ -29,7 +28,7 @@ class Arrays(NamedTuple):
     states
         Truth, belief and inbox.
     weather
-        Valid samples, a row a tick.
+        Valid samples of each sensor, a row a tick.
     plans
         Room for one plan.
     injections, tallies, own, ends
@@ -45,7 +44,7 @@ class Arrays(NamedTuple):
     fresh: npt.NDArray[np.int64]
     words: npt.NDArray[np.int64]
     states: Records
-    weather: Weather
+    weather: npt.NDArray[np.uint8]
     plans: Records
     injections: Records
     tallies: Records

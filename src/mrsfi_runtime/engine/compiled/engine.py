@@ -11,6 +11,7 @@ from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from mrsfi_runtime.engine.compiled.batch import Batch
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
@@ -20,6 +21,7 @@ from mrsfi_runtime.engine.compiled.layout import (
     read_recorded,
     split,
     state_type,
+    weather_table,
     words_type,
     write_state,
 )
@@ -31,7 +33,6 @@ from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally, plan_rows
-from mrsfi_runtime.kernel.weather import Weather, weather
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
@@ -233,7 +234,7 @@ class _Fresh(NamedTuple):
     """Truth, belief and inbox before the first tick, and the weather that is to come."""
 
     states: Records
-    weather: Weather
+    weather: npt.NDArray[np.uint8]
 
 
 def _fresh(mission: Mission, layout: np.dtype[Any], seed: int) -> _Fresh:
@@ -242,4 +243,4 @@ def _fresh(mission: Mission, layout: np.dtype[Any], seed: int) -> _Fresh:
     states: Records = np.zeros(3, layout)
     write_state(states[0], state)
     states[1:] = states[0]
-    return _Fresh(states, weather(state))
+    return _Fresh(states, weather_table(state))

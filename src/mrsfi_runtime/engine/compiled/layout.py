@@ -15,7 +15,9 @@ import numpy.typing as npt
 from mrsfi_runtime.engine.recording import KINDS, Records, record_type
 from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, OwnFault, PlanRows
 from mrsfi_runtime.kernel.packing import COLUMNS
+from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.weather import reached
 
 NEVER = 2**62
 """Start of the sentinel behind the last injection of a list."""
@@ -109,6 +111,17 @@ def plan_type(room: PlanSize) -> np.dtype[Any]:
             ("own", record_type(OwnFault), (room.own,)),
         ]
     )
+
+
+def weather_table(state: State) -> npt.NDArray[np.uint8]:
+    """Return what ``kernel.weather.weather`` does, shape ``(n_ticks, n_sensors)``, read-only."""
+    ticks: Any = np.arange(state.mission.duration, dtype=np.uint64)  # drawn all at once
+    table = np.empty((len(ticks), len(state.sensors)), np.uint8)
+    for sensor, chances in enumerate(reached(state)):
+        draws = draw(state.mission.seed, ticks, sensor, PURPOSE_SAMPLES)
+        table[:, sensor] = np.searchsorted(np.array(chances, np.uint64), draws, side="right")
+    table.flags.writeable = False
+    return table
 
 
 def words_type(moment: np.dtype[Any]) -> np.dtype[Any]:
