@@ -1,3 +1,5 @@
+import shutil
+
 from tests.support.cli import (
     MISSION,
     SMALL,
@@ -118,6 +120,20 @@ def test_ctrl_c_ends_with_130_and_leaves_a_campaign_that_can_be_reported(place):
     found = mrsfi_json("report", "runs/stopped", cwd=place)
     assert found["n_generations"] >= 1
     mrsfi("replay", "runs/stopped", cwd=place)
+
+
+def test_ctrl_c_while_figures_are_drawn_says_that_they_are_missing(flown, tmp_path):
+    folder = shutil.copytree(flown, tmp_path / "run")
+
+    done = interrupted("report", folder, cwd=tmp_path, sign="drawing figures")
+
+    advice = f"figures are missing from the report; write it anew with: mrsfi report {folder}\n"
+    assert done.returncode == 130, done.stderr
+    assert advice in done.stderr
+    assert "digest" in done.stdout
+    assert "Traceback" not in done.stderr
+    mrsfi("report", folder, cwd=tmp_path)
+    assert contents(folder / "figures").keys() == contents(flown / "figures").keys()
 
 
 ONE_GOAL = ("--minimise", "faults", "--violations", "true", "--goals", "depths", "--faults", "4")

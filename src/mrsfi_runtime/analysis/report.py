@@ -7,6 +7,7 @@ Source paper, section V, figures 5 to 12.
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import astuple, fields, replace
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
@@ -45,6 +46,7 @@ def write_report(
     *,
     ratio: str | None = None,
     draw: Draw = draw_here,
+    show: Callable[[Summary], None] = lambda _: None,
 ) -> Summary:
     """Write everything a person or a script wants from a campaign, finished or interrupted.
 
@@ -60,6 +62,9 @@ def write_report(
         Ratio of violations to pick by, such as ``g3:g1=2:1``.
     draw
         Draws the figures.
+    show
+        Shows what the report says, once all but the figures is written. They are finished
+        whatever becomes of it.
 
     Returns
     -------
@@ -77,7 +82,7 @@ def write_report(
         evaluations, generations = store.evaluations(), store.generations()
         summary = summarise(folder, store, mission, pool, ratio, evaluations)
     layout = CampaignFolder(folder)
-    try:
+    with _writing(folder, "report"):
         shown = tuple(illustrate(summary, mission, evaluations, generations))
         _emptied(layout.figures, "figure_*.*")
         finish = draw([(each.drawing, layout.figures / each.name) for each in shown])
@@ -90,12 +95,23 @@ def write_report(
         layout.summary.write_text(content + "\n", encoding="utf-8")
         captions = {each.name: each.caption for each in shown}
         layout.report.write_text(report_text(summary, captions), encoding="utf-8")
-        finish()
+    try:
+        show(summary)
+    finally:
+        with _writing(folder, "figures"):
+            finish()
+    return summary
+
+
+@contextmanager
+def _writing(folder: Path, what: str) -> Iterator[None]:
+    """Say of an error of the file system what could not be written."""
+    try:
+        yield
     except OSError as error:
         raise RecordError(
-            f"{folder}: cannot write the report: {error}; expected a folder to write to"
+            f"{folder}: cannot write the {what}: {error}; expected a folder to write to"
         ) from error
-    return summary
 
 
 def specification_rows(

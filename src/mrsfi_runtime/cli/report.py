@@ -14,7 +14,7 @@ from mrsfi_runtime.analysis.report import SpecificationRow, write_report
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
 from mrsfi_runtime.cli.campaigns import OpenCampaign, latest_folder, open_campaign
-from mrsfi_runtime.cli.console import print_json
+from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.tables import critical_tables, plain_table, print_findings
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.record.measure import Measure, ticks
@@ -68,14 +68,21 @@ def report(
     ) -> None:
         write_specification(models(), rows, path, identifier=identifier, names=names)
 
-    summary = write_report(
-        campaign.folder.path, campaign.mission, campaign.pool, write, ratio=ratio, draw=draw
-    )
-    if is_json:
-        content = as_json(summary)
-        print_json({"folder": str(campaign.folder.path), **content})
-    else:
-        _print_summary(campaign, summary)
+    def show(summary: Summary) -> None:
+        if is_json:
+            print_json({"folder": str(path), **as_json(summary)})
+        else:
+            _print_summary(campaign, summary)
+        tell(f"drawing figures into {campaign.folder.figures}")
+
+    path = campaign.folder.path
+    try:
+        write_report(
+            path, campaign.mission, campaign.pool, write, ratio=ratio, draw=draw, show=show
+        )
+    except KeyboardInterrupt:
+        tell(f"figures are missing from the report; write it anew with: mrsfi report {path}")
+        raise
 
 
 def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:

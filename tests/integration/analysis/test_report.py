@@ -1,10 +1,11 @@
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from mrsfi_runtime.analysis.drawing_process import DrawingProcess, Drawings, draw_here
 from mrsfi_runtime.analysis.report import (
     evenly_spaced,
     illustrate,
@@ -370,3 +371,48 @@ def test_a_report_that_cannot_be_written_is_a_record_error(tmp_path):
 
     with pytest.raises(RecordError, match="cannot write the report"):
         write_report(folder, CODE.mission, CODE.pool, write)
+
+
+def test_what_it_says_is_shown_when_all_but_the_figures_is_there(tmp_path):
+    folder = write_campaign(tmp_path / "run", n_generations=1)
+
+    def files() -> set[str]:
+        return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+
+    seen = []
+    summary = write_report(
+        folder, CODE.mission, CODE.pool, write, show=lambda found: seen.append((found, files()))
+    )
+
+    figures = {f"figures/{name}{suffix}" for name in SINGLE + TYPES for suffix in (".png", ".svg")}
+    assert seen == [(summary, files() - figures)]
+    assert figures <= files()
+
+
+def test_figures_are_drawn_though_nobody_reads_what_is_shown(tmp_path):
+    folder = write_campaign(tmp_path / "run", n_generations=1)
+
+    def unread(_: object) -> None:
+        raise BrokenPipeError
+
+    with pytest.raises(BrokenPipeError):
+        write_report(folder, CODE.mission, CODE.pool, write, show=unread)
+
+    assert stems(folder / "figures", ".png") == SINGLE + TYPES
+
+
+@pytest.mark.parametrize("is_here", [True, False])
+def test_figures_that_cannot_be_written_are_a_record_error_after_the_rest(is_here, tmp_path):
+    folder = write_campaign(tmp_path / "run", n_generations=1)
+    shown = []
+
+    with DrawingProcess() as process:
+
+        def draw(drawings: Drawings) -> Callable[[], None]:
+            drawings[-1][1].with_suffix(".svg").mkdir()
+            return (draw_here if is_here else process.draw)(drawings)
+
+        with pytest.raises(RecordError, match="cannot write the figures"):
+            write_report(folder, CODE.mission, CODE.pool, write, draw=draw, show=shown.append)
+
+    assert len(shown) == 1
