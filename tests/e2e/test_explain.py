@@ -107,7 +107,10 @@ def test_a_fault_that_does_it_alone_is_named(place):
 
     text = mrsfi("explain", MISSION, "--faults", path, *FAST, cwd=place).stdout
 
-    assert "stop.xmi: 1 of 3 faults keep 95 % of every goal's believed and true viol" in text
+    assert (
+        "stop.xmi: cause set 1 of 3 faults, which keeps 95 % of every goal's believed and true viol"
+        in text
+    )
     assert "\nh2      sole\n" in text
     assert "bystanders to every goal: h1 h3\n" in text
     assert "h2 (StopRobot) forged r1 motion from tick 100 to 900: at tick" in text

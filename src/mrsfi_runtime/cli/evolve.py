@@ -355,7 +355,7 @@ def _explain(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine) ->
 
     def tell_of(cause: RecordedCause) -> None:
         faults = counted(len(store.evaluation(cause.index).specification), "faults")
-        found = cause.reason or f"{len(cause.places)} of {faults} are its cause"
+        found = cause.reason or f"cause set {len(cause.places)} of {faults}"
         place = f"{len(store.causes()):>{len(str(N_TOP))}}/{len(best)}"
         tell(f"cause {place}  evaluation {cause.index}  {found}")
 

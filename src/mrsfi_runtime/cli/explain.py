@@ -352,8 +352,9 @@ def require_repeatable(engine: Engine, subject: Subject) -> None:
     if first != second:
         raise ReplayMismatch(
             f"{subject.title}: flown twice, it had violations {first.believed} and "
-            f"{second.believed} believed, {first.true} and {second.true} true; expected a "
-            "simulation that repeats itself; without one, no cause can be told from chance"
+            f"{second.believed} believed, {first.true} and {second.true} true, digests "
+            f"{first.digest[:8]}… and {second.digest[:8]}…; expected a simulation that repeats "
+            "itself; without one, no cause can be told from chance"
         )
 
 

@@ -108,7 +108,7 @@ def _answer(shown: Shown, found: Explanation, n: str) -> str:
         return f"{n}, and none is the cause: without any, {kept} are there as well"
     n_others = len({*found.minima} - {found.cause.places})
     others = f"; shuffled orders give {counted(n_others, 'other sets')}" if n_others else ""
-    return f"{len(found.cause.places)} of {n} keep {kept}{others}"
+    return f"cause set {len(found.cause.places)} of {n}, which keeps {kept}{others}"
 
 
 def _counts_table(shown: Shown, found: Explanation) -> Table:
