@@ -1,21 +1,14 @@
-"""The server's command line: options, settings, log, signals.
+"""The server's command line: options and settings.
 
 ``mrsfi bridge`` and ``python -m mrsfi_bridge`` are this command under two names.
 """
 
-import asyncio
-import logging
-import signal
-import sys
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from mrsfi_bridge.server import BridgeServer
-from mrsfi_bridge.session import LOGGER
 from mrsfi_bridge.settings import Limits, ServerSettings
 from mrsfi_bridge.type_table import TypeTable
 
@@ -119,7 +112,7 @@ def bridge_command(program: str, run: Callable[[ServerSettings], None]) -> click
     program
         What the user types for it; its last word is the command's name.
     run
-        What to do with the settings; it is ``serve``, or calls it.
+        What to do with the settings; it is ``serving.serve``, or calls it.
     """
 
     def callback(  # noqa: PLR0913 - one parameter per option
@@ -156,43 +149,3 @@ def bridge_command(program: str, run: Callable[[ServerSettings], None]) -> click
         help=_HELP.format(program=program),
         context_settings={"help_option_names": ["-h", "--help"]},
     )(callback)
-
-
-def serve(settings: ServerSettings) -> None:
-    """Run a server until the process is told to end; its URL goes to standard output.
-
-    Raises
-    ------
-    SettingsError
-        If the settings would open the server to strangers, or a definition is wrong.
-    ListenError
-        If the address cannot be bound.
-    """
-    settings.check()
-    settings.types.check()
-    logging.basicConfig(
-        stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s"
-    )
-    asyncio.run(_serve(settings))
-
-
-async def _serve(settings: ServerSettings) -> None:
-    server = BridgeServer(settings)
-    await server.start()
-    click.echo(server.url)
-    sys.stdout.flush()
-    ended = asyncio.Event()
-    with suppress(NotImplementedError):  # Windows has no handlers, and ends the process itself
-        asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ended.set)
-    try:
-        await ended.wait()
-    finally:
-        await server.close()
-        counts = server.hub.counts
-        LOGGER.info(
-            "ended: %d clients, %d operations received, %d messages sent, %d dropped",
-            counts.clients,
-            counts.received,
-            counts.sent,
-            counts.dropped,
-        )

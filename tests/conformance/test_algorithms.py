@@ -10,8 +10,8 @@ from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.algorithms import ALGORITHMS, MINIMISING
+from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
+from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.campaign import run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.cli import workspace

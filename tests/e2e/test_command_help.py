@@ -1,9 +1,12 @@
+import shutil
 import subprocess
 import sys
 
 import pytest
 
-from tests.support.cli import mrsfi
+from m2t.load import load_mission_folder
+from tests.support.cli import MISSION, mrsfi
+from tests.support.models.published import published
 
 COMMANDS = (
     "validate",
@@ -19,13 +22,51 @@ COMMANDS = (
     "diff",
 )
 
-_LIGHT_START = """
+HEAVY = {
+    *("cbor2", "deap", "distributed", "importlib.metadata", "jinja2", "lxml", "m2t", "matplotlib"),
+    *("moocore", "numba", "numpy", "pyecore", "pyflakes", "rich", "roslibpy", "scipy"),
+    "websockets",
+}
+"""What takes its time to import, and is not what every command needs."""
+
+MODELS = {"lxml", "m2t", "pyecore"}
+FRESH = {*MODELS, "jinja2"}
+"""Generated code is fresh if it is what would be generated now."""
+
+FLIGHT = {*FRESH, "pyflakes"}
+SEARCH = {"deap", "importlib.metadata", "moocore", "numpy"}
+BUS = {"cbor2", "importlib.metadata", "roslibpy", "websockets"}
+
+TINY = ("--population", "4", "--generations", "0")
+REFERENCE = ("--engine", "reference", "--workers", "1")
+IMPORTED = [
+    (("--help",), set()),
+    *(((command, "--help"), set()) for command in COMMANDS),
+    (("--version",), {"importlib.metadata"}),
+    (("validate", MISSION), FLIGHT),
+    (("generate", MISSION, "--check"), FRESH),
+    (("diff", MISSION, MISSION), MODELS),
+    (("import", "published.xmi"), MODELS),
+    (("simulate", MISSION), {*FLIGHT, "rich"}),
+    (("simulate", MISSION, "--engine", "rosbridge"), {*FLIGHT, *BUS, "rich"}),
+    (("evolve", MISSION, *TINY, *REFERENCE, "--no-explain"), {*FLIGHT, *SEARCH, "rich"}),
+    (("explain", "FLOWN", *REFERENCE), {*FLIGHT, "numpy", "rich"}),
+    (("replay", "FLOWN"), {*FRESH, "numpy", "rich"}),
+    (("report", "FLOWN"), {*FRESH, "matplotlib", "numpy", "rich"}),
+]
+"""Which of the heavy ones a command imports."""
+
+_IMPORTS = """
 import sys
 from mrsfi_runtime.cli.main import main
-main(["--help"])
-heavy = {"m2t", "pyecore", "matplotlib", "deap", "numpy", "rich"} & set(sys.modules)
-sys.exit(f"imported {heavy}" if heavy else 0)
+code = main(sys.argv[2:])
+print(*sorted(set(sys.argv[1].split()) & set(sys.modules)), file=sys.stderr)
+sys.exit(code)
 """
+
+
+def _named(value: object) -> str | None:
+    return " ".join(value) if isinstance(value, tuple) else ""
 
 
 def test_help_names_every_command_and_every_exit_code(tmp_path):
@@ -43,12 +84,23 @@ def test_help_of_every_command_has_examples(command, tmp_path):
     assert f"Examples:\n    mrsfi {command}" in text
 
 
-def test_help_imports_no_heavy_library():
+@pytest.mark.parametrize(("arguments", "expected"), IMPORTED, ids=_named)
+def test_a_command_imports_what_it_uses(arguments, expected, flown, place):
+    if "FLOWN" in arguments:
+        shutil.copytree(flown, place / "FLOWN")
+    models = load_mission_folder(place / "models" / MISSION)
+    (place / "published.xmi").write_text(published(models), encoding="ascii")
+
     done = subprocess.run(
-        [sys.executable, "-c", _LIGHT_START], capture_output=True, check=False, encoding="utf-8"
+        [sys.executable, "-c", _IMPORTS, " ".join(HEAVY), *arguments],
+        cwd=place,
+        capture_output=True,
+        check=False,
+        encoding="utf-8",
     )
 
     assert done.returncode == 0, done.stderr
+    assert {*done.stderr.splitlines()[-1].split()} == expected
 
 
 def test_version_is_printed(tmp_path):

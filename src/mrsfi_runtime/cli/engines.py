@@ -2,32 +2,24 @@
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import wraps
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import click
 
-from mrsfi_runtime.cli.console import tell, written_file
 from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
-from mrsfi_runtime.engine.flights import Engine, Evaluator
-from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.kernel.injections import FaultTally
-from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
-from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.flights import Engine, Evaluator
+    from mrsfi_runtime.mission import MissionCode
 
 SIMULATION = "simulation"
 BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
@@ -219,11 +211,11 @@ class WorkerOptions:
     @contextmanager
     def evaluator(
         self,
-        code: MissionCode,
+        code: "MissionCode",
         seed: int,
         engine: EngineSettings,
         on_reached: Callable[[str], None] = lambda _: None,
-    ) -> Iterator[Evaluator]:
+    ) -> "Iterator[Evaluator]":
         """Yield what evaluates specifications of a mission, as long as the body runs.
 
         Parameters
@@ -243,6 +235,8 @@ class WorkerOptions:
         if self.dask is None:
             n_workers = self.workers or (1 if engine.url else _N_PROCESSORS)
             on_reached(f"{n_workers} workers")
+            from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - not for --help
+
             with WorkerPool(code, seed, n_workers, engine) as pool:
                 yield pool
             return
@@ -256,8 +250,8 @@ class WorkerOptions:
 
 @contextmanager
 def own_engine(
-    evaluator: Evaluator, code: MissionCode, seed: int, settings: EngineSettings
-) -> Iterator[Engine]:
+    evaluator: "Evaluator", code: "MissionCode", seed: int, settings: EngineSettings
+) -> "Iterator[Engine]":
     """Yield an engine of this process: that of an evaluator, or else another one like it."""
     if evaluator.engine is not None:
         yield evaluator.engine
@@ -297,46 +291,3 @@ def recording_options(command: F) -> F:
         kind = click.Path(path_type=Path, dir_okay=False)
         command = click.option(name, type=kind, metavar="FILE", help=text)(command)
     return command
-
-
-def fly_recorded(
-    engine: Engine,
-    specification: Specification,
-    pool: FaultPool,
-    log: Path | None,
-    trace: Path | None,
-) -> Outcome:
-    """Fly once under faults of a pool, and write the wanted files."""
-    require_no_overlap(engine.code.mission, pool, specification)
-    faults = named_faults(engine.code.mission, pool, specification)
-    tallies = [FaultTally() for _ in specification]
-    with _recorder(engine.code.mission, log, trace, faults, tallies) as observer:
-        outcome = engine.evaluate(specification, pool=pool, observer=observer, tallies=tallies)
-    for path in (log, trace):
-        if path is not None:
-            tell(f"written    {path}")
-    return outcome
-
-
-@contextmanager
-def _recorder(
-    mission: Mission,
-    log: Path | None,
-    trace: Path | None,
-    faults: Sequence[NamedFault],
-    tallies: Sequence[FaultTally],
-) -> Iterator[Observer | None]:
-    """Yield an observer that writes the wanted files, or ``None`` if none is wanted."""
-    with ExitStack() as files:
-        observers: list[Observer] = []
-        if log is not None:
-            stream = files.enter_context(written_file(log))
-            observers.append(SimulationLog(mission, stream, faults, tallies))
-        if trace is not None:
-            observers.append(TraceTable(mission, files.enter_context(written_file(trace))))
-
-        def observe(*tick: Any) -> None:
-            for observer in observers:
-                observer(*tick)
-
-        yield observe if observers else None

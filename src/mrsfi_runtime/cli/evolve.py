@@ -21,12 +21,10 @@ from mrsfi_runtime.cli.console import counted, tell
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
     WorkerOptions,
-    engine_options,
     own_engine,
     recorded_engine,
-    worker_options,
 )
-from mrsfi_runtime.cli.folders import MissionFolders, campaign_file, find_mission, generated_option
+from mrsfi_runtime.cli.folders import MissionFolders, campaign_file, find_mission
 from mrsfi_runtime.cli.loading import load_fresh
 from mrsfi_runtime.cli.progress import search_progress, share, tell_of_fitness
 from mrsfi_runtime.cli.report import report
@@ -34,44 +32,14 @@ from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import RecordError, TransportError, UsageError, WorkerLost
-from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.folder import CampaignFolder, hashes, only_writer
-from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings
-from mrsfi_runtime.search.algorithms import ALGORITHMS, MINIMISING
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace
-
-_HELP = """Evolve fault specifications against MISSION and print what breaks it.
-
-The campaign file says how: algorithm, population, generations, fitness. --case a and
---case b are the files case_a.toml and case_b.toml beside the models; options replace single
-values. Everything goes into a new folder, runs/NAME-CASE-N: copies of the models and of the
-code it ran on, every evaluation, figures, tables, and the ten worst as XMI.
-
-Of these ten it finds out which faults are the cause, with at most as many flights as the search
-took, and prints the findings: specifications with the same cause are one. More is found out by
-mrsfi explain. Somebody else's simulation is only searched on.
-
-\b
-Examples:
-  mrsfi evolve uuv_sampling
-  mrsfi evolve uuv_sampling --case b --ratio g3:g1=2:1
-  mrsfi evolve uuv_sampling --seed 7 --generations 5 --out runs/short
-  mrsfi evolve uuv_sampling --algorithm random --evaluations 1000
-  mrsfi evolve uuv_sampling --algorithm guided --minimise faults --violations true --goals g2
-  mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
-  mrsfi evolve --resume runs/uuv_sampling-a-1
-
-Same seed, same result, bit for bit, with any number of workers. A campaign that was ended,
-by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on with
---resume DIR: nothing that is recorded is evaluated again, and the result is that of one run.
-"""
-
 
 _FREE = frozenset(
     {"resume", "ratio", "no_explain", "is_json"}
@@ -179,56 +147,7 @@ def _tell_other_versions(recorded: Mapping[str, str]) -> None:
             )
 
 
-def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[str] | None:
-    return None if text is None else [goal.strip() for goal in text.split(",")]
-
-
-@click.command(name="evolve", help=_HELP)
-@click.pass_context
-@click.argument("mission", metavar="[MISSION]", required=False)
-@generated_option
-@click.option(
-    "--case",
-    show_default="a",
-    metavar="a|b|FILE",
-    help="Campaign file: case_NAME.toml beside the models, or any TOML file.",
-)
-@click.option("--seed", type=int, help="Seed of the search.")
-@click.option("--mission-seed", type=int, help="Seed of the mission's weather.")
-@click.option(
-    "--algorithm",
-    metavar="NAME",
-    help=f"How to search: {', '.join(ALGORITHMS)}, or your own, MODULE:FUNCTION.",
-)
-@click.option("--generations", type=int, help="Generations after the first.")
-@click.option("--population", type=int, help="Individuals of a generation.")
-@click.option("--evaluations", type=int, help="Stop after exactly so many evaluations.")
-@click.option("--faults", type=int, help="Timed faults of an individual; with --minimise at most.")
-@click.option("--goals", metavar="G,H,…", callback=_goal_ids, help="Goals to look at.")
-@click.option("--violations", metavar="NAME", help=f"What is counted: {', '.join(VIOLATIONS)}.")
-@click.option(
-    "--minimise",
-    metavar="|".join(COSTS),
-    help=f"Also seek few of these, by algorithm {' or '.join(MINIMISING)}.",
-)
-@worker_options
-@engine_options(BOTH, CI, default=AUTO)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="DIR",
-    help="New folder of the campaign [default: runs/NAME-CASE-N, first free N].",
-)
-@click.option(
-    "--resume",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Go on with the campaign in DIR, with its own settings; no MISSION then.",
-)
-@click.option("--ratio", metavar="G:H=M:N", help="Also pick from the front, such as g3:g1=2:1.")
-@click.option("--no-explain", is_flag=True, help="Do not look for the causes of the ten worst.")
-@click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
-def command(
+def evolve(
     ctx: click.Context,
     /,
     *,

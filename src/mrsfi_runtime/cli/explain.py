@@ -12,7 +12,7 @@ from m2t.specification import write_specification
 from mrsfi_runtime.analysis.findings import find_findings
 from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.analysis.report import specification_rows
-from mrsfi_runtime.causes.cause_set import KEEP, chosen
+from mrsfi_runtime.causes.cause_set import chosen
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation, explain
 from mrsfi_runtime.causes.recorded import recorded
@@ -21,9 +21,7 @@ from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
     WorkerOptions,
-    engine_options,
     own_engine,
-    worker_options,
 )
 from mrsfi_runtime.cli.explained import (
     CAUSE_SET,
@@ -33,7 +31,7 @@ from mrsfi_runtime.cli.explained import (
     of_goal,
     print_explanation,
 )
-from mrsfi_runtime.cli.folders import MissionFolders, find_mission, generated_option, is_mission
+from mrsfi_runtime.cli.folders import MissionFolders, find_mission, is_mission
 from mrsfi_runtime.cli.loading import load_fresh, read_specification
 from mrsfi_runtime.cli.progress import tell_of_fitness
 from mrsfi_runtime.cli.replay import find_evaluation, require_same
@@ -45,40 +43,9 @@ from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings
-
-_HELP = """Find out which faults of a specification break which goal.
-
-RUN is the folder of a campaign, whose most critical specification is explained, or those that an
-option names. With --faults, MISSION is a mission, and FILE a fault specification in XMI: one that
-search found, or one written by hand.
-
-\b
-Examples:
-  mrsfi explain runs/uuv_sampling-a-1
-  mrsfi explain runs/uuv_sampling-a-1 --evaluation 412
-  mrsfi explain runs/uuv_sampling-a-1 --top 10 --json
-  mrsfi explain uuv_sampling --faults models/uuv_sampling/mine.xmi --measure masked
-
-The cause set are the faults without which the violations would not be: flown alone, they keep a
-share of every goal's violations, believed (or what the campaign measures) and true ones alike, and
-without any single one of them they do not. It is written as XMI, and beside it its simplest form,
-with shorter windows and plainer values: fly them with mrsfi simulate --faults. Labels say what each
-fault is to each goal:
-
-\b
-  sole       in the goal's cause set, and enough alone
-  joint      in the goal's cause set with others
-  redundant  could take the place of one in it
-  masking    without it there would be more violations
-  bystander  none of these
-
-Of several specifications, those are one finding whose cause sets have the same faults in windows
-that overlap.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,48 +103,7 @@ class Case:
     source: Path
 
 
-@click.command(name="explain", help=_HELP)
-@click.argument("target", metavar="RUN|MISSION")
-@generated_option
-@click.option(
-    "--faults",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="Explain this fault specification of MISSION.",
-)
-@click.option("--best", is_flag=True, help="The most critical evaluation of RUN, as without it.")
-@click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N of RUN.")
-@click.option("--top", "n_top", type=click.IntRange(1), metavar="K", help="The K most critical.")
-@click.option(
-    "--keep",
-    type=click.FloatRange(0.0, 1.0, min_open=True),
-    default=KEEP,
-    show_default=True,
-    help="Share of its violations that a cause set keeps of every goal.",
-)
-@click.option(
-    "--measure",
-    "kind",
-    type=click.Choice(VIOLATIONS),
-    show_default="that of RUN, else believed",
-    help="Violations that it keeps beside the true ones.",
-)
-@click.option(
-    "--seed",
-    type=click.IntRange(0),
-    show_default="that of RUN, else 1",
-    help="With --faults: seed of the weather.",
-)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="DIR",
-    help="Where to write the cause sets [default: RUN/causes, or the folder of FILE].",
-)
-@worker_options
-@engine_options(BOTH, CI, default=AUTO)
-@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
-def command(  # noqa: PLR0913 - one parameter per option
+def explain_faults(  # noqa: PLR0913 - one parameter per option
     target: str,
     generated: Path | None,
     *,

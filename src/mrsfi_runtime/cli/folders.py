@@ -4,22 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import click
-
 from m2t.generate import stale
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.semantics_of_code import require_semantics
-
-mission_argument = click.argument("mission", metavar="MISSION")
-"""Gives a command the argument MISSION."""
-
-generated_option = click.option(
-    "--generated",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="DIR",
-    help="Folder of the generated code [default: generated/NAME beside models/].",
-)
-"""Gives a command the option --generated."""
 
 _MODELS = Path("models")
 _MISSION_FILE = "mission.xmi"

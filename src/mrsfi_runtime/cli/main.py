@@ -84,7 +84,7 @@ class CommandGroup(click.Group):
         """Import one subcommand."""
         if cmd_name not in _COMMANDS:
             return None
-        module = import_module(f"mrsfi_runtime.cli.{_MODULES.get(cmd_name, cmd_name)}")
+        module = import_module(f"mrsfi_runtime.cli.commands.{_MODULES.get(cmd_name, cmd_name)}")
         return cast("click.Command", module.command)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic
+from typing import TYPE_CHECKING
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -10,7 +11,9 @@ from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.terminal import progress_console
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import CampaignProgress
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.search.campaign import CampaignProgress
 
 _LINES = 100
 """About how many plain lines a long search prints."""
@@ -19,7 +22,7 @@ _LINES = 100
 @contextmanager
 def search_progress(
     settings: CampaignSettings, begun: float = 0.0
-) -> Iterator[Callable[[CampaignProgress], None]]:
+) -> "Iterator[Callable[[CampaignProgress], None]]":
     """Yield the function to call after each generation.
 
     Parameters
@@ -41,7 +44,7 @@ def search_progress(
         task = bar.add_task("", total=1.0, generation="0", best=0.0, mean=0.0)
         bar.update(task, completed=begun)
 
-        def advance(state: CampaignProgress) -> None:
+        def advance(state: "CampaignProgress") -> None:
             bar.update(
                 task,
                 completed=share_done(settings, state),
@@ -75,7 +78,7 @@ class PlainLines:
         self._began = clock()
         self._told = -1.0
 
-    def __call__(self, state: CampaignProgress) -> None:
+    def __call__(self, state: "CampaignProgress") -> None:
         """Tell how far the search is after a generation."""
         done = share_done(self._settings, state)
         fresh = done - self._recorded
@@ -91,7 +94,7 @@ class PlainLines:
         )
 
 
-def share_done(settings: CampaignSettings, state: CampaignProgress) -> float:
+def share_done(settings: CampaignSettings, state: "CampaignProgress") -> float:
     """Return the share of a search that is done, above 0, at most 1."""
     return share(settings, state.generation + 1, state.n_evaluations + state.n_failures)
 
@@ -103,7 +106,7 @@ def share(settings: CampaignSettings, n_generations: int, n_asked: int) -> float
     return min(1.0, n_generations / (settings.generations + 1))
 
 
-def _generation(settings: CampaignSettings, state: CampaignProgress) -> str:
+def _generation(settings: CampaignSettings, state: "CampaignProgress") -> str:
     if settings.evaluations is not None:
         return str(state.generation)
     width = len(str(settings.generations))

@@ -9,39 +9,18 @@ from rich.progress import track
 from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.cli.campaigns import FlyableCampaign, OpenCampaign, open_to_fly
 from mrsfi_runtime.cli.console import print_json
-from mrsfi_runtime.cli.engines import EngineOptions, engine_options, fly_recorded, recording_options
+from mrsfi_runtime.cli.engines import EngineOptions
+from mrsfi_runtime.cli.recorded_flight import fly_recorded
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.cli.terminal import print_table, progress_console
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import RecordError, ReplayMismatch
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
-from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.named_faults import named_faults
 
-_HELP = """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
 
-The flight uses the campaign's own copies of models and code, so it is the same whatever was
-edited since. A difference ends with exit code 7 and says what differs; a campaign of other rules
-of the world ends with exit code 9 and says which mrsfi flies it.
-
-\b
-Examples:
-  mrsfi replay runs/uuv_sampling-a-1                    the most critical specification
-  mrsfi replay runs/uuv_sampling-a-1 --evaluation 412 --log flight.log --trace flight.csv
-  mrsfi replay runs/uuv_sampling-a-1 --all              every evaluation
-"""
-
-
-@click.command(name="replay", help=_HELP)
-@click.argument("folder", metavar="CAMPAIGN", type=click.Path(path_type=Path))
-@click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N.")
-@click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
-@click.option("--all", "is_all", is_flag=True, help="Every evaluation.")
-@recording_options
-@engine_options(BOTH, CI)
-@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
-def command(
+def replay(
     folder: Path,
     *,
     engine: EngineOptions,

@@ -19,29 +19,8 @@ from mrsfi_runtime.cli.tables import critical_tables, plain_table, print_finding
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.record.measure import Measure, ticks
 
-_HELP = """Write the report of CAMPAIGN anew and print its findings.
 
-Where nothing was explained, these are the ten most critical specifications.
-
-CAMPAIGN is the folder of a campaign, finished or interrupted; without one, the campaign in
-runs/ that was written last. Everything comes from the folder's own copies, whatever was
-edited since; campaigns of an earlier mrsfi are read as well.
-
-\b
-Examples:
-  mrsfi report
-  mrsfi report runs/uuv_sampling-b-1 --ratio g3:g1=2:1
-  mrsfi report runs/uuv_sampling-a-1 --json | jq '.top[].fitness'
-
-Written into the folder: report.md, summary.json, figures/, tables/, critical/*.xmi.
-"""
-
-
-@click.command(name="report", help=_HELP)
-@click.argument("folder", metavar="[CAMPAIGN]", required=False, type=click.Path(path_type=Path))
-@click.option("--ratio", metavar="G:H=M:N", help="Pick from the front, such as g3:g1=2:1.")
-@click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
-def command(folder: Path | None, *, ratio: str | None, is_json: bool) -> None:
+def report_anew(folder: Path | None, *, ratio: str | None, is_json: bool) -> None:
     """Write the report of a campaign anew and print its findings."""
     with open_campaign(latest_folder() if folder is None else folder) as campaign:
         report(campaign, ratio, is_json=is_json)

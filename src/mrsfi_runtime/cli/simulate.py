@@ -3,100 +3,33 @@
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from mrsfi_runtime.analysis.effects import audit
 from mrsfi_runtime.cli.console import print_json, tell, written_file
-from mrsfi_runtime.cli.engines import (
-    SIMULATION,
-    EngineOptions,
-    engine_options,
-    fly_recorded,
-    recording_options,
-)
-from mrsfi_runtime.cli.fault_effects import Effects
-from mrsfi_runtime.cli.folders import find_mission, generated_option, mission_argument
+from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions
+from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.cli.loading import load_fresh, read_specification
+from mrsfi_runtime.cli.recorded_flight import fly_recorded
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.transport.server_address import without_token
 
-_HELP = """Fly MISSION once and print what happened to each goal.
-
-Without --faults it flies without faults. A fault specification is XMI: one that search found
-(runs/NAME/critical/01.xmi), or one written by hand: a copy of the pool whose faults have
-start and finish.
-
-\b
-Examples:
-  mrsfi simulate uuv_sampling
-  mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
-  mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
-  mrsfi simulate uuv_sampling --each-fault 100:900
-  mrsfi simulate uuv_sampling --each-fault 100:900 --seeds 40 --markdown effects.md
-  mrsfi simulate uuv_sampling --engine rosbridge
-
-\b
-On a server of yours, simulation and collective intelligence apart:
-  mrsfi bridge --port 9090
-  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side simulation
-  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
-
-A violation counts once per goal and tick: believed by the collective intelligence, true in
-the simulation, phantom (believed, not true), masked (true, not believed). A goal is missed from
-the tick on at which it is certain, from the truth alone, that its purpose is not met; – if it was
-met.
-"""
+if TYPE_CHECKING:
+    from mrsfi_runtime.cli.fault_effects import Effects
 
 _WINDOW = re.compile(r"(\d+):(\d+)")
 
 
-@click.command(name="simulate", help=_HELP)
-@mission_argument
-@generated_option
-@click.option("--no-faults", is_flag=True, help="Fly without faults, as without this option.")
-@click.option(
-    "--faults",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="Fly under this fault specification.",
-)
-@click.option(
-    "--each-fault",
-    metavar="START:FINISH",
-    help="Fly with each fault of the pool alone, active in these ticks; what changes no goal "
-    "also with other values, unless over rosbridge. The engine is auto without --engine.",
-)
-@click.option(
-    "--markdown",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="With --each-fault: write the page to FILE.",
-)
-@click.option(
-    "--seeds",
-    "n_seeds",
-    type=click.IntRange(1),
-    default=1,
-    show_default=True,
-    help="With --each-fault: fly in so many mission seeds, from --seed on.",
-)
-@click.option(
-    "--seed", type=click.IntRange(0), default=1, show_default=True, help="Seed of the weather."
-)
-@recording_options
-@engine_options(BOTH, CI, SIMULATION)
-@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
-def command(  # noqa: PLR0913 - one parameter per option
+def simulate(  # noqa: PLR0913 - one parameter per option
     mission: str,
     generated: Path | None,
     *,
@@ -130,9 +63,7 @@ def command(  # noqa: PLR0913 - one parameter per option
         if each_fault is not None:
             window = _window(each_fault)
             tries_values = settings.name != ROSBRIDGE
-            rows = audit(opened, *window, n_seeds, tries_values=tries_values)
-            name, found = folders.name, code.mission
-            effects = Effects(name, found, seed, n_seeds, *window, rows, tries_values)
+            effects = _effects(folders.name, opened, window, n_seeds, tries_values=tries_values)
             _tell_effects(effects, markdown, is_json=is_json)
             return
         pool = code.pool if faults is None else read_specification(faults)[1]
@@ -198,7 +129,18 @@ def _as_json(
     }
 
 
-def _tell_effects(effects: Effects, markdown: Path | None, *, is_json: bool) -> None:
+def _effects(
+    name: str, engine: Engine, window: tuple[int, int], n_seeds: int, *, tries_values: bool
+) -> "Effects":
+    """Fly with each fault alone; numpy comes with that, and one flight does without."""
+    from mrsfi_runtime.analysis.effects import audit  # noqa: PLC0415 - brings numpy
+    from mrsfi_runtime.cli.fault_effects import Effects  # noqa: PLC0415 - brings numpy
+
+    rows = audit(engine, *window, n_seeds, tries_values=tries_values)
+    return Effects(name, engine.code.mission, engine.seed, n_seeds, *window, rows, tries_values)
+
+
+def _tell_effects(effects: "Effects", markdown: Path | None, *, is_json: bool) -> None:
     if markdown is not None:
         with written_file(markdown) as file:
             file.write(effects.page())

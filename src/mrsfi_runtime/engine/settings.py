@@ -2,14 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
-from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, UsageError
 from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.transport.server_address import Client
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.flights import Engine
+    from mrsfi_runtime.mission import MissionCode
 
 AUTO, REFERENCE, COMPILED, ROSBRIDGE = "auto", "reference", "compiled", "rosbridge"
 ENGINES = (AUTO, REFERENCE, COMPILED, ROSBRIDGE)
@@ -43,7 +44,7 @@ class EngineSettings:
     is_bundled: bool = False
     patience: Patience = field(default_factory=Patience)
 
-    def tried(self, code: MissionCode, seed: int, tell: Callable[[str], None]) -> Self:
+    def tried(self, code: "MissionCode", seed: int, tell: Callable[[str], None]) -> Self:
         """Fly the mission without faults on plain Python, and return settings that name an engine.
 
         Parameters
@@ -74,11 +75,11 @@ class EngineSettings:
                     f"not compiled: {error}; the reference engine evaluates, about 100 times slower"
                 )
         if self.has_simulation:
-            with ReferenceEngine(code, seed) as reference:
+            with _reference(code, seed) as reference:
                 reference.evaluate(())
         return settings
 
-    def open(self, code: MissionCode, seed: int, n_threads: int = 1) -> Engine:
+    def open(self, code: "MissionCode", seed: int, n_threads: int = 1) -> "Engine":
         """Return the engine, ready to evaluate; the caller closes it.
 
         Parameters
@@ -98,7 +99,7 @@ class EngineSettings:
             If the server or the simulation cannot be reached.
         """
         if self.name == REFERENCE:
-            return ReferenceEngine(code, seed)
+            return _reference(code, seed)
         if self.name == COMPILED:
             return _compiled(code, seed, n_threads)
         from mrsfi_runtime.engine.rosbridge import RosbridgeEngine  # noqa: PLC0415 - brings a server
@@ -129,7 +130,15 @@ class EngineSettings:
             )
 
 
-def _compiled(code: MissionCode, seed: int, n_threads: int) -> Engine:
+def _reference(code: "MissionCode", seed: int) -> "Engine":
+    from mrsfi_runtime.engine.reference import (  # noqa: PLC0415 - options name it, flights need it
+        ReferenceEngine,
+    )
+
+    return ReferenceEngine(code, seed)
+
+
+def _compiled(code: "MissionCode", seed: int, n_threads: int) -> "Engine":
     try:
         from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - optional
     except ImportError as error:

@@ -16,6 +16,22 @@ from mrsfi_runtime.model.faults import COSTS
 
 _LARGEST_SEED = 2**63 - 1
 
+ALGORITHM_NAMES = (
+    "paper",
+    "eaSimple",
+    "eaMuPlusLambda",
+    "eaMuCommaLambda",
+    "eaGenerateUpdate",
+    "nsga2",
+    "guided",
+    "random",
+    "drift",
+)
+"""The algorithms of ours and of DEAP, as a campaign file names them."""
+
+MINIMISING = ("nsga2", "guided")
+"""Those that keep a front, and so can minimise one thing beside many violations."""
+
 VIOLATIONS = ("believed", "true", "masked", "missed")
 """Counts of an outcome that a search can look at."""
 
@@ -27,7 +43,7 @@ class CampaignSettings:
     Attributes
     ----------
     algorithm
-        One of ``ALGORITHMS``, or ``module:function``, as are the other functions below.
+        One of ``ALGORITHM_NAMES``, or ``module:function``, as are the other functions below.
     population
         Number of individuals.
     generations

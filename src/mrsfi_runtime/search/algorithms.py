@@ -276,10 +276,7 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
         "drift": drift,
     }
 )
-"""Algorithms by their name in a campaign file."""
-
-MINIMISING = ("nsga2", "guided")
-"""Those that keep a front, and so can minimise one thing beside many violations."""
+"""Algorithms by their name in a campaign file, those of ``ALGORITHM_NAMES``."""
 
 
 def begin_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:

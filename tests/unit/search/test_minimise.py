@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import pytest
 
 from mrsfi_runtime.model.faults import COSTS, Specification, TimedFault
-from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.algorithms import ALGORITHMS, MINIMISING
+from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
+from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Criticality, Individual, foremost
 from tests.support.search import paper_space, stand_in_outcome

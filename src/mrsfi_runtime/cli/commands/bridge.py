@@ -1,12 +1,14 @@
 """The command ``mrsfi bridge``: the command of ``mrsfi_bridge`` with the errors of ``mrsfi``."""
 
-from mrsfi_bridge.command import bridge_command, serve
+from mrsfi_bridge.command import bridge_command
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings
-from mrsfi_runtime.transport.bridge_errors import as_ours
 
 
 def _serve(settings: ServerSettings) -> None:
+    from mrsfi_bridge.serving import serve
+    from mrsfi_runtime.transport.bridge_errors import as_ours
+
     try:
         serve(settings)
     except BridgeError as error:

@@ -1,0 +1,34 @@
+"""What ``mrsfi report`` takes."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+_HELP = """Write the report of CAMPAIGN anew and print its findings.
+
+Where nothing was explained, these are the ten most critical specifications.
+
+CAMPAIGN is the folder of a campaign, finished or interrupted; without one, the campaign in
+runs/ that was written last. Everything comes from the folder's own copies, whatever was
+edited since; campaigns of an earlier mrsfi are read as well.
+
+\b
+Examples:
+  mrsfi report
+  mrsfi report runs/uuv_sampling-b-1 --ratio g3:g1=2:1
+  mrsfi report runs/uuv_sampling-a-1 --json | jq '.top[].fitness'
+
+Written into the folder: report.md, summary.json, figures/, tables/, critical/*.xmi.
+"""
+
+
+@click.command(name="report", help=_HELP)
+@click.argument("folder", metavar="[CAMPAIGN]", required=False, type=click.Path(path_type=Path))
+@click.option("--ratio", metavar="G:H=M:N", help="Pick from the front, such as g3:g1=2:1.")
+@click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
+def command(**given: Any) -> None:
+    """Write the report of a campaign anew and print its findings."""
+    from mrsfi_runtime.cli.report import report_anew
+
+    report_anew(**given)
