@@ -79,8 +79,11 @@ class Flights:
     @contextmanager
     def on(self, purpose: str) -> Iterator[None]:
         """Count what is flown in the body as flown for a purpose."""
-        self._purpose = purpose
-        yield
+        before, self._purpose = self._purpose, purpose
+        try:
+            yield
+        finally:
+            self._purpose = before
 
     def spend(self, n_flights: int) -> None:
         """Count flights that are about to begin.

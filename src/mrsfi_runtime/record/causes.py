@@ -43,11 +43,6 @@ class RecordedCause:
     firmness: tuple[Mapping[str, Any], ...] = ()
 
     @property
-    def sentence(self) -> str:
-        """What the leading fault did, in words; empty if there is none."""
-        return self.sentences[self.leading] if self.sentences else ""
-
-    @property
     def why_not(self) -> str:
         """That it is not known, and why, in words."""
         return f"evaluation {self.index} is not explained: {self.reason}"

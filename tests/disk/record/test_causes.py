@@ -50,7 +50,6 @@ def damage(store, content, index=1):
 def test_causes_are_read_back_in_the_order_of_evaluations(explained):
     with CampaignStore.open(explained.path.parent) as again:
         assert again.causes() == (UNKNOWN, FOUND)
-    assert [cause.sentence for cause in explained.causes()] == ["", "f1.2 did that"]
 
 
 def test_causes_change_neither_evaluations_nor_digest(store):
@@ -138,6 +137,6 @@ def test_a_text_with_another_character_is_damage_or_still_a_cause(data):
         return
 
     assert len(found.places) == len(found.sentences) == len(found.chains) == 2
-    assert found.sentence in found.sentences
+    assert found.leading in range(len(found.sentences))
     assert all(0 <= place < len(FAULTS) for place in found.places)
     assert RecordedCause.from_row((1, found.text(), json.dumps(FAULTS))) == found
