@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -34,47 +34,63 @@ class Run:
         Seconds of processors, its own children's included.
     peak
         Most memory that it, or one of its own children, held, in bytes.
-    output
-        What it wrote to standard output.
+    lines
+        What it wrote, with the seconds from its start.
     """
 
     seconds: float
     processor: float
     peak: int
-    output: str
+    lines: tuple[tuple[float, str], ...]
 
     def found(self) -> Any:
         """Return the JSON of the last line."""
-        return json.loads(self.output.splitlines()[-1])
+        return json.loads(self.lines[-1][1])
 
 
-def run(*words: str, environment: dict[str, str] | None = None) -> Run:
-    """Run a Python module in a process of its own to its end.
+def run(*words: str) -> Run:
+    """Run a Python module in a process of its own to its end; see ``run_in``."""
+    return run_in(Path.cwd(), [sys.executable, "-m", *words], os.environ)
+
+
+def run_in(
+    folder: Path, words: Sequence[str], environment: Mapping[str, str], last: str | None = None
+) -> Run:
+    """Run a command in a folder to its end, or kill it when it prints a line that begins so.
+
+    It counts as ended when its children have let go of its output, too.
 
     Raises
     ------
     SystemExit
-        If it fails.
+        If it fails, or ends without that line.
     """
     start = time.perf_counter()
+    lines: list[tuple[float, str]] = []
+    is_reached = last is None
     with subprocess.Popen(
-        [sys.executable, "-m", *words],
+        words,
+        cwd=folder,
+        env=environment,
         stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
         encoding="utf-8",
-        env=os.environ | (environment or {}),
     ) as process:
         assert process.stdout is not None
-        assert process.stderr is not None
-        output = process.stdout.read()
-        told = process.stderr.read()  # short: the progress of a search fits into the pipe
+        for line in process.stdout:
+            lines.append((time.perf_counter() - start, line))
+            if last is not None and line.startswith(last):
+                is_reached = True
+                process.kill()
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     seconds = time.perf_counter() - start
-    if process.returncode:
-        message = f"{' '.join(words)} failed:\n{told}"
+    if not is_reached or (last is None and process.returncode):
+        told = "".join(line for _, line in lines)
+        message = f"{folder}: {' '.join(words)} failed:\n{told}"
         raise SystemExit(message)
-    return Run(seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024, output)
+    processor = usage.ru_utime + usage.ru_stime
+    return Run(seconds, processor, usage.ru_maxrss * 1024, tuple(lines))
 
 
 def drawn(code: MissionCode, n: int, n_faults: int = 20) -> list[Specification]:

@@ -1,0 +1,224 @@
+"""How long things take here, beside an installed copy of another commit.
+
+Run ``python -m benchmarks.beside`` from the project's root after ``make install``, or with names
+of what is to be measured. The copy is made the first time, as a work tree of git with an
+environment of its own, and kept. Both take turns, so that whatever else slows this machine slows
+both alike; printed are the least and the median of each, and their ratios. Only times compare:
+under other semantics the same mission flies otherwise.
+"""
+
+import argparse
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from math import ceil
+from pathlib import Path
+from types import MappingProxyType
+
+from benchmarks.measuring import MEBI, Others, Run, run_in
+
+MISSION = "uuv_sampling"
+REGION = "    # protected region g3.check on begin\n"
+Figures = dict[str, float]
+"""What was measured, in words with their unit."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the two.
+
+    Attributes
+    ----------
+    tree
+        Where mrsfi is installed in ``.venv``.
+    scratch
+        A folder for what is made while measuring.
+    n_evaluations
+        Of the long campaign.
+    """
+
+    tree: Path
+    scratch: Path
+    n_evaluations: int
+
+    def probe(self, *words: str) -> Figures:
+        """Measure from within; see ``benchmarks.probe``."""
+        script = str(Path(__file__).with_name("probe.py"))
+        found = self._run("python", "-P", script, *words, PYTHONPATH=str(self.tree)).found()
+        return {f"{what}, ms": value for what, value in found.items()}
+
+    def mrsfi(self, *words: str, last: str | None = None, folder: str = "cache") -> Run:
+        """Run a command, with its compiled code in a folder, until it ends or prints a line."""
+        return self._run("mrsfi", *words, last=last, MRSFI_CACHE=str(self.scratch / folder))
+
+    def evolve(self, *words: str, last: str | None = None, folder: str = "cache") -> Run:
+        """Run a search that explains nothing, and drop what it found."""
+        if "--no-explain" in _help(self, "evolve"):
+            words = (*words, "--no-explain")
+        with tempfile.TemporaryDirectory(dir=self.scratch) as name:
+            words = ("evolve", MISSION, *words, "--out", f"{name}/run")
+            return self.mrsfi(*words, last=last, folder=folder)
+
+    def _run(self, program: str, *words: str, last: str | None = None, **variables: str) -> Run:
+        environment = os.environ | {"MRSFI_CACHE": str(self.scratch / "cache")} | variables
+        environment.pop("PYTHONDONTWRITEBYTECODE", None)
+        command = [str(self.tree / ".venv" / "bin" / program), *words]
+        return run_in(self.tree, command, environment, last)
+
+
+@cache
+def _help(side: Side, command: str) -> str:
+    return "".join(line for _, line in side.mrsfi(command, "--help").lines)
+
+
+def from_start(what: str, run: Run) -> Figures:
+    """Return what a command took."""
+    return {
+        f"{what}: last line, s": run.lines[-1][0],
+        f"{what}: end, s": run.seconds,
+        f"{what}: processors, s": run.processor,
+    }
+
+
+def commands(side: Side, _: int) -> Figures:
+    """Run what searches nothing."""
+    return {
+        **from_start("--help", side.mrsfi("--help")),
+        **from_start("validate", side.mrsfi("validate", MISSION)),
+        **from_start("generate", side.mrsfi("generate", MISSION, "--check")),
+    }
+
+
+def cold(side: Side, number: int) -> Figures:
+    """Search with nothing compiled before."""
+    return from_start("evolve, cold", side.evolve(folder=f"cold-{number}"))
+
+
+def edited(side: Side, number: int) -> Figures:
+    """Edit a region, and search until the first generation is on the screen."""
+    generated = side.scratch / "generated"
+    shutil.rmtree(generated, ignore_errors=True)
+    shutil.copytree(side.tree / "generated" / MISSION, generated)
+    path = generated / "collective_intelligence.py"
+    text = path.read_text("utf-8")
+    lines = f"    if ci.mission.tick < -{number + 1}:\n        return False\n"
+    if REGION not in text:
+        message = f"{path}: found no region g3.check to edit"
+        raise SystemExit(message)
+    path.write_text(text.replace(REGION, REGION + lines), "utf-8")
+    found = side.evolve("--generated", str(generated), last="generation")
+    return {"region edit to first generation, s": found.lines[-1][0]}
+
+
+def many(side: Side, _: int) -> Figures:
+    """Search and report for long."""
+    found = side.evolve("--evaluations", str(side.n_evaluations))
+    what = f"{side.n_evaluations:,} evaluations"
+    return {**from_start(what, found), f"{what}: peak, MiB": found.peak / MEBI}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What is measured together.
+
+    Attributes
+    ----------
+    measure
+        Takes a side and the number of a round, from 0.
+    share
+        Rounds for one round of it.
+    is_warmed
+        Whether a round goes before those that count.
+    """
+
+    measure: Callable[[Side, int], Figures]
+    share: int = 1
+    is_warmed: bool = True
+
+
+QUANTITIES = MappingProxyType(
+    {
+        "paper": Quantity(lambda side, _: side.probe()),
+        "robots": Quantity(lambda side, _: side.probe(str(side.scratch / "fleet"))),
+        "commands": Quantity(commands),
+        "cached": Quantity(lambda side, _: from_start("evolve, cached", side.evolve())),
+        "cold": Quantity(cold, share=3, is_warmed=False),
+        "edit": Quantity(edited, share=3, is_warmed=False),
+        "many": Quantity(many, share=10, is_warmed=False),
+    }
+)
+
+
+def print_ratios(before: list[Figures], now: list[Figures]) -> None:
+    """Print a line for each figure."""
+    for what in before[0]:
+        first, second = ([each[what] for each in runs] for runs in (before, now))
+        columns = []
+        for of in (min, statistics.median):
+            columns += [f"{of(first):10.3f} {of(second):10.3f} {of(second) / of(first):6.2f}"]
+        print(f"{what:40} {'   '.join(columns)}", flush=True)
+
+
+def installed(commit: str, copy: Path) -> Path:
+    """Return a tree with a commit, installed there unless it is already."""
+    if not (copy / ".venv" / ".installed").is_file():
+        if not copy.exists():
+            subprocess.run(
+                ("git", "worktree", "add", "--force", "--detach", str(copy), commit), check=True
+            )
+        subprocess.run(("make", "-C", str(copy), "install", f"PYTHON={sys.executable}"), check=True)
+    return copy
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("quantities", nargs="*", help=f"of {', '.join(QUANTITIES)}")
+    parser.add_argument("--commit", default="82a3d34")
+    parser.add_argument("--copy", type=Path, help="its tree [default: among temporary files]")
+    parser.add_argument("--rounds", type=int, default=10, help="fewer of what takes long")
+    parser.add_argument("--evaluations", type=int, default=100_000, help="of the long campaign")
+    arguments = parser.parse_args()
+    unknown = [name for name in arguments.quantities if name not in QUANTITIES]
+    if unknown:
+        parser.error(f"found '{unknown[0]}'; expected some of: {', '.join(QUANTITIES)}")
+    return arguments
+
+
+def main() -> None:
+    """Print how long everything takes in the copy, and here."""
+    arguments = _arguments()
+    default = Path(tempfile.gettempdir(), f"mrsfi-{arguments.commit}")
+    copy = installed(arguments.commit, (arguments.copy or default).absolute())
+    others = Others()
+    with tempfile.TemporaryDirectory() as name:
+        sides = []
+        for label, tree in (("before", copy), ("now", Path.cwd())):
+            scratch = Path(name, label)
+            scratch.mkdir()
+            sides.append(Side(tree, scratch, arguments.evaluations))
+        print(f"{'':40} {'least before':>12} {'now':>8} {'ratio':>6}   ", end="")
+        print(f"{'median':>10} {'now':>10} {'ratio':>6}")
+        for quantity in arguments.quantities or QUANTITIES:
+            print_ratios(*measured(QUANTITIES[quantity], sides, arguments.rounds))
+    print(f"other programs kept {others.processors():.1f} of {os.cpu_count()} processors busy")
+
+
+def measured(quantity: Quantity, sides: list[Side], rounds: int) -> list[list[Figures]]:
+    """Return what was measured of each side, which take turns to be the first of a round."""
+    found: list[list[Figures]] = [[] for _ in sides]
+    n_warming = int(quantity.is_warmed)
+    for number in range(n_warming + ceil(rounds / quantity.share)):
+        turns = list(zip(sides, found, strict=True))
+        for side, figures in turns[:: 1 if number % 2 else -1]:
+            figures.append(quantity.measure(side, number))
+    return [figures[n_warming:] for figures in found]
+
+
+if __name__ == "__main__":
+    main()
