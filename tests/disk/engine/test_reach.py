@@ -20,6 +20,13 @@ FILES = {
     "reach_first": f"{KERNEL}from reach_limits import OBJECT\nimport reach_pack.outer\n"
     "@kernel\ndef first():\n    OBJECT\n    return reach_pack.outer.outer()\n"
     "def plain():\n    return 0\n",
+    "reach_made": f"{KERNEL}import enum\nimport reach_limits\n"
+    "class Size(enum.Enum):\n    BIG = 6\n"
+    "def made(around, called):\n    @kernel\n    def inner(given=(1, around)):\n"
+    "        return [around + called() + reach_limits.LIMIT for _ in range(Size.BIG.value)]\n"
+    "    return inner\n"
+    "@kernel\ndef five():\n    return 5\n"
+    "made = made(2.5, five)\n",
 }
 
 
@@ -49,6 +56,18 @@ def test_files_are_those_of_the_functions(first, tmp_path):
 
 def test_constants_are_those_that_are_read_and_that_numba_freezes(first):
     assert constants(first) == ["reach_pack.inner.reach_limits.LIMIT 3.5"]
+
+
+def test_what_a_function_was_made_with_and_what_its_comprehensions_read_is_reached(first, tmp_path):
+    module = load_module("reach_made", tmp_path / "reach_made.py")
+
+    assert {function.__name__ for function in kernel_functions(module)} == {"inner", "five"}
+    assert constants(module) == [
+        "reach_made.Size [<Size.BIG: 6>]",
+        "reach_made.around 2.5",
+        "reach_made.inner, default 0 (1, 2.5)",
+        "reach_made.reach_limits.LIMIT 3.5",
+    ]
 
 
 def test_long_arrays_are_told_apart(first):

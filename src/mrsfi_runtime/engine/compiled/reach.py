@@ -2,13 +2,14 @@
 
 import inspect
 from collections.abc import Iterator, Mapping
+from enum import EnumMeta
 from pathlib import Path
-from types import FunctionType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any, TypeGuard
 
 import numpy as np
 
-_FROZEN = (bool, int, float, complex, str, bytes, tuple, np.ndarray, np.generic)
+_FROZEN = (bool, int, float, complex, str, bytes, tuple, np.ndarray, np.generic, EnumMeta)
 """What numba makes a constant of."""
 
 
@@ -20,7 +21,7 @@ def kernel_functions(module: ModuleType) -> list[FunctionType]:
         function = waiting.pop()
         if function not in found:
             found[function] = None
-            waiting += [value for _, value in _globals(function) if is_kernel(value)]
+            waiting += [value for _, value in _named(function) if is_kernel(value)]
     return list(found)
 
 
@@ -31,12 +32,12 @@ def sources(module: ModuleType) -> list[Path]:
 
 
 def constants(module: ModuleType) -> list[str]:
-    """Return what numba freezes into compiled code: global numbers, texts, tuples, arrays."""
+    """Return what numba freezes into compiled code: numbers, texts, tuples, arrays from outside."""
     return sorted(
         {
             f"{function.__module__}.{name} {_written(value)}"
             for function in kernel_functions(module)
-            for name, value in _globals(function)
+            for name, value in _named(function)
             if isinstance(value, _FROZEN)
         }
     )
@@ -47,10 +48,12 @@ def is_kernel(value: object) -> TypeGuard[FunctionType]:
     return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))
 
 
-def _globals(function: FunctionType) -> Iterator[tuple[str, Any]]:
-    """Yield the globals that a function names, and what it may name of modules among them."""
-    names = function.__code__.co_names
-    scopes: list[tuple[str, Mapping[str, Any]]] = [("", function.__globals__)]
+def _named(function: FunctionType) -> Iterator[tuple[str, Any]]:
+    """Yield what a function names, and what it may name of modules among it; and its defaults."""
+    names = [*_names(function.__code__)]
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    around = {name: cell.cell_contents for name, cell in cells}
+    scopes: list[tuple[str, Mapping[str, Any]]] = [("", {**function.__globals__, **around})]
     seen = set()
     for prefix, scope in scopes:  # which grows
         for name in names:
@@ -61,8 +64,20 @@ def _globals(function: FunctionType) -> Iterator[tuple[str, Any]]:
             if isinstance(value, ModuleType) and value not in seen:
                 seen.add(value)
                 scopes.append((f"{prefix}{name}.", vars(value)))
+    for place, value in enumerate(function.__defaults__ or ()):
+        yield f"{function.__name__}, default {place}", value
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    """Yield the names of a function that are not its own, those in its comprehensions too."""
+    yield from (*code.co_names, *code.co_freevars)
+    for inner in code.co_consts:
+        if isinstance(inner, CodeType):
+            yield from _names(inner)
 
 
 def _written(value: Any) -> str:
+    if isinstance(value, EnumMeta):
+        return repr([*value])
     content = getattr(value, "tobytes", None)  # texts of long arrays leave numbers out
     return repr(value) if content is None else f"{value.dtype} {value.shape} {content().hex()}"
