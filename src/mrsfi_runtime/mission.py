@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from hashlib import sha256
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
+from time import time
 from types import ModuleType
-from typing import Any
+from typing import Any, Final
 from zlib import crc32
 
 from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
@@ -20,6 +21,9 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.semantics_of_code import require_semantics
 from mrsfi_runtime.transport.topics import Topic
 from mrsfi_runtime.unfilled import require_filled
+
+NOTHING_LOADED: Final = time()
+"""When this process had loaded no code of a mission yet, and no module that such code imports."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,9 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from itertools import islice
+from uuid import uuid4
 
 import pytest
 
@@ -196,21 +198,80 @@ def test_threads_and_chunks_change_nothing():
     assert all(result == results[0] for result in results)
 
 
-def test_what_is_compiled_is_checked_once_whatever_the_number_of_mission_seeds(monkeypatch):
-    code = paper_code(60)
-    checked = []
+@pytest.fixture
+def checked(monkeypatch):
+    """Mission seeds of the flights on the reference engine."""
+    seeds = []
     evaluate = ReferenceEngine.evaluate
 
-    def counted(engine, specification, seed):
-        checked.append(seed)
-        return evaluate(engine, specification, seed)
+    def counted(engine, specification, seed=None, **others):
+        seeds.append(engine.seed if seed is None else seed)
+        return evaluate(engine, specification, seed, **others)
 
-    with COMPILED.open(code, SEED) as engine:
-        monkeypatch.setattr(ReferenceEngine, "evaluate", counted)
-        for seed in (1, 2, 3):
-            list(engine.evaluate_many([(), ()], seed))
+    monkeypatch.setattr(ReferenceEngine, "evaluate", counted)
+    return seeds
 
-    assert checked == [1, 1]
+
+@pytest.fixture
+def unchecked(tmp_path):
+    """Code of a mission that nothing is remembered of."""
+    return renamed(edited(tmp_path, "return ci.robots[0].x > 31.0"))
+
+
+def renamed(code):
+    """Return code of a mission with a name that no other has."""
+    return replace(code, mission=replace(code.mission, name=uuid4().hex))
+
+
+def campaign(code, drawn):
+    """Try a mission out and evaluate on three mission seeds, as commands do."""
+    with EngineSettings("auto").tried(code, SEED, print).open(code, SEED) as engine:
+        return [list(engine.evaluate_many(drawn, seed)) for seed in (1, 2, SEED)]
+
+
+def test_what_is_compiled_is_tried_and_checked_once_for_all_seeds_and_campaigns(checked, unchecked):
+    drawn = specifications(unchecked, 3)
+
+    first = campaign(unchecked, drawn)
+
+    assert checked == [SEED, 1, 1]
+    assert campaign(unchecked, drawn) == first
+    assert checked == [SEED, 1, 1]
+
+
+def test_a_mission_that_is_known_to_fly_alone_is_checked(checked, unchecked):
+    EngineSettings("auto").tried(unchecked, SEED, print)
+    EngineSettings("auto").tried(unchecked, SEED, print)
+    assert checked == [SEED]
+
+    campaign(unchecked, specifications(unchecked, 2))
+    assert checked == [SEED, 1, 1]
+
+
+def test_a_mission_that_is_known_to_compile_alike_alone_is_tried(checked, unchecked):
+    with COMPILED.open(unchecked, SEED) as engine:
+        list(engine.evaluate_many(specifications(unchecked, 2)))
+    assert checked == [SEED, SEED]
+
+    campaign(unchecked, specifications(unchecked, 2))
+    assert checked == [SEED, SEED, SEED]
+
+
+@pytest.mark.parametrize("drawn", [[()], [(), ()]], ids=["one", "without faults"])
+def test_a_check_of_little_is_not_remembered(checked, unchecked, drawn):
+    campaign(unchecked, drawn)
+    campaign(unchecked, drawn)
+
+    checks = [1] * len(drawn)
+    assert checked == [SEED, *checks, *checks]
+
+
+def test_what_was_found_to_differ_is_found_again_and_again(tmp_path):
+    code = renamed(edited(tmp_path, "return (ci.mission.tick + 2) * 9000000000000000000 > 0"))
+
+    for _ in range(2):
+        with pytest.raises(EvaluationError, match="the reference engine has"):
+            campaign(code, specifications(code, 2))
 
 
 def test_a_region_that_compiles_to_something_else_stops_the_search(tmp_path):

@@ -150,6 +150,16 @@ class Engine(Evaluator):
         require_no_overlap(self.code.mission, self.code.pool, specification)
         return self._record(specification, self.seed if seed is None else seed)
 
+    def try_out(self) -> None:
+        """Fly the mission without faults, to find out whether it flies.
+
+        Raises
+        ------
+        EvaluationError
+            If the code of a region fails.
+        """
+        self.evaluate(())
+
     def attempt(self, specification: Specification, seed: int | None = None) -> Evaluated:
         """Evaluate a specification; the failure of a region is a result too."""
         try:

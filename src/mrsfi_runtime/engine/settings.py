@@ -50,8 +50,8 @@ class EngineSettings:
         Parameters
         ----------
         code, seed
-            The mission. Auto becomes compiled, or else reference. Somebody else's simulation is
-            not asked to fly.
+            The mission, which is not flown if it is known to fly. Auto becomes compiled, or else
+            reference. Somebody else's simulation is not asked to fly.
         tell
             Told why it cannot be compiled.
 
@@ -63,9 +63,10 @@ class EngineSettings:
             If the flight fails, or a region cannot be compiled although it must be.
         """
         settings = self
+        engine: Engine | None = None
         if self.name in (AUTO, COMPILED):
             try:
-                _compiled(code, seed, 1).close()
+                engine = _compiled(code, seed, 1)
                 settings = replace(self, name=COMPILED)
             except (UsageError, EvaluationError) as error:
                 if self.name == COMPILED:
@@ -75,8 +76,8 @@ class EngineSettings:
                     f"not compiled: {error}; the reference engine evaluates, about 100 times slower"
                 )
         if self.has_simulation:
-            with _reference(code, seed) as reference:
-                reference.evaluate(())
+            with engine or _reference(code, seed) as opened:
+                opened.try_out()
         return settings
 
     def open(self, code: "MissionCode", seed: int, n_threads: int = 1) -> "Engine":

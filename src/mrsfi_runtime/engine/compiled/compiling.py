@@ -2,6 +2,7 @@
 
 import sys
 from functools import lru_cache
+from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -38,6 +39,11 @@ class CompiledFlight:
         self._driver = _driver(code.functions, state_type)
         self._fly_many = self._driver.fly_many
         self._compiled: set[Any] = set()
+
+    @property
+    def folder(self) -> Path:
+        """Where the compiled code is cached."""
+        return Path(str(self._driver.__file__)).parent
 
     def __call__(self, arrays: Arrays, first: int, last: int) -> None:
         """Fly the specifications ``first … last - 1``.

@@ -25,6 +25,7 @@ from mrsfi_runtime.engine.compiled.layout import (
     words_type,
     write_state,
 )
+from mrsfi_runtime.engine.compiled.self_check import FLIES, SAME, SelfCheck
 from mrsfi_runtime.engine.flights import Engine, Evaluated
 from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
@@ -40,7 +41,7 @@ from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
 
 N_CHECKED = 2
-"""Evaluations that the reference engine repeats before any result is given out."""
+"""Evaluations that the reference engine repeats before any result of new code is given out."""
 
 CHUNK = 64
 """Specifications that are laid out and flown in one call, at most."""
@@ -77,15 +78,22 @@ class CompiledEngine(Engine):
         self._moment_type = moment_type(state)
         self._words_type = words_type(self._moment_type)
         self._reference = ReferenceEngine(code, seed)
-        self._is_checked = False
         self._n_threads = n_threads
         self._threads = ThreadPoolExecutor(n_threads)
         self._fly_many = CompiledFlight(code, state_layout)
+        self._self_check = SelfCheck(self._fly_many.folder, code, seed)
         self._fly(self._batch([()], code.pool), self._fresh(seed), 0, 1)
+        self._is_checked = self._self_check.is_known(SAME)
 
     def close(self) -> None:
         """End the threads."""
         self._threads.shutdown()
+
+    def try_out(self) -> None:
+        """Fly the mission without faults on plain Python, unless that very flight went well."""
+        if not self._self_check.is_known(FLIES):
+            self._reference.evaluate(())
+            self._self_check.remember(FLIES)
 
     def _evaluate(
         self,
@@ -124,8 +132,8 @@ class CompiledEngine(Engine):
         Raises
         ------
         EvaluationError
-            If one of the very first is another than on the reference engine, or fails there
-            alone.
+            If one of the very first of new code is another than on the reference engine, or fails
+            there alone.
         """
         seed = self.seed if seed is None else seed
         for first in range(0, len(specifications), CHUNK):
@@ -138,7 +146,8 @@ class CompiledEngine(Engine):
     def _check(
         self, specifications: Sequence[Specification], seed: int, found: Sequence[Evaluated]
     ) -> None:
-        """Refuse to go on if the reference engine finds anything else."""
+        """Refuse to go on if the reference engine finds anything else; remember if it does not."""
+        n_same = 0
         for specification, outcome in zip(specifications, found, strict=False):
             if not isinstance(outcome, Outcome):
                 continue  # what failed was flown by the reference engine already
@@ -149,7 +158,10 @@ class CompiledEngine(Engine):
                     f"reference engine has {expected} for {specification}; look for what compiles "
                     "but differs (`mrsfi validate` warns of it), or use --engine reference"
                 )
+            n_same += bool(specification)
         self._is_checked = True
+        if n_same == N_CHECKED:
+            self._self_check.remember(SAME)
 
     def _evaluate_chunk(
         self, specifications: Sequence[Specification], seed: int
