@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from m2t.load import load_mission_folder
-from tests.support.cli import MISSION, mrsfi
+from tests.support.cli import MISSION, mrsfi, stop_specification
 from tests.support.models.published import published
 
 COMMANDS = (
@@ -50,7 +50,10 @@ IMPORTED = [
     (("simulate", MISSION), {*FLIGHT, "rich"}),
     (("simulate", MISSION, "--engine", "rosbridge"), {*FLIGHT, *BUS, "rich"}),
     (("evolve", MISSION, *TINY, *REFERENCE, "--no-explain"), {*FLIGHT, *SEARCH, "rich"}),
-    (("explain", "FLOWN", *REFERENCE), {*FLIGHT, "numpy", "rich"}),
+    (
+        ("explain", MISSION, "--faults", f"models/{MISSION}/stop.xmi", *REFERENCE),
+        {*FLIGHT, "numpy", "rich"},
+    ),
     (("replay", "FLOWN"), {*FRESH, "numpy", "rich"}),
     (("report", "FLOWN"), {*FRESH, "matplotlib", "numpy", "rich"}),
 ]
@@ -89,6 +92,7 @@ def test_a_command_imports_what_it_uses(arguments, expected, flown, place):
     if "FLOWN" in arguments:
         shutil.copytree(flown, place / "FLOWN")
     models = load_mission_folder(place / "models" / MISSION)
+    stop_specification(place / "models" / MISSION / "stop.xmi", [(100, 900)])
     (place / "published.xmi").write_text(published(models), encoding="ascii")
 
     done = subprocess.run(

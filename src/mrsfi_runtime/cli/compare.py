@@ -59,7 +59,7 @@ def compare_algorithms(  # noqa: PLR0913 - one for each option
     code = load_fresh(folders)
     settings = _settings(campaign_file(folders, case), code.mission, algorithms, evaluations)
     SearchSpace.of(code.mission, code.pool)  # refuses a pool that cannot be searched
-    tried = flown_by.tried(code, next(iter(settings.values())).mission_seed, tell)
+    tried = workers.tried(code, next(iter(settings.values())).mission_seed, flown_by)
     path = RUNS / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
     with only_comparison(path, folders.models, folders.generated) as folder:
         comparison = _compared(folder, settings, seeds, tried, workers)
@@ -112,9 +112,7 @@ def _compared(
             code,
             mission_seeds[0],
             engine,
-            lambda who: tell(
-                f"comparison {folder.path}: {n_runs} runs, {engine.name} engine, {who}"
-            ),
+            lambda who: tell(f"comparison {folder.path}: {n_runs} runs, {engine.words}, {who}"),
         ) as evaluator:
             evaluators = [partial(evaluator.evaluate_many, seed=seed) for seed in mission_seeds]
             began = monotonic()

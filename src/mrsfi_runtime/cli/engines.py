@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import click
 
+from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
-from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
+from mrsfi_runtime.engine.settings import AUTO, ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
@@ -208,6 +209,13 @@ class WorkerOptions:
                 "workers that were started for it; leave --workers out"
             )
 
+    def tried(self, code: "MissionCode", seed: int, engine: EngineSettings) -> EngineSettings:
+        """Return settings with which a mission flies, as ``EngineSettings.tried`` does.
+
+        Workers of a cluster wait for the compiler, those of this machine do not.
+        """
+        return engine.tried(code, seed, tell, waits=self.dask is not None)
+
     @contextmanager
     def evaluator(
         self,
@@ -235,6 +243,10 @@ class WorkerOptions:
         if self.dask is None:
             n_workers = self.workers or (1 if engine.url else _N_PROCESSORS)
             on_reached(f"{n_workers} workers")
+            if engine.name == AUTO:
+                with opened(code, seed, engine, n_workers) as own:
+                    yield own
+                return
             from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - not for --help
 
             with WorkerPool(code, seed, n_workers, engine) as pool:
@@ -246,6 +258,15 @@ class WorkerOptions:
         with Cluster(self.dask, self.workers or _N_PROCESSORS) as cluster:
             on_reached(f"{cluster.n_workers()} workers of {cluster.address}")
             yield ClusterPool(cluster, code, seed, engine)
+
+
+def opened(code: "MissionCode", seed: int, engine: EngineSettings, n_workers: int = 1) -> "Engine":
+    """Return an engine of this process; auto is compiled as soon as that is built, and says so."""
+    if engine.name != AUTO:
+        return engine.open(code, seed, n_workers)
+    from mrsfi_runtime.engine.handover import HandoverEngine  # noqa: PLC0415 - not for --help
+
+    return HandoverEngine(code, seed, n_workers, tell)
 
 
 @contextmanager

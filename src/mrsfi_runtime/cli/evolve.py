@@ -164,7 +164,7 @@ def evolve(
     if resume is None:
         asked = engine.settings(default=AUTO)
         workers.require_sense(asked)
-        path, writer, tried = _new_campaign(ratio, asked, **given)
+        path, writer, tried = _new_campaign(ratio, asked, workers, **given)
     else:
         path, writer = resume, resumed(resume, ctx)
     with writer, open_to_fly(path) as campaign:
@@ -178,6 +178,7 @@ def evolve(
 def _new_campaign(
     ratio: str | None,
     engine: EngineSettings,
+    workers: WorkerOptions,
     mission: str | None,
     generated: Path | None,
     case: str | None,
@@ -194,7 +195,7 @@ def _new_campaign(
     require_settings(settings, code.mission)
     SearchSpace.of(code.mission, code.pool)  # refuses a pool that cannot be searched
     _require_ratio(settings, code.mission, ratio)
-    tried = engine.tried(code, settings.mission_seed, tell)
+    tried = workers.tried(code, settings.mission_seed, engine)
     path = free_folder(folders.name, Path(case).stem) if out is None else out
     return path, begun(path, folders, settings, case, engine), tried
 
@@ -205,7 +206,7 @@ def _tried(
     """Return the engine that a campaign from before goes on with."""
     engine = options.settings(campaign.store.manifest.engine, AUTO)
     workers.require_sense(engine)
-    return engine.tried(campaign.code, campaign.store.settings.mission_seed, tell)
+    return workers.tried(campaign.code, campaign.store.settings.mission_seed, engine)
 
 
 def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | None) -> None:
@@ -222,10 +223,7 @@ def _search(
     search = store.settings
 
     def tell_who(who: str) -> None:
-        tell(
-            f"campaign {path}: {search.algorithm}, seed {search.seed}, {settings.name} engine, "
-            f"{who}"
-        )
+        tell(f"campaign {path}: {search.algorithm}, seed {search.seed}, {settings.words}, {who}")
 
     seed = search.mission_seed
     try:

@@ -17,7 +17,7 @@ from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation, explain
 from mrsfi_runtime.causes.recorded import recorded
 from mrsfi_runtime.cli.campaigns import FlyableCampaign, open_to_fly
-from mrsfi_runtime.cli.console import print_json, tell
+from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
     WorkerOptions,
@@ -227,7 +227,7 @@ def _explain_all(
     workers.require_sense(settings)
     seed = case.mission_seeds[0]
     if settings.name == AUTO:
-        settings = settings.tried(case.code, seed, tell)
+        settings = workers.tried(case.code, seed, settings)
     told, causes = [], []
     with (
         workers.evaluator(case.code, seed, settings) as evaluator,

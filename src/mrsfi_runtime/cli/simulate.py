@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mrsfi_runtime.cli.console import print_json, tell, written_file
-from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions
+from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions, opened
 from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.cli.loading import load_fresh, read_specification
 from mrsfi_runtime.cli.recorded_flight import fly_recorded
@@ -58,17 +58,17 @@ def simulate(  # noqa: PLR0913 - one parameter per option
         _serve(folders.name, code, settings)
         return
     if settings.name == AUTO:
-        settings = settings.tried(code, seed, tell)
-    with settings.open(code, seed) as opened:
+        settings = settings.tried(code, seed, tell, waits=False)
+    with opened(code, seed, settings) as flown_by:
         if each_fault is not None:
             window = _window(each_fault)
             tries_values = settings.name != ROSBRIDGE
-            effects = _effects(folders.name, opened, window, n_seeds, tries_values=tries_values)
+            effects = _effects(folders.name, flown_by, window, n_seeds, tries_values=tries_values)
             _tell_effects(effects, markdown, is_json=is_json)
             return
         pool = code.pool if faults is None else read_specification(faults)[1]
         specification = () if faults is None else pool.written_specification()
-        outcome = fly_recorded(opened, specification, pool, log, trace)
+        outcome = fly_recorded(flown_by, specification, pool, log, trace)
     named = named_faults(code.mission, pool, specification)
     if is_json:
         print_json(_as_json(code.mission, seed, named, outcome))

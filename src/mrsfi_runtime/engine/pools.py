@@ -62,7 +62,7 @@ class WorkerPool(Evaluator):
         self._executor = ProcessPoolExecutor(
             n_workers,
             mp_context=get_context("spawn"),
-            initializer=_start_worker,
+            initializer=start_worker,
         )
 
     def close(self) -> None:
@@ -117,7 +117,8 @@ def _chunks(
         yield specifications[start : start + size]
 
 
-def _start_worker() -> None:
+def start_worker() -> None:
+    """Begin a process that works for this one: it outlives neither it nor its interruption."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides how a run ends
     Thread(target=_end_with_parent, daemon=True).start()
 

@@ -9,12 +9,15 @@ from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.transport.server_address import Client
 
 if TYPE_CHECKING:
+    from mrsfi_runtime.engine.compiled.engine import CompiledEngine
     from mrsfi_runtime.engine.flights import Engine
     from mrsfi_runtime.mission import MissionCode
 
 AUTO, REFERENCE, COMPILED, ROSBRIDGE = "auto", "reference", "compiled", "rosbridge"
 ENGINES = (AUTO, REFERENCE, COMPILED, ROSBRIDGE)
-"""Ways to evaluate a fault specification; auto is compiled where that is possible."""
+"""Ways to evaluate a fault specification; auto is compiled where and when that is possible."""
+
+ON_REFERENCE = "the reference engine evaluates, about 100 times slower"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +47,21 @@ class EngineSettings:
     is_bundled: bool = False
     patience: Patience = field(default_factory=Patience)
 
-    def tried(self, code: "MissionCode", seed: int, tell: Callable[[str], None]) -> Self:
+    @property
+    def words(self) -> str:
+        """Which engine flies, in words."""
+        if self.name == AUTO:
+            return f"{REFERENCE} engine until the {COMPILED} one is built"
+        return f"{self.name} engine"
+
+    def tried(
+        self,
+        code: "MissionCode",
+        seed: int,
+        tell: Callable[[str], None],
+        *,
+        waits: bool = True,
+    ) -> Self:
         """Fly the mission without faults on plain Python, and return settings that name an engine.
 
         Parameters
@@ -54,6 +71,8 @@ class EngineSettings:
             reference. Somebody else's simulation is not asked to fly.
         tell
             Told why it cannot be compiled.
+        waits
+            Whether to wait for the compiler; otherwise auto stays auto where that would take long.
 
         Raises
         ------
@@ -66,15 +85,14 @@ class EngineSettings:
         engine: Engine | None = None
         if self.name in (AUTO, COMPILED):
             try:
-                engine = _compiled(code, seed, 1)
-                settings = replace(self, name=COMPILED)
+                if waits or self.name == COMPILED or _compiled_engine().is_built(code, seed):
+                    engine = _compiled_engine()(code, seed, 1)
+                    settings = replace(self, name=COMPILED)
             except (UsageError, EvaluationError) as error:
                 if self.name == COMPILED:
                     raise
                 settings = replace(self, name=REFERENCE)
-                tell(
-                    f"not compiled: {error}; the reference engine evaluates, about 100 times slower"
-                )
+                tell(f"not compiled: {error}; {ON_REFERENCE}")
         if self.has_simulation:
             with engine or _reference(code, seed) as opened:
                 opened.try_out()
@@ -102,7 +120,7 @@ class EngineSettings:
         if self.name == REFERENCE:
             return _reference(code, seed)
         if self.name == COMPILED:
-            return _compiled(code, seed, n_threads)
+            return _compiled_engine()(code, seed, n_threads)
         from mrsfi_runtime.engine.rosbridge import RosbridgeEngine  # noqa: PLC0415 - brings a server
 
         return RosbridgeEngine(
@@ -139,7 +157,7 @@ def _reference(code: "MissionCode", seed: int) -> "Engine":
     return ReferenceEngine(code, seed)
 
 
-def _compiled(code: "MissionCode", seed: int, n_threads: int) -> "Engine":
+def _compiled_engine() -> "type[CompiledEngine]":
     try:
         from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - optional
     except ImportError as error:
@@ -148,4 +166,4 @@ def _compiled(code: "MissionCode", seed: int, n_threads: int) -> "Engine":
         raise UsageError(
             "--engine compiled needs numba; install it with: pip install 'mrsfi[fast]'"
         ) from error
-    return CompiledEngine(code, seed, n_threads)
+    return CompiledEngine

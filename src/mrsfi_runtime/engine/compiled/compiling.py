@@ -45,6 +45,11 @@ class CompiledFlight:
         """Where the compiled code is cached."""
         return Path(str(self._driver.__file__)).parent
 
+    @property
+    def is_cached(self) -> bool:
+        """Whether it was compiled before, for some size of plans."""
+        return any(self.folder.glob("__pycache__/*.nbc"))
+
     def __call__(self, arrays: Arrays, first: int, last: int) -> None:
         """Fly the specifications ``first … last - 1``.
 
