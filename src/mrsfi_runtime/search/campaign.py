@@ -9,6 +9,7 @@ Source paper, sections III-D and III-E.
 """
 
 import math
+from array import array
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -43,6 +44,7 @@ from mrsfi_runtime.search.user_functions import chosen
 from mrsfi_runtime.search.variation import CROSSOVERS
 
 _CHUNK = 100  # specifications that are handed out together, and after which failures are counted
+_FAILED = -1  # in the place of an index
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,7 +187,7 @@ class _Assessment:
         self._judge = judge
         self._evaluators = evaluators
         self._record = record
-        self._indexes: list[int | None] = []  # evaluation of each specification asked for
+        self._indexes = array("q")  # evaluation of each specification asked for, or _FAILED
         self._n_evaluations = 0
         self._last_failure = ""
         self._best = WORST_FITNESS
@@ -263,7 +265,7 @@ class _Assessment:
     def _counted(self, result: Result) -> Score:
         """Count a result, compare it with the best so far, and return its score."""
         if isinstance(result, FailedEvaluation):
-            self._indexes.append(None)
+            self._indexes.append(_FAILED)
             self._last_failure = result.traceback
             return Score(WORST_FITNESS, (0.0,) * self._judge.n_goals)
         self._indexes.append(result.index)
@@ -293,7 +295,7 @@ class _Assessment:
     def evaluation_indexes(self, summary: GenerationSummary) -> tuple[int, ...]:
         """Return the evaluation of each individual; who failed has none and is left out."""
         indexes = (self._indexes[number] for number in summary.population)
-        return tuple(index for index in indexes if index is not None)
+        return tuple(index for index in indexes if index != _FAILED)
 
     def progress(self, summary: GenerationSummary) -> CampaignProgress:
         """Return how far the campaign is."""

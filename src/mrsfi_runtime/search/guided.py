@@ -5,9 +5,11 @@ every value anew. This one begins with faults that are active as long as they ma
 landmarks, keeps the best, and takes small steps from there. Of few goals it keeps a front.
 """
 
+from array import array
 from collections import Counter
 from collections.abc import Sequence
 from functools import partial
+from hashlib import blake2b
 from random import Random
 from typing import TypeAlias
 
@@ -71,7 +73,8 @@ class _Guide:
         self._minimises = settings.minimise is not None
         self._size = settings.population
         self._rng = rng
-        self._asked: set[Specification] = set()
+        self._asked: set[bytes] = set()
+        self._numbers = {fault: number for number, fault in enumerate(space.candidates)}
         self._niches: dict[_Niche, tuple[tuple[float, ...], Individual]] = {}
         self._has_few_goals = 0 < len(settings.goals) <= _MOST_GOALS
         self._front: dict[_Goals, Individual] = {}
@@ -84,7 +87,7 @@ class _Guide:
         offspring = []
         for _ in range(self._size):
             individual = self._child(population) if population else self._new()
-            self._asked.add(individual.specification)
+            self._asked.add(self._key(individual.specification))
             offspring.append(individual)
         return offspring
 
@@ -168,11 +171,19 @@ class _Guide:
         for _ in range(_ATTEMPTS):
             parent = self._parent(population)
             specification, steps = self._varied(parent)
-            if specification not in self._asked:
+            if self._key(specification) not in self._asked:
                 child = Individual(specification)
                 self._bred.append((child, _fitness(parent), steps))
                 return child
         return self._new()
+
+    def _key(self, specification: Specification) -> bytes:
+        """Return 16 bytes that tell a specification: it would take thousands to keep."""
+        numbers = array("d")
+        for fault, start, finish, values in specification:
+            numbers.extend((self._numbers[fault], start, finish, len(values)))
+            numbers.extend(value + 0.0 for value in values)  # 0 equals -0
+        return blake2b(numbers, digest_size=16).digest()
 
     def _parent(self, population: Sequence[Individual]) -> Individual:
         if self._niches and self._rng.random() < _ARCHIVE_SHARE:

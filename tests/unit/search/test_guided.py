@@ -1,5 +1,6 @@
 """The front that the guided search keeps if a campaign names few goals."""
 
+import tracemalloc
 from itertools import count
 
 import pytest
@@ -105,3 +106,16 @@ def test_naming_all_goals_of_a_mission_of_six_changes_nothing():
         scores = [scored(*(len(one) * n % 7 for n in range(1, 7))) for one in asked]
         named.tell(scores)
         unnamed.tell(scores)
+
+
+def test_what_was_asked_for_is_remembered_in_few_bytes():
+    algorithm = start(TWO_GOALS)
+    tracemalloc.start()
+    held = []
+    for _ in range(40):
+        n_asked = len(algorithm.ask())
+        algorithm.tell([scored(1, 1)] * n_asked)
+        held.append(tracemalloc.get_traced_memory()[0])
+    tracemalloc.stop()
+
+    assert (held[-1] - held[9]) / (30 * n_asked) < 300  # a specification takes thousands
