@@ -87,7 +87,7 @@ def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds
 
 def test_every_generation_keeps_statistics_of_a_recorded_population(whole):
     with CampaignStore.open(whole) as store:
-        generations, recorded = store.generations(), store.evaluations()
+        generations, recorded = tuple(store.generations()), tuple(store.evaluations())
 
     assert sum(g.statistics["n_evaluations"] for g in generations) == N_EVALUATIONS
     for generation in generations:

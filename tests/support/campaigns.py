@@ -1,17 +1,22 @@
 """Synthetic campaigns: evaluations of the paper's mission as a search would leave them."""
 
+import sqlite3
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from random import Random
 
+from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Area, Coordinates
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record import database, encoding
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
 from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.search import PAPER_FAULTS
 
+_IN_MEMORY = Path("in memory")
 SETTINGS = CampaignSettings(seed=7)
 
 
@@ -112,6 +117,29 @@ def statistics(members: Iterable[Evaluation]) -> dict[str, float]:
         "min": min(fitness),
         "max": max(fitness),
     }
+
+
+def store_of(
+    evaluations: Iterable[Evaluation], settings: CampaignSettings = SETTINGS
+) -> CampaignStore:
+    """Return the store of a campaign that is in no file."""
+    connection = sqlite3.connect(":memory:", isolation_level=None)
+    meta = {
+        "settings": encoding.canonical(settings.as_json()),
+        "manifest": encoding.canonical(Manifest().as_json()),
+    }
+    database.fill(_IN_MEMORY, connection, meta)
+    store = CampaignStore(_IN_MEMORY, connection)
+    store.append(evaluations)
+    return store
+
+
+def columns_of(
+    evaluations: Iterable[Evaluation], measure: Measure, goals: Sequence[str] = ()
+) -> Columns:
+    """Return what a report asks of evaluations."""
+    with store_of(evaluations) as store:
+        return Columns.read(store, measure, goals)
 
 
 def write_campaign(

@@ -80,7 +80,7 @@ def begin(path: Path, models: Path, settings: CampaignSettings) -> Path:
 def evaluations(campaign: Path) -> tuple[Evaluation, ...]:
     """Return what a campaign has recorded; whoever opens it first undoes a half-done write."""
     with CampaignStore.open(campaign) as store:
-        return store.evaluations()
+        return tuple(store.evaluations())
 
 
 def digest(campaign: Path) -> str:

@@ -9,13 +9,18 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import atan2
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from mrsfi_runtime.analysis.columns import Columns, Rows
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
 
+_MOST_DRAWN = 10_000  # points of a cloud of which none is left out
+_N_CELLS = 200  # of either axis, for clouds of more
 _NUMBER = r"(\d+(?:\.\d+)?)"
 _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NUMBER}\s*")
 
@@ -23,25 +28,6 @@ _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NU
 def score(evaluation: Evaluation) -> float:
     """Return the number to rank by."""
     return evaluation.fitness[0]
-
-
-def distinct(evaluations: Iterable[Evaluation]) -> tuple[Evaluation, ...]:
-    """Return the first of every specification, whose faults may stand in any order, as given."""
-    first: dict[object, Evaluation] = {}
-    for evaluation in evaluations:
-        first.setdefault(tuple(sorted(evaluation.specification)), evaluation)
-    return tuple(first.values())
-
-
-def top(evaluations: Iterable[Evaluation], n: int) -> tuple[Evaluation, ...]:
-    """Return the ``n`` most critical distinct evaluations, or all if there are fewer.
-
-    Of two with the same fitness the earlier one comes first.
-    """
-    ranked = sorted(
-        distinct(evaluations), key=lambda evaluation: (-score(evaluation), evaluation.index)
-    )
-    return tuple(ranked[:n])
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,31 +74,74 @@ class Ratio:
 
 def non_dominated(vectors: Iterable[tuple[float, ...]]) -> tuple[tuple[float, ...], ...]:
     """Return the distinct vectors that no other dominates, in ascending order; more is better."""
-    members: list[tuple[float, ...]] = []
-    # A vector can only be dominated by one that comes later in ascending order, and then also
-    # by one of the front so far, because domination is transitive.
-    for vector in sorted(set(vectors), reverse=True):
-        if not members or not (np.array(members) >= vector).all(axis=1).any():
-            members.append(vector)
-    return tuple(reversed(members))
+    ordered = sorted(set(vectors))
+    return tuple(ordered[place] for place in _undominated(np.array(ordered))) if ordered else ()
 
 
-def find_front(measure: Measure, evaluations: Iterable[Evaluation], goals: Sequence[str]) -> Front:
+def _undominated(vectors: NDArray[Any]) -> list[int]:
+    """Return which of distinct vectors in ascending order no other dominates."""
+    # Whoever dominates another has no smaller sum, and of equal ones (by rounding) comes later.
+    left = np.argsort(vectors.sum(axis=1), kind="stable")[::-1]
+    kept = []
+    while left.size:
+        kept.append(int(left[0]))
+        left = left[(vectors[left] > vectors[left[0]]).any(axis=1)]
+    return sorted(kept)
+
+
+def _earliest(vectors: NDArray[Any]) -> NDArray[np.intp]:
+    """Return the first row of each vector, the vectors in ascending order."""
+    order = np.lexsort(vectors.T[::-1])
+    ordered = vectors[order]
+    is_first = np.ones(len(order), bool)
+    is_first[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    return order[is_first]
+
+
+def find_front(
+    measure: Measure, columns: Columns, goals: Sequence[str], rows: Rows | None = None
+) -> Front:
     """Return the front of some evaluations; of equal vectors the earliest evaluation stands.
 
-    Raises
-    ------
-    UsageError
-        If the record lacks the violations of one of the goals.
+    Parameters
+    ----------
+    measure
+        The campaign's own.
+    columns
+        Its evaluations.
+    goals
+        IDs of goals whose violations were read.
+    rows
+        Evaluations of distinct specifications; all if left out.
     """
-    measure.require(goals)
-    earliest: dict[tuple[float, ...], FrontPoint] = {}
-    for evaluation in sorted(distinct(evaluations), key=lambda each: each.index):
-        violations, cost = measure.violations(evaluation, goals), measure.cost(evaluation)
-        point = FrontPoint(evaluation.index, violations, cost)
-        earliest.setdefault((*violations, -cost), point)
-    points = tuple(earliest[vector] for vector in non_dominated(earliest))
-    return Front(tuple(goals), points, str(measure), measure.minimised)
+    rows = columns.distinct if rows is None else rows
+    violations = columns.of(goals)[rows]
+    costs = columns.costs[rows] if measure.minimised else np.zeros(len(rows), np.int64)
+    vectors = np.column_stack([violations, -costs])
+    earliest = _earliest(vectors)
+    found = earliest[_undominated(vectors[earliest])]
+    points = zip(rows[found], violations[found], costs[found], strict=True)
+    return Front(
+        goals=tuple(goals),
+        points=tuple(FrontPoint(int(row), (*of.tolist(),), int(cost)) for row, of, cost in points),
+        counts=str(measure),
+        minimised=measure.minimised,
+    )
+
+
+def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
+    """Return the distinct vectors to be drawn, in ascending order, and how many are left out.
+
+    Of more than ten thousand the smallest of each cell of a grid is drawn, whose cells are a 200th
+    of the range of each goal: what is drawn of a point covers its cell.
+    """
+    found = vectors[_earliest(vectors)]
+    shown = found
+    if len(found) > _MOST_DRAWN:
+        least, most = found.min(axis=0), found.max(axis=0)
+        cells = (found - least) * _N_CELLS // np.maximum(most - least, 1)
+        shown = found[np.sort(_earliest(cells))]
+    return [tuple(vector) for vector in shown.tolist()], len(found) - len(shown)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,21 +165,30 @@ class Harm:
     violations_by: int
 
 
-def find_harm(measure: Measure, evaluations: Iterable[Evaluation]) -> tuple[Harm, ...]:
+def find_harm(measure: Measure, columns: Columns) -> tuple[Harm, ...]:
     """Return the front of harm against cost: an entry for each cost from which on there is more.
 
     Of equally harmful specifications the one of least cost counts, then the earliest. Looked at
     are the goals that the campaign chose.
     """
+    rows = columns.distinct[np.argsort(columns.costs[columns.distinct], kind="stable")]
+    counts = columns.of(measure.chosen)[rows]
+    n_violated = (counts > 0).sum(axis=1)
+    violations = np.fromiter((sum(row.tolist()) for row in counts), counts.dtype, len(counts))
     found: dict[int, Harm] = {}
     harm: Harm | None = None
-    for evaluation in sorted(evaluations, key=lambda each: (measure.cost(each), each.index)):
-        counts = measure.violations(evaluation, measure.chosen)
-        cost, index = measure.cost(evaluation), evaluation.index
-        new = Harm(cost, sum(count > 0 for count in counts), index, sum(counts), index)
-        if harm is None or new.n_violated > harm.n_violated or new.violations > harm.violations:
-            harm = found[cost] = new if harm is None else _more(new, harm)
+    for place in np.flatnonzero(_is_more(n_violated) | _is_more(violations)):
+        cost, index = int(columns.costs[rows[place]]), int(rows[place])
+        new = Harm(cost, int(n_violated[place]), index, violations[place].item(), index)
+        harm = found[cost] = new if harm is None else _more(new, harm)
     return tuple(found.values())
+
+
+def _is_more(values: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which values are greater than all before; the first is."""
+    is_more = np.ones(len(values), bool)
+    is_more[1:] = values[1:] > np.maximum.accumulate(values)[:-1]
+    return is_more
 
 
 def _more(new: Harm, known: Harm) -> Harm:

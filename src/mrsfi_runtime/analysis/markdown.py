@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, score
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.summary import Summary
-from mrsfi_runtime.analysis.tables import front_table, harm_table, in_words
+from mrsfi_runtime.analysis.tables import front_table, harm_table, in_words, listed_step
 from mrsfi_runtime.causes.firmness import N_SEEDS
 from mrsfi_runtime.model.semantics import flown_by
 from mrsfi_runtime.record.campaign import Evaluation
@@ -88,11 +88,13 @@ def pick_in_words(pick: Pick, measure: Measure) -> str:
 
 
 def _extent(summary: Summary) -> str:
+    step = listed_step(summary.n_evaluations)
+    listed = f" `tables/evaluations.csv` lists one in {step} of them, `campaign.sqlite` has all."
     return (
         f"{summary.n_evaluations} evaluations of {summary.n_distinct} distinct specifications in "
         f"{summary.n_generations} finished generations; {summary.n_failures} evaluations failed. "
         f"Digest over all evaluations: `{summary.digest}`. Flown by semantics {summary.semantics}, "
-        f"the rules of {flown_by(summary.semantics)}."
+        f"the rules of {flown_by(summary.semantics)}.{listed if step > 1 else ''}"
     )
 
 

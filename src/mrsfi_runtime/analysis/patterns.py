@@ -11,8 +11,9 @@ Correlation", Biometrika 30, 1938; H. B. Mann, "Nonparametric Tests Against Tren
 Econometrica 13, 1945.
 """
 
+from bisect import bisect_left, bisect_right
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import erfc, sqrt
 from statistics import linear_regression
@@ -53,7 +54,7 @@ class Trend:
     p_value: float
 
 
-def find_trend(generations: Sequence[Generation]) -> Trend:
+def find_trend(generations: Iterable[Generation]) -> Trend:
     """Return the fitness of each generation and the trend of the means.
 
     Notes
@@ -82,12 +83,12 @@ def find_trend(generations: Sequence[Generation]) -> Trend:
 
 def _kendall(values: Sequence[float]) -> tuple[float, float]:
     """Return tau-b of values against their place, and its two-sided p-value."""
-    n = len(values)
-    s = sum(
-        (later > earlier) - (later < earlier)
-        for i, earlier in enumerate(values)
-        for later in values[i + 1 :]
-    )
+    n, s = len(values), 0
+    ordered: list[float] = []
+    for place, value in enumerate(values):
+        n_lower, n_not_higher = bisect_left(ordered, value), bisect_right(ordered, value)
+        s += n_lower - (place - n_not_higher)
+        ordered.insert(n_lower, value)
     ties = Counter(values).values()
     n_pairs = n * (n - 1) // 2
     n_untied = n_pairs - sum(t * (t - 1) // 2 for t in ties)
@@ -127,11 +128,21 @@ class TypePattern:
 
 
 def find_patterns(
-    top: Sequence[Specification], campaign: Iterable[Specification], pool: FaultPool
+    top: Sequence[Specification], tried: Mapping[str, int], pool: FaultPool
 ) -> tuple[TypePattern, ...]:
-    """Count every fault type of the pool, most occurrences first, then by name."""
-    in_top = _occurrences(top, pool)
-    in_campaign = _occurrences(campaign, pool)
+    """Count every fault type of the pool, most occurrences first, then by name.
+
+    Parameters
+    ----------
+    top
+        The specifications looked at.
+    tried
+        How often each fault of the pool, by its ID, stands in those of the campaign.
+    pool
+        What the faults are of.
+    """
+    in_top = _types(Counter(timed.fault for each in top for timed in each), pool)
+    in_campaign = _types(tried, pool)
     in_pool = Counter(fault.type for fault in pool)
     containing = Counter(
         kind
@@ -155,10 +166,12 @@ def find_patterns(
     return tuple(sorted(patterns, key=lambda pattern: (-pattern.n_occurrences, pattern.type)))
 
 
-def _occurrences(specifications: Iterable[Specification], pool: FaultPool) -> Counter[str]:
-    return Counter(
-        pool[timed.fault].type for specification in specifications for timed in specification
-    )
+def _types(faults: Mapping[str, int], pool: FaultPool) -> Counter[str]:
+    """Return how often each type occurs, from how often each fault does."""
+    types: Counter[str] = Counter()
+    for fault, n_occurrences in faults.items():
+        types[pool[fault].type] += n_occurrences
+    return types
 
 
 def _share(counts: Counter[str], kind: str) -> float:

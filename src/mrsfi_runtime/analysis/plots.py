@@ -11,6 +11,7 @@ Source paper, section V, figures 5 to 12.
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
+from itertools import accumulate
 from typing import Any
 
 from matplotlib import rc_context
@@ -66,6 +67,7 @@ _STYLE: dict[Any, Any] = {
 
 _DPI = 150  # of a PNG
 _MANY_POINTS = 4000  # beyond, the cloud of an SVG is a picture inside it
+_MOST_GENERATIONS = 2000  # beyond, a point stands for several
 _MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
 
 
@@ -126,15 +128,21 @@ def mission_map(mission: Mission) -> Figure:
 
 
 def mean_fitness(trend: Trend, label: str) -> Figure:
-    """Draw mean fitness per generation with its deviation and trend (figures 6 and 8)."""
+    """Draw mean fitness per generation with its deviation and trend (figures 6 and 8).
+
+    Of more than two thousand generations every so-manyth is drawn.
+    """
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Mean fitness of each generation", label)
-        xs = [row.generation for row in trend.generations]
-        means = [row.mean for row in trend.generations]
-        low = [row.mean - row.std for row in trend.generations]
-        high = [row.mean + row.std for row in trend.generations]
+        step = _generations_a_point(trend)
+        rows = trend.generations[::step]
+        xs = [row.generation for row in rows]
+        means = [row.mean for row in rows]
+        low = [row.mean - row.std for row in rows]
+        high = [row.mean + row.std for row in rows]
         axes.fill_between(xs, low, high, color=BLUE, alpha=0.16, lw=0, label="± 1 std")
-        axes.plot(xs, means, color=BLUE, marker="o", ms=4, lw=1.8, label="mean")
+        drawn = "mean" if step == 1 else f"mean of one in {step} generations"
+        axes.plot(xs, means, color=BLUE, marker="o", ms=4, lw=1.8, label=drawn)
         line = [trend.intercept + trend.slope * x for x in xs]
         words = f"trend: {trend.slope:+.3g} per generation"
         axes.plot(xs, line, color=ORANGE, ls=(0, (5, 3)), lw=1.5, label=words)
@@ -143,14 +151,22 @@ def mean_fitness(trend: Trend, label: str) -> Figure:
 
 
 def best_fitness(trend: Trend, label: str) -> Figure:
-    """Draw the best fitness per generation, and so far (figures 7 and 9)."""
+    """Draw the best fitness per generation, and so far (figures 7 and 9).
+
+    Of more than two thousand generations the best of every so many is drawn.
+    """
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Best fitness of each generation", label)
-        xs = [row.generation for row in trend.generations]
-        best = [row.best for row in trend.generations]
-        so_far = [max(best[: i + 1]) for i in range(len(best))]
+        step = _generations_a_point(trend)
+        firsts = range(0, len(trend.generations), step)
+        xs = [trend.generations[first].generation for first in firsts]
+        best = [
+            max(row.best for row in trend.generations[first : first + step]) for first in firsts
+        ]
+        so_far = list(accumulate(best, max))
         axes.step(xs, so_far, where="post", color=SAND, lw=1.8, label="best so far")
-        axes.plot(xs, best, color=BLUE, marker="o", ms=4, lw=1.8, label="best of the generation")
+        drawn = "best of the generation" if step == 1 else f"best of {step} generations"
+        axes.plot(xs, best, color=BLUE, marker="o", ms=4, lw=1.8, label=drawn)
         legend_below(figure)
     return figure
 
@@ -174,10 +190,13 @@ def generation_fronts(fronts: Mapping[int, Front]) -> Figure:
     return figure
 
 
-def whole_front(front: Front, cloud: Sequence[tuple[float, ...]], pick: Pick | None) -> Figure:
+def whole_front(
+    front: Front, cloud: Sequence[tuple[float, ...]], pick: Pick | None, n_left_out: int = 0
+) -> Figure:
     """Draw the front of a campaign over the cloud of all its evaluations (figure 11).
 
-    ``cloud`` holds the violations of the front's two goals, shape ``(n_evaluations, 2)``.
+    ``cloud`` holds the violations of the front's two goals, shape ``(n_points, 2)``, but for so
+    many distinct points that were left out.
     """
     with drawing((7.6, 6.0)) as figure:
         axes = _goal_axes(figure, "Non-dominated specifications of the campaign", front)
@@ -189,7 +208,7 @@ def whole_front(front: Front, cloud: Sequence[tuple[float, ...]], pick: Pick | N
             color=SAND,
             alpha=0.6,
             lw=0,
-            label="evaluated",
+            label=f"evaluated ({n_left_out} points not drawn)" if n_left_out else "evaluated",
             rasterized=len(points) > _MANY_POINTS,
         )
         _staircase(axes, front, BLUE)
@@ -284,6 +303,10 @@ def drawing(size: tuple[float, float]) -> Iterator[Figure]:
         assert layout is not None
         layout.execute(figure)
         figure.set_layout_engine("none")
+
+
+def _generations_a_point(trend: Trend) -> int:
+    return max(1, -(-len(trend.generations) // _MOST_GENERATIONS))
 
 
 def _fitness_axes(figure: Figure, title: str, label: str) -> Axes:

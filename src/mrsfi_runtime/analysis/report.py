@@ -6,27 +6,37 @@ Source paper, section V, figures 5 to 12.
 """
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import astuple, fields, replace
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis import tables
+from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.drawing_process import Draw, Drawing, draw_here
-from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front
+from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
+from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 
 N_GENERATION_FRONTS = 5
+
+
+class Illustration(NamedTuple):
+    """A figure and the numbers behind it; ``name`` is the stem of their files."""
+
+    name: str
+    caption: str
+    drawing: Drawing
+    rows: tables.Rows
 
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
@@ -78,23 +88,19 @@ def write_report(
     UsageError
         If the ratio makes no sense.
     """
-    with CampaignStore.open(folder) as store:
-        evaluations, generations = store.evaluations(), store.generations()
-        summary = summarise(folder, store, mission, pool, ratio, evaluations)
     layout = CampaignFolder(folder)
-    with _writing(folder, "report"):
-        shown = tuple(illustrate(summary, mission, evaluations, generations))
-        _emptied(layout.figures, "figure_*.*")
-        finish = draw([(each.drawing, layout.figures / each.name) for each in shown])
-        _write_critical(layout, summary, pool, write_specification)
-        _emptied(layout.tables, "*.csv")
-        all_rows = tables.evaluations_table(evaluations, summary.measure)
-        for name, rows in (*((each.name, each.rows) for each in shown), ("evaluations", all_rows)):
-            (layout.tables / f"{name}.csv").write_bytes(tables.as_csv(rows))
-        content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
-        layout.summary.write_text(content + "\n", encoding="utf-8")
-        captions = {each.name: each.caption for each in shown}
-        layout.report.write_text(report_text(summary, captions), encoding="utf-8")
+    with CampaignStore.open(folder) as store:
+        summary, columns = summarise(folder, store, mission, pool, ratio)
+        with _writing(folder, "report"):
+            shown = tuple(illustrate(summary, mission, columns, store))
+            _emptied(layout.figures, "figure_*.*")
+            finish = draw([(each.drawing, layout.figures / each.name) for each in shown])
+            _write_critical(layout, summary, pool, write_specification)
+            _write_tables(layout.tables, shown, summary.measure, store)
+            content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
+            layout.summary.write_text(content + "\n", encoding="utf-8")
+            captions = {each.name: each.caption for each in shown}
+            layout.report.write_text(report_text(summary, captions), encoding="utf-8")
     try:
         show(summary)
     finally:
@@ -141,6 +147,18 @@ def _write_critical(
             write(cause, path.with_stem(f"{path.stem}-cause"), f"{name}_cause", named)
 
 
+def _write_tables(
+    folder: Path, shown: Iterable[Illustration], measure: Measure, store: CampaignStore
+) -> None:
+    """Write the numbers behind the figures, and what came of each evaluation or each so many-th."""
+    _emptied(folder, "*.csv")
+    for each in shown:
+        (folder / f"{each.name}.csv").write_bytes(tables.as_csv(each.rows))
+    flown = store.flown(tables.listed_step(store.n_evaluations))
+    with (folder / "evaluations.csv").open("w", encoding="utf-8", newline="") as file:
+        tables.write_csv(file, tables.evaluations_table(flown, measure))
+
+
 def _emptied(folder: Path, pattern: str) -> None:
     """Make a folder, or remove from it what an earlier report left."""
     folder.mkdir(exist_ok=True)
@@ -148,20 +166,11 @@ def _emptied(folder: Path, pattern: str) -> None:
         file.unlink()
 
 
-class Illustration(NamedTuple):
-    """A figure and the numbers behind it; ``name`` is the stem of their files."""
-
-    name: str
-    caption: str
-    drawing: Drawing
-    rows: tables.Rows
-
-
 def illustrate(
     summary: Summary,
     mission: Mission,
-    evaluations: Sequence[Evaluation],
-    generations: Sequence[Generation],
+    columns: Columns,
+    store: CampaignStore,
 ) -> Iterator[Illustration]:
     """Yield the figures that a campaign has numbers for, in the order of the paper.
 
@@ -175,12 +184,12 @@ def illustrate(
         map_drawing(mission),
         tables.map_table(mission),
     )
-    if generations:
+    if summary.trend.generations:
         yield from _fitness(summary)
     if summary.harm:
         yield _harm(summary.harm, summary.measure)
     if summary.front is not None and summary.front.points and len(summary.front.goals) >= 2:
-        yield from _fronts(summary, summary.front.goals, evaluations, generations)
+        yield from _fronts(summary, summary.front.goals, columns, store)
     if summary.top:
         where = f"the {len(summary.top)} most critical specifications"
         yield _types("figure_12_fault_types", where, summary.patterns)
@@ -255,14 +264,11 @@ def _harm(harm: Sequence[Harm], measure: Measure) -> Illustration:
 
 
 def _fronts(
-    summary: Summary,
-    front_goals: tuple[str, ...],
-    evaluations: Sequence[Evaluation],
-    generations: Sequence[Generation],
+    summary: Summary, front_goals: tuple[str, ...], columns: Columns, store: CampaignStore
 ) -> Iterator[Illustration]:
     goals, measure = front_goals[:2], replace(summary.measure, minimised=None)
     over = f"over the {measure.words} of {' and '.join(goals)}{measure.means}"
-    by_generation = _generation_fronts(measure, evaluations, generations, goals)
+    by_generation = _generation_fronts(measure, columns, store, goals)
     if by_generation:
         yield Illustration(
             "figure_10_front_by_generation",
@@ -277,32 +283,29 @@ def _fronts(
                 ),
             ],
         )
-    front = find_front(measure, evaluations, goals)
-    cloud = [measure.violations(evaluation, goals) for evaluation in evaluations]
+    front = find_front(measure, columns, goals)
+    cloud, n_left_out = thinned(columns.of(goals))
+    drawn = f"; {len(cloud)} of {len(cloud) + n_left_out} points are drawn" if n_left_out else ""
     yield Illustration(
         "figure_11_front",
-        f"All non-dominated specifications {over}",
-        Drawing("whole_front", (front, cloud, _shown_pick(summary, front))),
+        f"All non-dominated specifications {over}{drawn}",
+        Drawing("whole_front", (front, cloud, _shown_pick(summary, front), n_left_out)),
         tables.front_table(front),
     )
 
 
 def _generation_fronts(
-    measure: Measure,
-    evaluations: Sequence[Evaluation],
-    generations: Sequence[Generation],
-    goals: Sequence[str],
+    measure: Measure, columns: Columns, store: CampaignStore, goals: Sequence[str]
 ) -> dict[int, Front]:
     """Return the fronts of evenly spaced generations' populations, by generation."""
-    by_index = {evaluation.index: evaluation for evaluation in evaluations}
-    populated = [generation for generation in generations if generation.population]
-    shown = [populated[i] for i in evenly_spaced(len(populated), N_GENERATION_FRONTS)]
-    return {
-        generation.index: find_front(
-            measure, [by_index[index] for index in generation.population], goals
-        )
-        for generation in shown
-    }
+    populated = store.populated()
+    fronts = {}
+    for place in evenly_spaced(len(populated), N_GENERATION_FRONTS):
+        generation = store.generation(populated[place])
+        assert generation is not None
+        rows = columns.distinct_among(generation.population)
+        fronts[generation.index] = find_front(measure, columns, goals, rows)
+    return fronts
 
 
 def _shown_pick(summary: Summary, front: Front) -> Pick | None:

@@ -5,19 +5,18 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.findings import Finding, find_findings
 from mrsfi_runtime.analysis.fronts import (
     Front,
     Harm,
     Pick,
     Ratio,
-    distinct,
     find_front,
     find_harm,
     nearest_ratio,
     parse_ratio,
     score,
-    top,
 )
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
 from mrsfi_runtime.causes.cause_set import chosen
@@ -97,55 +96,50 @@ def summarise(
     mission: Mission,
     pool: FaultPool,
     ratio: str | None,
-    evaluations: Sequence[Evaluation] | None = None,
-) -> Summary:
-    """Return what the campaign in a folder found so far.
-
-    Parameters
-    ----------
-    evaluations
-        All of the store, if they were read already.
+) -> tuple[Summary, Columns]:
+    """Return what the campaign in a folder found so far, and its evaluations.
 
     Raises
     ------
     UsageError
         If the ratio, or a goal of the ratio or the settings, makes no sense.
     """
-    evaluations = store.evaluations() if evaluations is None else evaluations
     measure = Measure.of(store.settings, mission)
-    different = distinct(evaluations)
-    best = top(different, N_TOP)
     wanted = None if ratio is None else parse_ratio(ratio)
     goals = _front_goals(store.settings, wanted)
-    front = find_front(measure, different, goals) if goals else None
-    generations = store.generations()
+    harmed = measure.chosen if measure.minimised else ()
+    looked_at = (*goals, *(() if wanted is None else wanted.goals), *harmed)
+    columns = Columns.read(store, measure, tuple(dict.fromkeys(looked_at)))
+    front = find_front(measure, columns, goals) if goals else None
+    best = tuple(map(store.evaluation, columns.top(N_TOP)))
     tops = {each.index: each.specification for each in best}
-    tried = [evaluation.specification for evaluation in different]
+    trend = find_trend(store.generations())
     known = {cause.index: cause for cause in store.causes()}
     causes = tuple(known[index] for index in tops if index in known)
     sets = [chosen(tops[cause.index], cause.places) for cause in causes]
-    return Summary(
+    summary = Summary(
         folder=folder,
         mission=mission.name,
         settings=store.settings,
         measure=measure,
         semantics=store.manifest.semantics,
-        n_generations=len(generations),
-        n_evaluations=len(evaluations),
-        n_distinct=len(different),
-        n_failures=len(store.failures()),
+        n_generations=len(trend.generations),
+        n_evaluations=len(columns),
+        n_distinct=len(columns.distinct),
+        n_failures=store.n_failures,
         digest=store.digest(),
         top=best,
         faults=tuple(named_faults(mission, pool, each.specification) for each in best),
         causes=causes,
         findings=find_findings(mission, pool, causes, tops),
         front=front,
-        harm=find_harm(measure, different) if measure.minimised else None,
-        pick=None if wanted is None else _pick(measure, different, front, wanted),
-        trend=find_trend(generations),
-        patterns=find_patterns([*tops.values()], tried, pool),
-        guilty=find_patterns(sets, tried, pool),
+        harm=find_harm(measure, columns) if measure.minimised else None,
+        pick=None if wanted is None else _pick(measure, columns, front, wanted),
+        trend=trend,
+        patterns=find_patterns([*tops.values()], columns.tried, pool),
+        guilty=find_patterns(sets, columns.tried, pool),
     )
+    return summary, columns
 
 
 def as_json(summary: Summary) -> dict[str, Any]:
@@ -199,12 +193,10 @@ def _front_goals(settings: CampaignSettings, wanted: Ratio | None) -> tuple[str,
     return () if wanted is None else wanted.goals
 
 
-def _pick(
-    measure: Measure, evaluations: tuple[Evaluation, ...], front: Front | None, wanted: Ratio
-) -> Pick:
+def _pick(measure: Measure, columns: Columns, front: Front | None, wanted: Ratio) -> Pick:
     """Pick from the campaign's front, or from one over the ratio's own goals if that lacks them."""
     if front is None or not set(wanted.goals) <= set(front.goals):
-        front = find_front(measure, evaluations, wanted.goals)
+        front = find_front(measure, columns, wanted.goals)
     return Pick(wanted, nearest_ratio(front, wanted), front.goals)
 
 

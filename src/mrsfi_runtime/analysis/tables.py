@@ -2,20 +2,22 @@
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import astuple, dataclass
 from itertools import chain
-from typing import TypeAlias
+from typing import TextIO, TypeAlias
 
 from mrsfi_runtime.analysis.fronts import Front, Harm
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Goal, Mission
 from mrsfi_runtime.model.outcome import TOLD
-from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.campaign import Flown
 from mrsfi_runtime.record.measure import Measure, ticks
 
 Cell: TypeAlias = str | int | float | None
 Rows: TypeAlias = list[tuple[Cell, ...]]
 """A table: the first row names the columns."""
+
+_MOST_LISTED = 100_000  # evaluations of a table
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +65,13 @@ def working_window(mission: Mission) -> tuple[float, float, float]:
 def as_csv(rows: Rows) -> bytes:
     """Return rows as CSV with line feeds, floats in their shortest exact form."""
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
+    write_csv(text, rows)
     return text.getvalue().encode()
+
+
+def write_csv(file: TextIO, rows: Iterable[tuple[Cell, ...]]) -> None:
+    """Write rows as CSV into a file that leaves line feeds as they are, one after the other."""
+    csv.writer(file, lineterminator="\n").writerows(rows)
 
 
 def map_table(mission: Mission) -> Rows:
@@ -108,24 +115,27 @@ def in_words(rows: Rows) -> list[tuple[str, ...]]:
     ]
 
 
-def evaluations_table(evaluations: Iterable[Evaluation], measure: Measure) -> Rows:
-    """Return every evaluation with what came of each goal; several objectives in one cell.
+def evaluations_table(flown: Iterable[Flown], measure: Measure) -> Iterator[tuple[Cell, ...]]:
+    """Yield evaluations with what came of each goal; several objectives in one cell.
 
     The counts are those of the first mission seed. A cell is empty where a goal was not missed
     since any tick, or an older record does not say.
     """
     counted = (f"{name}_{goal}" for name in TOLD for goal in measure.goals)
-    rows = (
-        (
-            evaluation.index,
-            evaluation.generation,
-            " ".join(map(repr, evaluation.fitness)),
-            len(evaluation.specification),
-            evaluation.fault_ticks,
-            *chain.from_iterable(evaluation.outcome.told(measure.duration).values()),
-            evaluation.outcome.digest,
-        )
-        for evaluation in evaluations
-    )
     first = ("evaluation", "generation", "fitness", "n_faults", "fault_ticks")
-    return [(*first, *counted, "digest"), *rows]
+    yield (*first, *counted, "digest")
+    for each in flown:
+        yield (
+            each.index,
+            each.generation,
+            " ".join(map(repr, each.fitness)),
+            len(each.outcome.applied),
+            each.fault_ticks,
+            *chain.from_iterable(each.outcome.told(measure.duration).values()),
+            each.outcome.digest,
+        )
+
+
+def listed_step(n_evaluations: int) -> int:
+    """Return how far apart the evaluations are that a table lists: 1 if it lists all."""
+    return max(1, -(-n_evaluations // _MOST_LISTED))

@@ -11,8 +11,9 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
+from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.drawing_process import DrawingProcess
-from mrsfi_runtime.analysis.fronts import parse_ratio, top
+from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.analysis.report import map_drawing
 from mrsfi_runtime.analysis.summary import N_TOP
 from mrsfi_runtime.causes.recorded import record_causes
@@ -100,7 +101,7 @@ def resumed(path: Path, ctx: click.Context) -> Iterator[None]:
         with CampaignStore.open(path) as store:
             tell(
                 f"resuming {path}: {store.n_generations} generations, {store.n_evaluations} "
-                f"evaluations and {len(store.failures())} failures are recorded"
+                f"evaluations and {store.n_failures} failures are recorded"
             )
         yield
 
@@ -246,7 +247,7 @@ def _run(campaign: FlyableCampaign, evaluator: Evaluator) -> None:
     """Run the search to its end."""
     store = campaign.store
     settings = store.settings
-    recorded = share(settings, store.n_generations, store.n_evaluations + len(store.failures()))
+    recorded = share(settings, store.n_generations, store.n_evaluations + store.n_failures)
     evaluate_many, *replicas = (
         partial(evaluator.evaluate_many, seed=seed) for seed in settings.mission_seeds
     )
@@ -265,9 +266,9 @@ def _run(campaign: FlyableCampaign, evaluator: Evaluator) -> None:
 def _explain(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine) -> bool:
     """Find out the causes of the most critical, and tell; return whether any was not known."""
     store = campaign.store
-    best = top(store.evaluations(), N_TOP)
-    n_recorded = len(store.causes())
     measure = Measure.of(store.settings, campaign.mission)
+    best = top(store, measure, N_TOP)
+    n_recorded = len(store.causes())
     tell_of_fitness(store.settings, measure)
 
     def tell_of(cause: RecordedCause) -> None:

@@ -9,8 +9,8 @@ import click
 
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.specification import write_specification
+from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.findings import find_findings
-from mrsfi_runtime.analysis.fronts import top
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.causes.cause_set import chosen
 from mrsfi_runtime.causes.counts import Flights
@@ -197,7 +197,8 @@ def _case_of_run(campaign: FlyableCampaign, kind: str | None, out: Path | None) 
 
 def _of_run(campaign: FlyableCampaign, index: int | None, n_top: int | None) -> list[Subject]:
     """Return evaluations of a campaign, the most critical one if neither is given."""
-    evaluations = () if n_top is None else top(campaign.store.evaluations(), n_top)
+    measure = Measure.of(campaign.store.settings, campaign.mission)
+    evaluations = () if n_top is None else top(campaign.store, measure, n_top)
     return [
         Subject(
             f"evaluation_{each.index}",

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 from rich.progress import track
 
-from mrsfi_runtime.analysis.fronts import top
+from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.cli.campaigns import FlyableCampaign, OpenCampaign, open_to_fly
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.engines import EngineOptions
@@ -17,6 +17,7 @@ from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import RecordError, ReplayMismatch
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
 
 
@@ -59,22 +60,25 @@ def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
     """
     if index is not None:
         return campaign.store.evaluation(index)
-    best = top(campaign.store.evaluations(), 1)
+    measure = Measure.of(campaign.store.settings, campaign.mission)
+    best = top(campaign.store, measure, 1)
     if not best:
         raise RecordError(f"{campaign.folder.path}: holds no evaluation yet; expected at least one")
     return best[0]
 
 
 def _replay_all(campaign: FlyableCampaign, engine: Engine, *, is_json: bool) -> None:
-    evaluations = campaign.store.evaluations()
+    n_evaluations = campaign.store.n_evaluations
+    recorded = campaign.store.evaluations()
     console = progress_console()
-    for recorded in track(evaluations, "replay", console=console, disable=not console.is_terminal):
-        require_same(campaign.folder.path, recorded, engine.evaluate(recorded.specification))
+    disable = not console.is_terminal
+    for each in track(recorded, "replay", n_evaluations, console=console, disable=disable):
+        require_same(campaign.folder.path, each, engine.evaluate(each.specification))
     digest = campaign.store.digest()
     if is_json:
-        print_json({"n_evaluations": len(evaluations), "is_same": True, "digest": digest})
+        print_json({"n_evaluations": n_evaluations, "is_same": True, "digest": digest})
     else:
-        click.echo(f"same: all {len(evaluations)} evaluations, campaign digest {digest}")
+        click.echo(f"same: all {n_evaluations} evaluations, campaign digest {digest}")
 
 
 def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:

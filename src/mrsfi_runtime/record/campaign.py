@@ -6,7 +6,7 @@ earlier one.
 """
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
@@ -25,6 +25,9 @@ from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
+
+_BATCH = 2000  # evaluations whose texts are held at once
+_FEW = 256  # generations that are: the state of a random generator is a long text
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +50,17 @@ class Evaluation:
     index: int
     generation: int
     specification: Specification
+    outcome: Outcome
+    fitness: tuple[float, ...]
+    fault_ticks: int
+
+
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """What flying gave, without the specification, which takes longest to read."""
+
+    index: int
+    generation: int
     outcome: Outcome
     fitness: tuple[float, ...]
     fault_ticks: int
@@ -198,16 +212,51 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     @property
     def n_evaluations(self) -> int:
         """How many evaluations are stored."""
-        return self._count("evaluation")
+        return self._next("evaluation")
 
-    def evaluations(self, first: int = 0, n_most: int | None = None) -> tuple[Evaluation, ...]:
-        """Return evaluations in index order: all, or at most so many from one index on."""
-        rows = self._select(
-            f"{self._evaluations} WHERE idx >= ? ORDER BY idx LIMIT ?",
-            (first, -1 if n_most is None else n_most),  # SQLite takes -1 for no limit
-        )
-        decode = partial(_evaluation, self._counts)
-        return tuple(self._decoded(decode, row) for row in rows)
+    def evaluations(self, first: int = 0, n_most: int | None = None) -> Iterator[Evaluation]:
+        """Yield evaluations in index order: all, or at most so many from one index on."""
+        end = self.n_evaluations if n_most is None else first + n_most
+        for rows in self._batches(self._evaluations, range(first, end)):
+            for row in rows:
+                yield self._decoded(partial(_evaluation, self._counts), row)
+
+    def flown(self, step: int) -> Iterator[Flown]:
+        """Yield what flying gave in index order: of evaluation 0, and of each so many-th after."""
+        query = database.select_evaluations(self._counts, "NULL")
+        for rows in self._batches(query, range(0, self.n_evaluations, step)):
+            for row in rows:
+                yield self._decoded(partial(_flown, self._counts), row)
+
+    def stored(
+        self, columns: Sequence[str], n: int, decode: Callable[[Sequence[Sequence[Any]]], T]
+    ) -> Iterator[T]:
+        """Yield what the first evaluations have in some columns, some thousand at a time.
+
+        Parameters
+        ----------
+        columns
+            Of the table of evaluations.
+        n
+            How many evaluations.
+        decode
+            Takes the texts and numbers of each column, in index order; if it raises a ValueError
+            or TypeError, they are damaged.
+
+        Raises
+        ------
+        RecordError
+            If the record is damaged.
+        """
+        query = f"SELECT {database.quoted(columns)} FROM evaluation"
+        n_read = 0
+        for rows in self._batches(query, range(n)):
+            n_expected = min(_BATCH, n - n_read)
+            if len(rows) != n_expected:
+                found = f"{len(rows)} evaluations from {n_read} on"
+                raise RecordError(database.damaged(self.path, f"{found} in place of {n_expected}"))
+            n_read += n_expected
+            yield self._decoded(decode, list(zip(*rows, strict=True)))
 
     def evaluation(self, index: int) -> Evaluation:
         """Return one evaluation.
@@ -224,10 +273,17 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             raise RecordError(f"{self.path}: found no evaluation {index}; expected {expected}")
         return self._decoded(partial(_evaluation, self._counts), rows[0])
 
-    def generations(self) -> tuple[Generation, ...]:
-        """Return all finished generations in order."""
-        rows = self._select("SELECT * FROM generation ORDER BY idx")
-        return tuple(self._decoded(_generation, row) for row in rows)
+    def generations(self) -> Iterator[Generation]:
+        """Yield all finished generations in order."""
+        for first in range(0, self.n_generations, _FEW):
+            query = "SELECT * FROM generation WHERE idx >= ? AND idx < ? ORDER BY idx"
+            for row in self._select(query, (first, first + _FEW)):
+                yield self._decoded(_generation, row)
+
+    def populated(self) -> tuple[int, ...]:
+        """Return the indexes of the finished generations that have a population."""
+        rows = self._select("SELECT idx FROM generation WHERE population <> '[]' ORDER BY idx")
+        return tuple(index for (index,) in rows)
 
     def generation(self, index: int) -> Generation | None:
         """Return one finished generation, or nothing if it is not finished."""
@@ -237,7 +293,13 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     @property
     def n_generations(self) -> int:
         """How many finished generations are stored."""
-        return self._count("generation")
+        return self._next("generation")
+
+    @property
+    def n_failures(self) -> int:
+        """How many failed evaluations are stored."""
+        ((n_rows,),) = self._select("SELECT count(*) FROM failure")
+        return int(n_rows)
 
     def failures(self) -> tuple[FailedEvaluation, ...]:
         """Return the failed evaluations in the order in which they were asked for."""
@@ -273,14 +335,23 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         evaluations were divided into appends.
         """
         digest = hashlib.sha256()
-        for row in self._select(database.select_digested(self._counts)):
-            digest.update(encoding.canonical(row).encode())
-            digest.update(b"\n")
+        query = database.select_digested(self._counts)
+        for rows in self._batches(query, range(self.n_evaluations)):
+            lines = [*map(encoding.canonical, rows), ""]
+            digest.update("\n".join(lines).encode())
         return digest.hexdigest()
 
-    def _count(self, table: str) -> int:
-        ((n_rows,),) = self._select(f"SELECT count(*) FROM {table}")
-        return int(n_rows)
+    def _next(self, table: str) -> int:
+        """Return the index that comes next: how many rows there are, as they have no gaps."""
+        ((index,),) = self._select(f"SELECT coalesce(max(idx) + 1, 0) FROM {table}")
+        return int(index)
+
+    def _batches(self, query: str, indexes: range) -> Iterator[list[tuple[Any, ...]]]:
+        """Yield rows of some thousand evaluations at a time; in between nobody has to wait."""
+        for first in range(indexes.start, indexes.stop, _BATCH * indexes.step):
+            end = min(first + _BATCH * indexes.step, indexes.stop)
+            where = "WHERE idx >= ? AND idx < ? AND (idx - ?) % ? = 0 ORDER BY idx"
+            yield self._select(f"{query} {where}", (first, end, first, indexes.step))
 
     def _select(self, query: str, values: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
         with database.translated(self.path):
@@ -308,18 +379,27 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
 
 def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
     """Return what a row says of an evaluation, whose counts have names in their order."""
-    index, generation, specification_text, fitness_text, fault_ticks, *texts, digest = row
-    specification, fitness, *found = encoding.lists([specification_text, fitness_text, *texts])
-    counts: dict[str, Any] = dict.fromkeys(encoding.LATER_COUNTS)
-    counts.update(zip(names, encoding.integers(found), strict=True))
+    index, generation, specification_text, *rest = row
+    (specification,) = encoding.lists([specification_text])
+    flown = _flown(names, (index, generation, None, *rest))
     return Evaluation(
         index=index,
         generation=generation,
         specification=encoding.specification(specification),
-        outcome=Outcome(**counts, digest=digest),
-        fitness=tuple(map(float, fitness)),
-        fault_ticks=fault_ticks,
+        outcome=flown.outcome,
+        fitness=flown.fitness,
+        fault_ticks=flown.fault_ticks,
     )
+
+
+def _flown(names: Sequence[str], row: tuple[Any, ...]) -> Flown:
+    """Return what a row says beside the specification."""
+    index, generation, _, fitness_text, fault_ticks, *texts, digest = row
+    fitness, *found = encoding.lists([fitness_text, *texts])
+    counts: dict[str, Any] = dict.fromkeys(encoding.LATER_COUNTS)
+    counts.update(zip(names, encoding.integers(found), strict=True))
+    outcome = Outcome(**counts, digest=digest)
+    return Flown(index, generation, outcome, tuple(map(float, fitness)), fault_ticks)
 
 
 def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> None:

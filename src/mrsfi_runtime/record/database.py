@@ -23,12 +23,13 @@ _APPLICATION = 0x4D525346  # "MRSF" in the file's header: this SQLite file is a 
 _WAIT = 30.0  # seconds that a reader and a running campaign wait for each other
 
 
-def _quoted(counts: Iterable[str]) -> str:
-    return ", ".join(f'"{name}"' for name in counts)
+def quoted(columns: Iterable[str]) -> str:
+    """Return columns as a query names them, also those whose names are words of SQL."""
+    return ", ".join(f'"{name}"' for name in columns)
 
 
-def _columns(counts: Iterable[str]) -> str:
-    return f"idx, generation, specification, fitness, fault_ticks, {_quoted(counts)}, digest"
+def _columns(counts: Iterable[str], specification: str = "specification") -> str:
+    return f"idx, generation, {specification}, fitness, fault_ticks, {quoted(counts)}, digest"
 
 
 CAUSE_TABLE = "CREATE TABLE IF NOT EXISTS cause (idx INTEGER PRIMARY KEY, content)"
@@ -50,14 +51,17 @@ def stored_counts(path: Path, connection: sqlite3.Connection) -> tuple[str, ...]
     return tuple(name for name in COUNTS if name in columns)
 
 
-def select_evaluations(counts: Iterable[str]) -> str:
-    """Return the query for evaluations, whose counts stand in the order given."""
-    return f"SELECT {_columns(counts)} FROM evaluation"
+def select_evaluations(counts: Iterable[str], specification: str = "specification") -> str:
+    """Return the query for evaluations, whose counts stand in the order given.
+
+    What is to stand in the place of their specifications may be something else.
+    """
+    return f"SELECT {_columns(counts, specification)} FROM evaluation"
 
 
 def select_digested(counts: Iterable[str]) -> str:
     """Return the query for what a campaign's digest is made of, in its order."""
-    return f"SELECT specification, {_quoted(counts)}, digest, fitness FROM evaluation ORDER BY idx"
+    return f"SELECT specification, {quoted(counts)}, digest, fitness FROM evaluation"
 
 
 def create(path: Path, meta: Mapping[str, str]) -> None:
@@ -80,12 +84,13 @@ def create(path: Path, meta: Mapping[str, str]) -> None:
         for leftover in (new, new.with_name(f"{new.name}-journal")):
             leftover.unlink(missing_ok=True)
         with closing(_connect(new, "rwc")) as connection:
-            _fill(path, connection, meta)
+            fill(path, connection, meta)
         new.replace(path)
         keep_names(path.parent)
 
 
-def _fill(path: Path, connection: sqlite3.Connection, meta: Mapping[str, str]) -> None:
+def fill(path: Path, connection: sqlite3.Connection, meta: Mapping[str, str]) -> None:
+    """Make the tables of a campaign without evaluations; the path is for messages."""
     with transaction(path, connection):
         connection.execute(f"PRAGMA application_id = {_APPLICATION}")
         connection.execute(f"PRAGMA user_version = {SCHEMA}")

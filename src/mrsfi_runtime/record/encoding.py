@@ -5,6 +5,7 @@ same IEEE-754 bits.
 """
 
 import json
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from itertools import chain
@@ -59,6 +60,33 @@ def specification(rows: Iterable[Any]) -> Specification:
         TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)))
         for fault, start, finish, values in rows
     )
+
+
+_BEGINNING = re.compile(r'\["([^"\\]*)",')  # of a timed fault, unless its ID is an odd one
+_OPENING, _CLOSING = len("[["), len("]]]")  # around all of its timed faults
+
+
+def fault_texts(text: str) -> tuple[list[str], list[str]]:
+    """Return the pool fault of each timed fault, and texts that tell timed faults apart.
+
+    They are found in the text of a specification without making its timed faults, which takes
+    six times as long. Equal timed faults have equal texts.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If it is not the text of a specification.
+    """
+    faults, texts = _BEGINNING.findall(text), text[_OPENING:-_CLOSING].split("]],[")
+    if len(faults) == len(texts) and text.endswith("]]]") and "-0.0" not in text:
+        return faults, texts
+    (rows,) = lists([text])
+    plain = [
+        timed._replace(values=tuple(value + 0.0 for value in timed.values))  # 0 equals -0
+        for timed in specification(rows)
+    ]
+    texts = [specification_text((timed,))[_OPENING:-_CLOSING] for timed in plain]
+    return [timed.fault for timed in plain], texts
 
 
 def lists(texts: Sequence[str]) -> list[list[Any]]:

@@ -92,11 +92,6 @@ class Measure:
             return dict(zip(self.chosen, evaluation.fitness[1:], strict=True))
         return dict(zip(self.goals, getattr(evaluation.outcome, self.kind), strict=True))
 
-    def violations(self, evaluation: Evaluation, goals: Sequence[str]) -> tuple[float, ...]:
-        """Return the violations of some goals: equation (3)."""
-        found = self.by_goal(evaluation)
-        return tuple(found[goal] for goal in goals)
-
     def cost(self, evaluation: Evaluation) -> int:
         """Return how much the specification has of what is minimised; 0 if nothing is."""
         if self.minimised is None:

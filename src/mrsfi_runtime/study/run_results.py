@@ -2,9 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from itertools import accumulate
 from math import inf
-from operator import or_
 from typing import Any, Self
 
 from moocore import hypervolume
@@ -96,7 +94,7 @@ def reached(n_evaluations: int | None) -> float:
 def measure_run(
     settings: CampaignSettings,
     mission: Mission,
-    evaluations: Sequence[Evaluation],
+    evaluations: Iterable[Evaluation],
     *,
     n_failures: int,
     seconds: float,
@@ -109,32 +107,39 @@ def measure_run(
     settings
         Of the search; they say which violations and goals front and hypervolume look at.
     evaluations
-        In the order in which they were asked for.
+        In the order in which they were asked for; they are gone through once.
     """
     columns = [mission.goal_ids.index(goal) for goal in settings.goals or mission.goal_ids]
-    found: list[tuple[int, ...]] = [
-        getattr(one.outcome, settings.violations) for one in evaluations
-    ]
-    vectors = [tuple(one[column] for column in columns) for one in found]
     best = [mission.duration] * len(columns)
+    measure = Measure.of(settings, mission)
+    most = settings.faults * (mission.duration if settings.minimise == "fault_ticks" else 1)
     if settings.minimise is not None:
-        measure = Measure.of(settings, mission)
-        most = settings.faults * (mission.duration if settings.minimise == "fault_ticks" else 1)
         best.append(most - 1)
-        vectors = [
-            (*vector, most - measure.cost(one))
-            for vector, one in zip(vectors, evaluations, strict=True)
-        ]
+    n_evaluations = 0
+    improvements: list[tuple[int, float]] = []
+    at_once: list[int] = []
+    together: list[int] = []
+    broken: set[int] = set()
+    vectors: set[tuple[int, ...]] = set()
+    for n_evaluations, one in enumerate(evaluations, 1):
+        found: tuple[int, ...] = getattr(one.outcome, settings.violations)
+        spared = () if settings.minimise is None else (most - measure.cost(one),)
+        vectors.add((*(found[column] for column in columns), *spared))
+        if not improvements or score(one) > improvements[-1][1]:
+            improvements.append((n_evaluations, score(one)))
+        now = {goal for goal, count in enumerate(found) if count}
+        broken |= now
+        at_once += [n_evaluations] * (len(now) - len(at_once))
+        together += [n_evaluations] * (len(broken) - len(together))
     front = non_dominated(vectors)
-    broken = [frozenset(goal for goal, count in enumerate(one) if count) for one in found]
     return RunResult(
         algorithm=settings.algorithm,
         seed=settings.seed,
-        n_evaluations=len(evaluations),
+        n_evaluations=n_evaluations,
         n_failures=n_failures,
-        improvements=_improvements(evaluations),
-        at_once=_first_reaching(map(len, broken), len(mission.goals)),
-        together=_first_reaching(map(len, accumulate(broken, or_)), len(mission.goals)),
+        improvements=tuple(improvements),
+        at_once=_filled(at_once, len(mission.goals)),
+        together=_filled(together, len(mission.goals)),
         hypervolume=front_volume(front, best),
         front_size=len(front),
         seconds=seconds,
@@ -175,17 +180,6 @@ def front_volume(front: Sequence[tuple[float, ...]], best: Sequence[int]) -> flo
     return float(hypervolume(shares, ref=[0.0] * len(best), maximise=True))
 
 
-def _first_reaching(sizes: Iterable[int], n_goals: int) -> tuple[int | None, ...]:
-    """Return at which place, from 1, a size of 1, 2, … ``n_goals`` or more stands first."""
-    places: list[int | None] = []
-    for place, size in enumerate(sizes, 1):
-        places += [place] * (size - len(places))
+def _filled(places: Sequence[int], n_goals: int) -> tuple[int | None, ...]:
+    """Return at which place, from 1, 1, 2, … goals were reached, ``None`` where they never were."""
     return (*places, *[None] * (n_goals - len(places)))
-
-
-def _improvements(evaluations: Sequence[Evaluation]) -> tuple[tuple[int, float], ...]:
-    found: list[tuple[int, float]] = []
-    for place, evaluation in enumerate(evaluations, 1):
-        if not found or score(evaluation) > found[-1][1]:
-            found.append((place, score(evaluation)))
-    return tuple(found)

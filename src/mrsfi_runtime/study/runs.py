@@ -174,7 +174,7 @@ def _flown(
             settings,
             code.mission,
             store.evaluations(),
-            n_failures=len(store.failures()),
+            n_failures=store.n_failures,
             seconds=seconds,
             digest=store.digest(),
         )

@@ -7,6 +7,7 @@ from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.outcome import COUNTED
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
+from tests.support.campaigns import columns_of
 from tests.support.measures import FLOWN_TWICE, GOALS, HIDING, MASKED, MEANS, missing
 from tests.support.search import paper_mission, pool_of
 
@@ -16,7 +17,7 @@ def test_a_front_is_over_the_counts_that_the_campaign_chose(kind):
     measure = Measure.of(CampaignSettings(violations=kind, goals=GOALS), paper_mission())
     counts = {getattr(each.outcome, kind)[:3:2]: each.index for each in reversed(HIDING)}
 
-    front = find_front(measure, HIDING, GOALS)
+    front = find_front(measure, columns_of(HIDING, measure, GOALS), GOALS)
 
     assert front.counts == ("time missed" if kind == "missed" else f"{kind} violations")
     assert {counts[point.violations] for point in front.points} == {
@@ -25,7 +26,8 @@ def test_a_front_is_over_the_counts_that_the_campaign_chose(kind):
 
 
 def test_a_front_is_over_the_means_of_all_mission_seeds():
-    front = find_front(Measure.of(MEANS, paper_mission()), FLOWN_TWICE, GOALS)
+    measure = Measure.of(MEANS, paper_mission())
+    front = find_front(measure, columns_of(FLOWN_TWICE, measure, GOALS), GOALS)
 
     assert front.counts == "believed violations, mean of 2 mission seeds"
     assert front.points == (FrontPoint(0, (450.0, 451.5)), FrontPoint(1, (500.5, 12.0)))

@@ -54,11 +54,11 @@ def test_causes_are_read_back_in_the_order_of_evaluations(explained):
 
 def test_causes_change_neither_evaluations_nor_digest(store):
     store.append([evaluation(0, (1, 2))])
-    before = store.evaluations(), store.digest()
+    before = tuple(store.evaluations()), store.digest()
 
     store.append_cause(UNKNOWN)
 
-    assert (store.evaluations(), store.digest()) == before
+    assert (tuple(store.evaluations()), store.digest()) == before
 
 
 def test_an_evaluation_is_explained_once(explained):

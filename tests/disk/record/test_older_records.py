@@ -17,7 +17,7 @@ from tests.support.older_records import DIGEST_OF_1, recorded_by_1
 
 def test_a_record_of_semantics_1_is_read_and_keeps_its_digest(tmp_path):
     with CampaignStore.open(recorded_by_1(tmp_path / "run")) as store:
-        found = store.evaluations()
+        found = tuple(store.evaluations())
         one, digest = store.evaluation(1), store.digest()
         semantics = store.manifest.semantics
 
@@ -68,4 +68,4 @@ def test_a_record_without_a_count_that_every_version_has_is_damaged(tmp_path):
         CampaignStore.open(tmp_path) as store,
         pytest.raises(RecordError, match=r"the record is damaged: .*'masked'"),
     ):
-        store.evaluations()
+        tuple(store.evaluations())

@@ -108,7 +108,7 @@ def test_a_damaged_row_is_refused(tmp_path, column, text):
         CampaignStore.open(tmp_path) as store,
         pytest.raises(RecordError, match="the record is damaged"),
     ):
-        store.evaluations()
+        tuple(store.evaluations())
 
 
 @pytest.mark.parametrize(
@@ -156,6 +156,6 @@ def test_a_folder_that_cannot_be_written_can_be_read(guest_folder, request):
     request.getfixturevalue("as_guest")
 
     with CampaignStore.open(guest_folder) as store:
-        assert store.evaluations() == (evaluation(0, (1,)),)
+        assert tuple(store.evaluations()) == (evaluation(0, (1,)),)
         with pytest.raises(RecordError, match="cannot be opened or written"):
             store.append([evaluation(1, (1,))])

@@ -3,6 +3,7 @@ import struct
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 from matplotlib.figure import Figure
@@ -27,7 +28,8 @@ def types_figure() -> Figure:
 
     top = [random_specification(Random(i)) for i in range(3)]
     return plots.fault_types(
-        find_patterns(top, top, pool_of()), "Fault types in the 3 most critical specifications"
+        find_patterns(top, {"f1": 3, "f20": 1}, pool_of()),
+        "Fault types in the 3 most critical specifications",
     )
 
 
@@ -166,7 +168,7 @@ def test_one_generation_and_one_point_can_be_drawn(tmp_path):
         "best": plots.best_fitness(trend, "fitness"),
         "by_generation": plots.generation_fronts({0: zero}),
         "front": plots.whole_front(zero, [(0, 0)], None),
-        "types": plots.fault_types(find_patterns([()], [()], pool_of()), "Fault types in 1"),
+        "types": plots.fault_types(find_patterns([()], {}, pool_of()), "Fault types in 1"),
     }.items():
         png, svg = save(figure, tmp_path / name)
         assert png.stat().st_size > 0
@@ -179,3 +181,26 @@ def test_a_large_cloud_stays_a_small_file(tmp_path):
     _, svg = save(plots.whole_front(FRONT, cloud, None), tmp_path / "front")
 
     assert svg.stat().st_size < 400_000
+
+
+@pytest.mark.parametrize(
+    ("draw", "label"),
+    [
+        (plots.mean_fitness, "mean of one in 3 generations"),
+        (plots.best_fitness, "best of 3 generations"),
+    ],
+)
+def test_of_many_generations_a_point_stands_for_several(draw, label, tmp_path):
+    rows = tuple(GenerationFitness(i, i % 9, 1.0, i % 9 + 1, i % 9 - 1) for i in range(5_000))
+
+    _, svg = save(draw(Trend(rows, 0.0, 0.0, 0.0, 1.0), "fitness"), tmp_path / "long")
+
+    assert label in texts(svg)
+    n_points = len(list(ET.fromstring(svg.read_bytes()).iter("{http://www.w3.org/2000/svg}use")))
+    assert n_points < 2_000
+
+
+def test_a_legend_says_how_many_points_are_not_drawn(tmp_path):
+    _, svg = save(plots.whole_front(FRONT, CLOUD, None, 7), tmp_path / "front")
+
+    assert "evaluated (7 points not drawn)" in texts(svg)

@@ -68,8 +68,8 @@ def test_a_campaign_gets_the_figures_of_its_case(settings, expected, tmp_path):
     folder = write_campaign(tmp_path / "run", settings=settings, n_generations=2, n_individuals=3)
 
     with CampaignStore.open(folder) as store:
-        summary = summarise(folder, store, CODE.mission, CODE.pool, ratio=None)
-        drawn = illustrate(summary, CODE.mission, store.evaluations(), store.generations())
+        summary, columns = summarise(folder, store, CODE.mission, CODE.pool, ratio=None)
+        drawn = [*illustrate(summary, CODE.mission, columns, store)]
 
     assert [illustration.name for illustration in drawn] == expected
 
@@ -281,7 +281,7 @@ def test_a_ratio_over_goals_that_nobody_chose_has_its_own_front(tmp_path):
     summaries = []
     for folder in (single, other):
         with CampaignStore.open(folder) as store:
-            summaries.append(summarise(folder, store, CODE.mission, CODE.pool, "g4:g5=1:1"))
+            summaries.append(summarise(folder, store, CODE.mission, CODE.pool, "g4:g5=1:1")[0])
 
     of_single, of_other = summaries
     assert of_single.front is not None

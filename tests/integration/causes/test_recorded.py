@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from mrsfi_runtime.analysis.fronts import top
+from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.causes.recorded import record_causes
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import WorkerLost
@@ -14,7 +14,7 @@ from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.campaigns import evaluation
+from tests.support.campaigns import evaluation, store_of
 from tests.support.rendezvous import PLANTED, harmless, write_rendezvous
 
 
@@ -46,10 +46,15 @@ def find_out(store, engine, best, evaluate_many=None, on_found=lambda _: None):
     record_causes(store, measure, best, evaluate_many or engine.evaluate_many, engine, on_found)
 
 
+def best_of(store, engine):
+    return top(store, Measure.of(store.settings, engine.code.mission), 10)
+
+
 def test_the_order_in_which_evaluations_are_explained_changes_nothing(
     tmp_path, evaluations, engine
 ):
-    best = top(evaluations, 10)
+    with store_of(evaluations) as store:
+        best = best_of(store, engine)
     shuffled = Random(1).sample(best, len(best))
     found = []
     for number, order in enumerate((best, best[::-1], shuffled)):
@@ -62,8 +67,8 @@ def test_the_order_in_which_evaluations_are_explained_changes_nothing(
     assert [cause.places for cause in found[0]] == [(1,), (0, 2), (0, 1), (0, 2), *[()] * 6]
 
 
-def test_what_is_known_is_not_flown_again_and_counts_as_flown(store, evaluations, engine):
-    best = top(evaluations, 10)
+def test_what_is_known_is_not_flown_again_and_counts_as_flown(store, engine):
+    best = best_of(store, engine)
     told, flown = [], []
 
     def evaluate_many(specifications, seed):
@@ -83,7 +88,7 @@ def test_what_is_known_is_not_flown_again_and_counts_as_flown(store, evaluations
 def test_the_first_that_takes_too_much_is_the_last(tmp_path, evaluations, engine):
     with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append(evaluations[:50])
-        find_out(store, engine, top(store.evaluations(), 10))
+        find_out(store, engine, best_of(store, engine))
         first, second = sorted(store.causes(), key=lambda cause: bool(cause.reason))
 
         assert first.places
@@ -91,13 +96,13 @@ def test_the_first_that_takes_too_much_is_the_last(tmp_path, evaluations, engine
         assert first.n_flown + second.n_flown <= 50
 
 
-def test_a_lost_worker_ends_it_and_is_no_reason(store, evaluations, engine):
+def test_a_lost_worker_ends_it_and_is_no_reason(store, engine):
     def evaluate_many(specifications, seed):
         if len(store.causes()) == 1 and specifications != [()]:
             raise WorkerLost
         return engine.evaluate_many(specifications, seed)
 
-    best = top(evaluations, 10)
+    best = best_of(store, engine)
     with pytest.raises(WorkerLost):
         find_out(store, engine, best, evaluate_many)
 
@@ -110,7 +115,7 @@ def test_what_is_violated_without_faults_is_not_due_to_any(tmp_path, engine):
     late = engine.evaluate(tuple(TimedFault(*fault) for fault in PLANTED[2]))
     with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.append(evaluation(k, late.believed) for k in range(40))
-        find_out(store, engine, store.evaluations()[:1], lambda many, _: [late for _ in many])
+        find_out(store, engine, [next(store.evaluations())], lambda many, _: [late for _ in many])
         (found,) = store.causes()
 
     assert found.reason == "without any of its faults, the violations are there as well"

@@ -41,7 +41,7 @@ def test_a_kill_in_the_middle_of_an_append_loses_that_append_only(tmp_path):
     assert killed.returncode == -signal.SIGKILL
     assert Path(f"{folder / 'campaign.sqlite'}-journal").stat().st_size > 0
     with CampaignStore.open(folder) as store:
-        assert store.evaluations() == tuple(evaluation(i, (i,)) for i in range(30))
+        assert tuple(store.evaluations()) == tuple(evaluation(i, (i,)) for i in range(30))
         store.append([evaluation(30, (30,))])
         assert store.n_evaluations == 31
 
@@ -56,7 +56,7 @@ def test_a_write_beyond_the_room_is_refused_and_what_was_stored_stays(tmp_path):
 
     assert "the disk did not take a write" in done.stdout, done.stderr
     with CampaignStore.open(folder) as store:
-        assert store.evaluations() == (evaluation(0, (0,)),)
+        assert tuple(store.evaluations()) == (evaluation(0, (0,)),)
 
 
 FULL = """

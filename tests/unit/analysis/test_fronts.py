@@ -1,6 +1,7 @@
-from itertools import pairwise
+from itertools import pairwise, product
 from math import atan2
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,13 +15,14 @@ from mrsfi_runtime.analysis.fronts import (
     nearest_ratio,
     non_dominated,
     parse_ratio,
+    thinned,
 )
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.campaigns import evaluation
+from tests.support.campaigns import columns_of, evaluation
 from tests.support.search import paper_mission
 
 MEASURE = Measure.of(CampaignSettings(), paper_mission())
@@ -47,7 +49,7 @@ def test_no_member_is_dominated_and_every_other_vector_is(vectors):
 
 def front_of(*believed: tuple[int, ...], goals: tuple[str, ...] = ("g1", "g3")) -> Front:
     found = [evaluation(i, counts + (0,) * (6 - len(counts))) for i, counts in enumerate(believed)]
-    return find_front(MEASURE, found, goals)
+    return find_front(MEASURE, columns_of(found, MEASURE, goals), goals)
 
 
 def test_a_front_reads_the_chosen_goals_of_the_belief_in_the_chosen_order():
@@ -58,9 +60,7 @@ def test_a_front_reads_the_chosen_goals_of_the_belief_in_the_chosen_order():
 
 
 def test_of_equal_violations_the_earliest_evaluation_stands():
-    found = [evaluation(i, (4, 0, 4, 0, 0, 0)) for i in (7, 3, 5)]
-
-    assert find_front(MEASURE, found, ("g1", "g3")).points == (FrontPoint(3, (4, 4)),)
+    assert front_of((1, 0, 1), (4, 0, 4), (4, 0, 4)).points == (FrontPoint(1, (4, 4)),)
 
 
 COUNTS = st.tuples(*[st.integers(0, 4)] * 2)
@@ -80,7 +80,8 @@ def of_sizes(found: list[tuple[tuple[int, int], int]]) -> list[Evaluation]:
 
 @given(st.lists(st.tuples(COUNTS, st.integers(1, 4)), max_size=20))
 def test_a_front_that_minimises_has_whom_nobody_beats_in_violations_or_in_size(found):
-    front = find_front(FEWEST, of_sizes(found), ("g1", "g3"))
+    goals = ("g1", "g3")
+    front = find_front(FEWEST, columns_of(of_sizes(found), FEWEST, goals), goals)
 
     vectors = [(*counts, -size) for counts, size in found]
     expected = {one for one in vectors if not any(dominates(other, one) for other in vectors)}
@@ -93,7 +94,7 @@ def test_a_front_that_minimises_has_whom_nobody_beats_in_violations_or_in_size(f
 
 @given(st.lists(st.tuples(COUNTS, st.integers(1, 4)), max_size=20))
 def test_harm_is_the_most_that_so_few_faults_do_and_rises(found):
-    harm = find_harm(FEWEST, of_sizes(found))
+    harm = find_harm(FEWEST, columns_of(of_sizes(found), FEWEST, FEWEST.chosen))
 
     for size in range(5):
         few = [counts for counts, n_faults in found if n_faults <= size]
@@ -194,3 +195,23 @@ def test_a_front_without_violations_has_nothing_near():
 def test_a_ratio_over_other_goals_than_the_front_is_refused():
     with pytest.raises(UsageError, match=r"found ratio 'g4:g1=2:1'.*front's goals: g1, g3"):
         nearest_ratio(front_of((1,)), "g4:g1=2:1")
+
+
+def test_a_small_cloud_is_drawn_as_a_whole():
+    vectors = np.array([(2, 1), (0, 3), (2, 1)])
+
+    assert thinned(vectors) == ([(0, 3), (2, 1)], 0)
+
+
+def test_of_a_large_cloud_all_have_a_drawn_point_within_a_200th_of_both_axes():
+    size = 500
+    near = range(-(size // 200), size // 200 + 1)
+
+    drawn, n_left_out = thinned(np.array([(x, y) for x in range(size) for y in range(size)]))
+
+    assert 0 < n_left_out == size * size - len(drawn)
+    xs, ys = np.array(drawn).T
+    is_covered = np.zeros((size, size), bool)
+    for dx, dy in product(near, near):
+        is_covered[np.clip(xs + dx, 0, size - 1), np.clip(ys + dy, 0, size - 1)] = True
+    assert is_covered.all()

@@ -1,7 +1,9 @@
+from collections import Counter
+
 import pytest
 
 from mrsfi_runtime.analysis.patterns import find_patterns
-from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
+from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
 from tests.support.fault_types import FAULT_TYPES
 
 POOL = FaultPool(
@@ -19,11 +21,15 @@ def timed(*faults: str) -> tuple[TimedFault, ...]:
     return tuple(TimedFault(fault, 10 * i, 10 * i + 5) for i, fault in enumerate(faults))
 
 
+def counted(specifications: list[Specification]) -> Counter[str]:
+    return Counter(each.fault for specification in specifications for each in specification)
+
+
 def test_occurrences_stand_beside_what_the_shares_would_give():
     top = [timed("f1", "f3", "f2"), timed("f1")]
     campaign = [*top, timed("f2", "f2", "f2", "f4")]
 
-    zero, stop, start = find_patterns(top, campaign, POOL)
+    zero, stop, start = find_patterns(top, counted(campaign), POOL)
 
     assert (zero.type, zero.n_occurrences, zero.n_specifications) == ("ZeroSpeed", 3, 2)
     assert (zero.share, zero.pool_share, zero.campaign_share) == (0.75, 0.5, 0.375)
@@ -35,7 +41,7 @@ def test_occurrences_stand_beside_what_the_shares_would_give():
 def test_expected_counts_add_up_to_the_occurrences():
     top = [timed("f1", "f3", "f2", "f2"), timed("f4", "f4", "f4")]
 
-    patterns = find_patterns(top, top, POOL)
+    patterns = find_patterns(top, counted(top), POOL)
 
     assert sum(pattern.n_occurrences for pattern in patterns) == 7
     assert sum(pattern.pool_expected for pattern in patterns) == pytest.approx(7)
@@ -43,12 +49,12 @@ def test_expected_counts_add_up_to_the_occurrences():
 
 
 def test_equal_occurrences_stand_by_name():
-    patterns = find_patterns([timed("f4", "f2", "f1")], [], POOL)
+    patterns = find_patterns([timed("f4", "f2", "f1")], {}, POOL)
 
     assert [pattern.type for pattern in patterns] == ["StartRobot", "StopRobot", "ZeroSpeed"]
 
 
 def test_no_specifications_give_zeros():
-    patterns = find_patterns([], [], POOL)
+    patterns = find_patterns([], {}, POOL)
 
     assert {(p.n_occurrences, p.share, p.pool_expected) for p in patterns} == {(0, 0.0, 0.0)}

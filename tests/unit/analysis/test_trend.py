@@ -1,4 +1,9 @@
+from itertools import combinations
+from math import sqrt
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend, find_trend
 from mrsfi_runtime.record.campaign import Generation
@@ -34,6 +39,20 @@ def test_a_falling_mean_has_a_negative_tau():
 
     assert trend.tau == -1.0
     assert trend.slope == pytest.approx(-1.0)
+
+
+@given(st.lists(st.integers(0, 5), max_size=12))
+def test_tau_is_positive_where_more_pairs_rise_than_fall(means):
+    pairs = list(combinations(means, 2))
+    n_rising = sum(later > earlier for earlier, later in pairs)
+    n_falling = sum(later < earlier for earlier, later in pairs)
+
+    tau = trend_of(*map(float, means)).tau
+
+    untied = n_rising + n_falling
+    assert tau == (
+        0.0 if not untied else pytest.approx((n_rising - n_falling) / sqrt(len(pairs) * untied))
+    )
 
 
 def test_ties_are_corrected_as_in_the_literature():
