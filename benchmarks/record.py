@@ -15,12 +15,15 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.measuring import Aims
+from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import run_campaign
 
@@ -43,12 +46,15 @@ def write(folder: Path, n_evaluations: int) -> float:
         return time.perf_counter() - start
 
 
-def queries(store: CampaignStore) -> Mapping[str, Callable[[], Any]]:
-    """Return what a report asks, each of which reads all that it is about."""
+def queries(store: CampaignStore, mission: Mission) -> Mapping[str, Callable[[], Any]]:
+    """Return what is asked of a record, mostly by a report; each reads all that it is about."""
     last = store.n_evaluations - 1
+    measure = Measure.of(store.settings, mission)
     return {
-        "all evaluations": store.evaluations,
-        "all generations": store.generations,
+        "all evaluations": lambda: tuple(store.evaluations()),
+        "what a report asks of all evaluations": lambda: Columns.read(store, measure),
+        "what a table lists of all evaluations": lambda: tuple(store.flown(1)),
+        "all generations": lambda: tuple(store.generations()),
         "all failures": store.failures,
         "the digest over all evaluations": store.digest,
         "one evaluation": lambda: store.evaluation(last),
@@ -82,7 +88,7 @@ def main() -> int:
             f"{size / 1e6:.1f} MB, {size / n_evaluations:,.0f} bytes an evaluation"
         )
         with CampaignStore.open(folder) as store:
-            for what, query in queries(store).items():
+            for what, query in queries(store, load_code(MISSION).mission).items():
                 aims.below(what, seconds(query), AIM, "s")
     return aims.exit_code()
 
