@@ -1,5 +1,6 @@
 """Laws of the search operators, over missions of any length and pools of any size."""
 
+from contextlib import nullcontext
 from itertools import combinations
 from random import Random
 
@@ -7,6 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
+from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import conflicts, require_no_overlap
@@ -62,6 +64,36 @@ def require_within(candidate: Candidate, timed: TimedFault, duration: int) -> No
         assert low <= value <= high
         assert type(value) is float
         assert not is_integer or value.is_integer()
+
+
+@LAW
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(PAPER_FAULTS), st.integers(0, 300), st.integers(0, 40)),
+        max_size=12,
+    )
+)
+def test_what_is_refused_is_that_two_that_conflict_overlap(drawn):
+    mission, pool = paper_mission(), pool_of(*FAULT_IDS)
+    specification = [
+        TimedFault(fault.id, start, start + length, fault.values) for fault, start, length in drawn
+    ]
+    excluded = conflicts(mission, pool)
+    clashes = [
+        (one, other)
+        for one, other in combinations(specification, 2)
+        if one.start <= other.finish and other.start <= one.finish
+        if one.fault in excluded[other.fault]
+    ]
+
+    refused = pytest.raises(SpecificationError) if clashes else nullcontext()
+    with refused as error:
+        require_no_overlap(mission, pool, tuple(specification))
+
+    named = [
+        [f"'{each.fault}' ({each.start} … {each.finish})" for each in pair] for pair in clashes
+    ]
+    assert not clashes or any(all(name in str(error.value) for name in names) for names in named)
 
 
 @LAW

@@ -133,6 +133,64 @@ class PlanRows(NamedTuple):
     n_faults: int
 
 
+class FaultShape(NamedTuple):
+    """What all timed faults of a pool's fault have in common.
+
+    Attributes
+    ----------
+    kind
+        Its type.
+    change
+        What its values become; ``None`` if they stay.
+    is_random
+        As for an injection.
+    is_held_back
+        Whether it holds messages back.
+    targets
+        What it touches.
+    places
+        Of each of them: the place of its list in ``PlanRows.lists``, property, and target.
+    """
+
+    kind: FaultType
+    change: Callable[..., tuple[float, ...]] | None
+    is_random: int
+    is_held_back: bool
+    targets: tuple[Target, ...]
+    places: tuple[tuple[int, int, int], ...]
+
+
+class FaultShapes(dict[str, FaultShape]):
+    """Shapes of the faults of one mission and pool by ID, each found when it is first asked for.
+
+    Raises
+    ------
+    SpecificationError
+        When asked for a fault that is not in the pool, or that refers to what the mission does not
+        have.
+    """
+
+    def __init__(self, mission: Mission, pool: FaultPool) -> None:
+        super().__init__()
+        self._mission = mission
+        self._pool = pool
+
+    def __missing__(self, fault_id: str) -> FaultShape:
+        fault = self._pool[fault_id]
+        targets = touched(self._mission, fault)
+        mode = fault.kind.mode
+        is_held_back = mode in _HELD_BACK
+        places = tuple(
+            (0 if is_held_back else 2 if affected in _COMMANDED else 1, int(affected), target)
+            for affected, target in targets
+        )
+        is_random = int(mode is Mode.RANDOM)
+        self[fault_id] = found = FaultShape(
+            fault.kind, _CHANGES.get(mode), is_random, is_held_back, targets, places
+        )
+        return found
+
+
 def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Plan:
     """Lay a fault specification out for the kernel.
 
@@ -141,42 +199,37 @@ def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Pla
     SpecificationError
         If a fault is not in the pool, or refers to what the mission does not have.
     """
-    lists, own, n_held, n_faults = plan_rows(mission, pool, specification)
+    lists, own, n_held, n_faults = plan_rows(FaultShapes(mission, pool), specification)
     messages, reports, commands = ([InjectionState(*row) for row in rows] for rows in lists)
     tallies = [FaultTally() for _ in range(n_faults)]
     own_faults = [OwnFault(*row) for row in own]
     return Plan(messages, reports, commands, [0.0] * n_held, tallies, own_faults)
 
 
-def plan_rows(mission: Mission, pool: FaultPool, specification: Specification) -> PlanRows:
+def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
     """Lay a fault specification out as rows; as ``plan``."""
-    messages: list[InjectionRow] = []
-    reports: list[InjectionRow] = []
-    commands: list[InjectionRow] = []
+    lists: tuple[list[InjectionRow], list[InjectionRow], list[InjectionRow]] = ([], [], [])
     own: list[OwnRow] = []
     n_held = 0
     for number, timed in enumerate(specification):
-        fault = pool[timed.fault]
-        targets = touched(mission, fault)
-        mode = fault.kind.mode
-        if mode is Mode.OWN:
-            own += _own_rows(number, timed, fault.kind, targets)
+        fault, start, finish, values = timed
+        kind, change, is_random, is_held_back, targets, places = shapes[fault]
+        if kind.mode is Mode.OWN:
+            own += _own_rows(number, timed, kind, targets)
             continue
-        values = _CHANGES[mode](*timed.values) if mode in _CHANGES else timed.values
+        values = values if change is None else change(*values)
         a, b, c = (*map(float, values), 0.0, 0.0, 0.0)[:3]
-        is_random = int(mode is Mode.RANDOM)
-        finish, delay = _held_back(timed, mode)
-        for affected, target in targets:
-            if mode in _HELD_BACK:
-                rows = messages
-            else:
-                rows = commands if affected in _COMMANDED else reports
-            row = (int(affected), is_random, target, timed.start, finish, a, b, c, n_held, delay)
-            rows.append((number, *row))
+        delay = 0
+        if is_held_back:
+            finish, delay = _held_back(timed, kind.mode)
+        for place, affected, target in places:
+            lists[place].append(
+                (number, affected, is_random, target, start, finish, a, b, c, n_held, delay)
+            )
             n_held += 3 * delay
-    for listed in (messages, reports, commands, own):
+    for listed in (*lists, own):
         listed.sort(key=itemgetter(_START))
-    return PlanRows((messages, reports, commands), own, n_held, len(specification))
+    return PlanRows(lists, own, n_held, len(specification))
 
 
 def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple[int, int] | None:
@@ -190,7 +243,7 @@ def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple
     SpecificationError
         As ``plan``.
     """
-    lists, own, *_ = plan_rows(mission, pool, (timed,))
+    lists, own, *_ = plan_rows(FaultShapes(mission, pool), (timed,))
     for rows in (*lists, own):
         for row in rows:
             first, last = row[_START], min(row[_FINISH], mission.duration - 1)
@@ -217,8 +270,6 @@ def _held_back(timed: TimedFault, mode: Mode) -> tuple[int, int]:
 
     A delay below one tick never becomes active.
     """
-    if mode not in _HELD_BACK:
-        return timed.finish, 0
     ticks = round(timed.values[0])
     if mode is Mode.BLOCK:
         return min(timed.finish, timed.start + ticks - 1), 0

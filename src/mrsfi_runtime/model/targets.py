@@ -10,6 +10,7 @@ place and *same class* in another; this key serves the purpose it states.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from operator import attrgetter
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
@@ -139,30 +140,56 @@ def require_no_overlap(mission: Mission, pool: FaultPool, specification: Specifi
     SpecificationError
         Naming both faults, their windows and what they both touch.
     """
-    for timed in specification:
-        n_values = len(pool[timed.fault].kind.parameters)
-        if timed.start < 0 or timed.finish < timed.start or len(timed.values) != n_values:
-            raise SpecificationError(
-                f"fault '{timed.fault}' has window {timed.start} … {timed.finish} and "
-                f"{len(timed.values)} values; expected 0 <= start <= finish and {n_values} values"
-            )
-    busy: dict[Target | str, list[TimedFault]] = {}
-    for second in specification:
-        keys: list[Target | str] = [second.fault, *touched(mission, pool[second.fault])]
-        for key in keys:
-            others = busy.setdefault(key, [])
-            for first in others:
-                if first.start <= second.finish and second.start <= first.finish:
-                    raise SpecificationError(_overlap(mission, pool, first, second))
-            others.append(second)
+    Exclusion(mission, pool).require(specification)
 
 
-def _overlap(mission: Mission, pool: FaultPool, first: TimedFault, second: TimedFault) -> str:
-    """Return the message about two conflicting faults that overlap."""
-    shared = {*touched(mission, pool[first.fault])} & {*touched(mission, pool[second.fault])}
-    what = ", ".join(sorted(target[0].name.lower() for target in shared)) or "nothing"
-    return (
-        f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
-        f"({second.start} … {second.finish}) overlap and both touch {what}; "
-        "conflicting faults must not be active at the same tick"
-    )
+class Exclusion(dict[str, tuple[int, tuple[Target | str, ...]]]):
+    """Refuses specifications of one mission and pool; what it finds out of faults, it remembers.
+
+    By ID of a fault it has the number of its values, and what no other may touch at the same time:
+    itself, and its targets.
+
+    Parameters
+    ----------
+    mission, pool
+        The mission, and its faults.
+    """
+
+    def __init__(self, mission: Mission, pool: FaultPool) -> None:
+        super().__init__()
+        self._mission = mission
+        self._pool = pool
+
+    def __missing__(self, fault_id: str) -> tuple[int, tuple[Target | str, ...]]:
+        fault = self._pool[fault_id]
+        keys: tuple[Target | str, ...] = (fault_id, *touched(self._mission, fault))
+        self[fault_id] = found = (len(fault.kind.parameters), keys)
+        return found
+
+    def require(self, specification: Specification) -> None:
+        """Refuse a specification as ``require_no_overlap`` does."""
+        newest: dict[Target | str, TimedFault] = {}
+        for timed in sorted(specification, key=attrgetter("start")):
+            fault, start, finish, values = timed
+            n_values, keys = self[fault]
+            if not 0 <= start <= finish or len(values) != n_values:
+                raise SpecificationError(
+                    f"fault '{fault}' has window {start} … {finish} and {len(values)} values; "
+                    f"expected 0 <= start <= finish and {n_values} values"
+                )
+            for key in keys:
+                before = newest.get(key)
+                if before is not None and before.finish >= start:
+                    raise SpecificationError(self._overlap(before, timed))
+                newest[key] = timed
+
+    def _overlap(self, first: TimedFault, second: TimedFault) -> str:
+        """Return the message about two conflicting faults that overlap."""
+        shared = {*self[first.fault][1]} & {*self[second.fault][1]}
+        fields = (key[0] for key in shared if not isinstance(key, str))
+        what = ", ".join(sorted(affected.name.lower() for affected in fields)) or "nothing"
+        return (
+            f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
+            f"({second.start} … {second.finish}) overlap and both touch {what}; "
+            "conflicting faults must not be active at the same tick"
+        )

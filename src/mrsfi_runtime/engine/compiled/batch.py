@@ -67,20 +67,28 @@ class Batch:
 
     def outcome(self, k: int) -> Outcome:
         """Return what the flight of one specification found."""
-        result = self.results[k]
-        tallies = self._tallies(k)
-        counts = [result[name].tolist() for name in COUNTED]
-        counts += [result["world"]["goals"]["count"].tolist()]
-        counts += [tallies["applied"].tolist(), tallies["changed"].tolist()]
+        of_goals, of_faults = self._counts
+        first, last = self._tallied[k]
+        counts = [*(column[k] for column in of_goals), *(each[first:last] for each in of_faults)]
         return digested(counts, *(rows[k] for rows in self._packed))
 
     def tallies_of(self, k: int) -> list[FaultTally]:
         """Return what each fault of one specification did."""
-        return [FaultTally(*row) for row in self._tallies(k).tolist()]
+        first, last = self._tallied[k]
+        return [FaultTally(*row) for row in self.tallies[first:last].tolist()]
 
-    def _tallies(self, k: int) -> Records:
-        tallies: Records = self.tallies[self.ends[k, 4] : self.ends[k, 5]]
-        return tallies
+    @cached_property
+    def _tallied(self) -> list[list[int]]:
+        """Where the tallies of each specification begin and end."""
+        ends: list[list[int]] = self.ends[:, 4:6].tolist()
+        return ends
+
+    @cached_property
+    def _counts(self) -> tuple[list[Any], list[Any]]:
+        """What is counted of each specification, and of each fault of all of them."""
+        goals = [*(self.results[name] for name in COUNTED), self.results["world"]["goals"]["count"]]
+        faults = [self.tallies["applied"], self.tallies["changed"]]
+        return [column.tolist() for column in goals], [column.tolist() for column in faults]
 
     @cached_property
     def _packed(self) -> tuple[list[memoryview], list[memoryview]]:

@@ -33,12 +33,12 @@ from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.kernel.injections import FaultTally, plan_rows
+from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, plan_rows
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.model.targets import require_no_overlap
+from mrsfi_runtime.model.targets import Exclusion
 
 N_CHECKED = 2
 """Evaluations that the reference engine repeats before any result of new code is given out."""
@@ -78,6 +78,8 @@ class CompiledEngine(Engine):
         self._moment_type = moment_type(state)
         self._words_type = words_type(self._moment_type)
         self._reference = ReferenceEngine(code, seed)
+        self._exclusion = Exclusion(code.mission, code.pool)
+        self._shapes = FaultShapes(code.mission, code.pool)
         self._n_threads = n_threads
         self._threads = ThreadPoolExecutor(n_threads)
         self._fly_many = CompiledFlight(code, state_layout)
@@ -173,7 +175,7 @@ class CompiledEngine(Engine):
     ) -> list[Evaluated]:
         n = len(specifications)
         for specification in specifications:
-            require_no_overlap(self.code.mission, self.code.pool, specification)
+            self._exclusion.require(specification)
         batch = self._batch(specifications, self.code.pool)
         fresh = self._fresh(seed)
         size = -(-n // self._n_threads)
@@ -188,8 +190,9 @@ class CompiledEngine(Engine):
         ]
 
     def _batch(self, specifications: Sequence[Specification], pool: FaultPool) -> Batch:
-        mission = self.code.mission
-        plans = [plan_rows(mission, pool, specification) for specification in specifications]
+        is_own = pool is self.code.pool
+        shapes = self._shapes if is_own else FaultShapes(self.code.mission, pool)
+        plans = [plan_rows(shapes, specification) for specification in specifications]
         return Batch(plans, self._moment_type)
 
     def _fly(

@@ -136,17 +136,30 @@ def words_type(moment: np.dtype[Any]) -> np.dtype[Any]:
 
 def packed(states: Records) -> list[memoryview]:
     """Return what ``kernel.packing.state_bytes`` returns of states, as recorded."""
-    memories = states["goals"]["memory"].reshape(len(states), -1)
-    sizes = [states[name].shape[1] * len(columns) for name, columns in COLUMNS.items()]
-    *begins, end = np.cumsum([0, *sizes]).tolist()
-    rows = np.empty((len(states), end + memories.shape[1]))
-    for begin, (name, columns) in zip(begins, COLUMNS.items(), strict=True):
-        for place, column in enumerate(columns, begin):
-            values = states[name][column]
-            rows[:, place : begin + values.shape[1] * len(columns) : len(columns)] = values
-    rows[:, end:] = memories
-    rows += 0.0
-    return [(row if row[end:].any() else row[:end]).data for row in rows]
+    places, is_float, end = _packing(states.dtype)
+    as_words = np.dtype([("words", "<i8", (states.dtype.itemsize // 8,))])
+    words = states.view(as_words)["words"].take(places, axis=1)
+    rows = np.where(is_float, words.view(np.float64), words) + 0.0
+    remember: Any = rows[:, end:].any(axis=1)
+    return [(row if has else row[:end]).data for row, has in zip(rows, remember, strict=True)]
+
+
+@lru_cache(maxsize=16)
+def _packing(
+    recorded: np.dtype[Any],
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_], int]:
+    """Return which words of a state are packed, which are floats, and where memory begins."""
+    numbers = np.arange(recorded.itemsize // 8).view(recorded)[0]
+    memory = numbers["goals"]["memory"].view(np.int64).ravel()
+    places, is_float = [], []
+    for name, columns in COLUMNS.items():
+        listed = numbers[name]
+        places.append(np.stack([listed[column].view(np.int64) for column in columns], -1).ravel())
+        kinds = [listed.dtype[column].kind == "f" for column in columns]
+        is_float.append(np.tile(kinds, len(listed)))
+    packed_words = np.concatenate([*places, memory])
+    are_floats = np.concatenate([*is_float, np.ones(len(memory), np.bool_)])
+    return packed_words, are_floats, len(packed_words) - len(memory)
 
 
 def read_recorded(state: State, recorded: Any) -> None:
