@@ -4,7 +4,7 @@ import math
 
 from mrsfi_runtime.kernel.goal_tasks.avoid_collision import LOOK_AHEAD, MARGIN, AvoidCollision
 from mrsfi_runtime.kernel.goal_tasks.table import number
-from mrsfi_runtime.kernel.neighbours import n_buckets, stride
+from mrsfi_runtime.kernel.neighbours import LISTED, STRAYS, n_buckets, stride
 from mrsfi_runtime.kernel.obstacles import mapped
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
 from mrsfi_runtime.kernel.state import (
@@ -55,7 +55,7 @@ def initial_state(mission: Mission, seed: int) -> State:
     area = mission.area
     fastest = max((robot.fastest for robot in mission.robots), default=0.0)
     map_, cells, shown = mapped(
-        area, mission.obstacles, MARGIN + LOOK_AHEAD * fastest + ROBOT_RADIUS
+        area, mission.obstacles, MARGIN + 3.0 * LOOK_AHEAD * fastest + ROBOT_RADIUS
     )
     state = State(
         mission=MissionState(
@@ -97,14 +97,25 @@ def _lookup(mission: Mission) -> LookupState:
     )
     buckets = n_buckets(most)
     n_charted = most if buckets else 0
+    n_robots = len(mission.robots)
     return LookupState(
+        first_member=-1,
+        reach=0.0,
+        asked=0.0,
+        slack=0.0,
+        is_listed=0,
+        n_strays=0,
         cells_per_unit=1.0,
         n_buckets=buckets,
         stride=stride(buckets),
         heads=[0] * (buckets + 1),
         buckets=[0] * n_charted,
         charted=[ChartedState(0, 0.0, 0.0) for _ in range(n_charted)],
-        nearby=[0] * len(mission.robots),
+        nearby=[0] * n_robots,
+        strays=[0] * STRAYS,
+        first_listed=[0] * n_robots,
+        n_listed=[0] * n_robots,
+        listed=[0] * (LISTED * n_charted),
     )
 
 

@@ -1,10 +1,12 @@
 """Which robots are near a place: looked up in a grid where they are many, one by one where few.
 
 The grid has no edges: cells are numbered without end and share a fixed number of buckets, so
-that it serves robots wherever they are believed to be.
+that it serves robots wherever they are believed to be. Who is near whom is listed when robots are
+sorted in, with a margin, so that grid and lists serve until robots have moved through that.
 """
 
 from mrsfi_runtime.kernel.compiling import kernel
+from mrsfi_runtime.kernel.guidance import pace
 from mrsfi_runtime.kernel.state import GoalState, LookupState, State
 
 FEW = 24
@@ -15,6 +17,18 @@ WIDEST = 4
 
 FAR = 2.0**30
 """Number of the outermost cell; whatever is farther out counts as inside it."""
+
+TICKS = 6
+"""Ticks for which the fastest robot may move before robots are sorted anew."""
+
+LISTED = 16
+"""Neighbours for whom there is room in the lists, for each member on average."""
+
+STRAYS = 8
+"""Robots that may be elsewhere, such as those that faults displace, before all are sorted anew."""
+
+SURE = 1.0 + 1e-9
+"""Factor that no rounding of a distance outweighs."""
 
 
 def n_buckets(n_members: int) -> int:
@@ -42,24 +56,76 @@ def cell(value: float, per_unit: float) -> int:
 
 
 @kernel
-def chart(view: State, goal: GoalState, size: float) -> None:
-    """Sort a goal's members into the grid, where they are many.
+def chart(view: State, goal: GoalState, reach: float) -> None:
+    """See to it that a goal's members can be looked up, where they are many.
 
     Parameters
     ----------
     view, goal
         State and one of its AvoidCollision goals.
-    size
-        Side of a cell, > 0.
+    reach
+        Distance up to which neighbours are looked for most often, > 0.
+
+    Notes
+    -----
+    Grid and lists are made with a margin, and serve until more than ``STRAYS`` robots have moved
+    through it. That is seen from where they are, so that it does not matter who moved them.
+    Where goals take turns, none is looked up twice in a row, and listing would not pay.
+    """
+    if goal.n_members <= FEW:
+        return
+    lookup = view.lookup
+    is_same = lookup.first_member == goal.first_member
+    if not is_same or reach > lookup.reach or not is_charted(view, goal):
+        lookup.first_member = goal.first_member
+        lookup.reach = max(reach, lookup.asked) if is_same else reach
+        slack = TICKS * fastest(view, goal) if is_same else 0.0
+        sort(view, goal, 2.0 * (lookup.reach + slack))
+        if is_same:
+            list_neighbours(view, goal, (lookup.reach + 2.0 * slack) * SURE)
+        lookup.slack = slack
+    lookup.asked = reach
+
+
+@kernel
+def fastest(view: State, goal: GoalState) -> float:
+    """Return the distance that any member may move in a tick, as far as is known."""
+    most = 0.0
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        most = max(most, pace(view, view.members[m].robot))
+    return most
+
+
+@kernel
+def is_charted(view: State, goal: GoalState) -> bool:
+    """Return whether all members but for some strays are about where they were sorted in."""
+    lookup = view.lookup
+    n = 0
+    for k in range(goal.n_members):
+        spot = lookup.charted[k]
+        robot = view.robots[spot.robot]
+        if max(abs(robot.x - spot.x), abs(robot.y - spot.y)) > lookup.slack:
+            if n == STRAYS:
+                return False
+            lookup.strays[n] = spot.robot
+            n += 1
+    lookup.n_strays = n
+    return True
+
+
+@kernel
+def sort(view: State, goal: GoalState, size: float) -> None:
+    """Sort a goal's members into cells of a size.
 
     Notes
     -----
     Counting sort: ``LookupState.heads`` first counts the robots of each bucket, then tells where
     each bucket ends in ``charted``, and last, where it begins.
     """
-    if goal.n_members <= FEW:
-        return
     lookup = view.lookup
+    lookup.slack = 0.0
+    lookup.n_strays = 0
+    lookup.is_listed = 0
     per_unit = 1.0 / size
     lookup.cells_per_unit = per_unit
     for bucket in range(lookup.n_buckets + 1):
@@ -80,6 +146,24 @@ def chart(view: State, goal: GoalState, size: float) -> None:
         charted.robot = view.members[goal.first_member + k].robot
         charted.x = view.robots[charted.robot].x
         charted.y = view.robots[charted.robot].y
+
+
+@kernel
+def list_neighbours(view: State, goal: GoalState, reach: float) -> None:
+    """List the neighbours of each member, unless they are too many for the room there is."""
+    lookup = view.lookup
+    end = 0
+    for m in range(goal.first_member, goal.first_member + goal.n_members):
+        index = view.members[m].robot
+        n = gather_charted(view, index, reach)
+        if n < 0 or end + n > len(lookup.listed):
+            return
+        lookup.first_listed[index] = end
+        lookup.n_listed[index] = n
+        for k in range(n):
+            lookup.listed[end + k] = lookup.nearby[k]
+        end += n
+    lookup.is_listed = 1
 
 
 @kernel
@@ -108,17 +192,24 @@ def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
     int
         Their number; their indices stand first in ``State.lookup.nearby``.
     """
+    n = -1
+    if goal.n_members > FEW:
+        lookup = view.lookup
+        if lookup.is_listed == 1 and reach <= lookup.reach and not is_stray(lookup, index):
+            n = gather_listed(view, index, reach)
+        else:
+            n = gather_charted(view, index, reach)
+        if n >= 0 and lookup.n_strays > 0:
+            n = gather_strays(view, index, reach, n)
+    return gather_members(view, goal, index, reach) if n < 0 else n
+
+
+@kernel
+def gather_members(view: State, goal: GoalState, index: int, reach: float) -> int:
+    """Collect neighbours among all members; as ``gather``."""
     lookup = view.lookup
     x = view.robots[index].x
     y = view.robots[index].y
-    if goal.n_members > FEW:
-        per_unit = lookup.cells_per_unit
-        left = cell(x - reach, per_unit)
-        right = cell(x + reach, per_unit)
-        low = cell(y - reach, per_unit)
-        high = cell(y + reach, per_unit)
-        if max(right - left, high - low) < WIDEST:
-            return gather_cells(view, index, reach, left, right, low, high)
     n = 0
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         other = view.members[m].robot
@@ -130,11 +221,62 @@ def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
 
 
 @kernel
-def gather_cells(
-    view: State, index: int, reach: float, left: int, right: int, low: int, high: int
-) -> int:
-    """Collect the robots of a rectangle of cells that are near another; as ``gather``."""
+def is_stray(lookup: LookupState, index: int) -> bool:
+    """Return whether a robot is not where it was sorted in."""
+    for k in range(lookup.n_strays):
+        if lookup.strays[k] == index:
+            return True
+    return False
+
+
+@kernel
+def gather_strays(view: State, index: int, reach: float, n_before: int) -> int:
+    """Collect the strays nearby that are not among those found before; as ``gather_buckets``."""
     lookup = view.lookup
+    own = view.robots[index]
+    n = n_before
+    for k in range(lookup.n_strays):
+        other = lookup.strays[k]
+        robot = view.robots[other]
+        if other != index and is_near(robot.x - own.x, robot.y - own.y, reach):
+            lookup.nearby[n] = other  # the end of the search, should it not be found before
+            place = 0
+            while lookup.nearby[place] != other:
+                place += 1
+            n = max(n, place + 1)
+    return n
+
+
+@kernel
+def gather_listed(view: State, index: int, reach: float) -> int:
+    """Collect neighbours from those that are listed; as ``gather_buckets``."""
+    lookup = view.lookup
+    x = view.robots[index].x
+    y = view.robots[index].y
+    first = lookup.first_listed[index]
+    n = 0
+    for k in range(first, first + lookup.n_listed[index]):
+        other = lookup.listed[k]
+        robot = view.robots[other]
+        lookup.nearby[n] = other
+        n += is_near(robot.x - x, robot.y - y, reach)
+    return n
+
+
+@kernel
+def gather_charted(view: State, index: int, reach: float) -> int:
+    """Collect neighbours from the cells around a robot, or return -1 where they are too many."""
+    lookup = view.lookup
+    x = view.robots[index].x
+    y = view.robots[index].y
+    wide = (reach + lookup.slack) * SURE
+    per_unit = lookup.cells_per_unit
+    left = cell(x - wide, per_unit)
+    right = cell(x + wide, per_unit)
+    low = cell(y - wide, per_unit)
+    high = cell(y + wide, per_unit)
+    if max(right - left, high - low) >= WIDEST:
+        return -1
     last = lookup.n_buckets - 1
     n = 0
     for row in range(low, high + 1):
@@ -163,9 +305,10 @@ def gather_buckets(
     y = view.robots[index].y
     n = n_before
     for k in range(lookup.heads[begin], lookup.heads[end + 1]):
-        other = lookup.charted[k]
-        lookup.nearby[n] = other.robot
-        n += is_near(other.x - x, other.y - y, reach) & (other.robot != index)
+        other = lookup.charted[k].robot
+        robot = view.robots[other]
+        lookup.nearby[n] = other
+        n += is_near(robot.x - x, robot.y - y, reach) & (other != index)
     return n
 
 

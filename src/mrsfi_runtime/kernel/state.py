@@ -202,12 +202,23 @@ class ChartedState:
 
 @dataclass(slots=True)
 class LookupState:
-    """Room in which ``kernel.neighbours`` looks robots up; nothing in it is known, or remembered.
+    """Room in which ``kernel.neighbours`` looks robots up; nothing in it is known.
+
+    What is found there holds for the members from ``first_member`` on, as far as each but for
+    ``n_strays`` ``strays`` is no more than ``slack`` along either axis from where it was sorted in.
 
     A grid, how fine, and its buckets: ``heads`` tells where each bucket's robots begin in
-    ``charted``, ``buckets`` has that of each member. ``nearby`` are the robots found last.
+    ``charted``, ``buckets`` has that of each member. If ``is_listed``, the robots that may be
+    within ``reach`` of a robot are ``n_listed`` in ``listed`` from ``first_listed`` on. ``asked``
+    is the reach wanted last, ``nearby`` are the robots found last.
     """
 
+    first_member: int
+    reach: float
+    asked: float
+    slack: float
+    is_listed: int
+    n_strays: int
     cells_per_unit: float
     n_buckets: int
     stride: int
@@ -215,6 +226,10 @@ class LookupState:
     buckets: list[int]
     charted: list[ChartedState]
     nearby: list[int]
+    strays: list[int]
+    first_listed: list[int]
+    n_listed: list[int]
+    listed: list[int]
 
 
 @dataclass(slots=True)

@@ -83,19 +83,30 @@ def test_discs_overlap_exactly_where_some_pair_does(view):
     assert avoid_collision.violated(view, 0) is overlapping(view)
 
 
-@given(fleets(most=60), st.floats(0.5, 500.0), st.floats(0.5, 300.0))
-@law(150)
-def test_gathering_finds_every_member_within_reach_once(view, size, reach):
-    goal = view.goals[0]
-    neighbours.chart(view, goal, size)
+moves = st.lists(st.tuples(st.integers(0, 59), points), max_size=12)
 
-    for index, own in enumerate(view.robots):
-        found = view.lookup.nearby[: neighbours.gather(view, goal, index, reach)]
-        assert sorted(found) == [
-            other
-            for other, each in enumerate(view.robots)
-            if other != index and abs(each.x - own.x) < reach and abs(each.y - own.y) < reach
-        ]
+
+@given(fleets(most=60), st.lists(st.tuples(st.floats(0.5, 300.0), moves), min_size=1, max_size=6))
+@law(150)
+def test_gathering_finds_every_member_within_reach_once_however_robots_have_moved(view, ticks):
+    goal = view.goals[0]
+    for reach, moved in ticks:
+        for each, command in zip(view.robots, view.commands, strict=True):
+            each.x += command.speed * command.heading_x
+            each.y += command.speed * command.heading_y
+        for index, place in moved:
+            displaced = view.robots[index % len(view.robots)]
+            displaced.x, displaced.y = place
+        neighbours.chart(view, goal, reach)
+
+        for index, own in enumerate(view.robots):
+            for near in (reach, 2.0 * reach):
+                found = view.lookup.nearby[: neighbours.gather(view, goal, index, near)]
+                assert sorted(found) == [
+                    other
+                    for other, each in enumerate(view.robots)
+                    if other != index and abs(each.x - own.x) < near and abs(each.y - own.y) < near
+                ]
 
 
 @given(fleets(most=40), st.sampled_from([1.0, 80.0]), st.integers(0, 359))

@@ -7,7 +7,7 @@ from mrsfi_runtime.kernel.commands import steer
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.geometry import overlap, well_inside
 from mrsfi_runtime.kernel.guidance import pace
-from mrsfi_runtime.kernel.neighbours import FEW, chart, gather
+from mrsfi_runtime.kernel.neighbours import FEW, chart, fastest, gather
 from mrsfi_runtime.kernel.obstacles import cell_at, is_displaced, is_listed
 from mrsfi_runtime.kernel.state import GoalState, State
 from mrsfi_runtime.kernel.tolerance import TOLERANCE, excess
@@ -18,9 +18,6 @@ LOOK_AHEAD = 10
 
 MARGIN = 1.0
 """Clearance below which a meeting counts as a coming collision, in distance units."""
-
-CELL = 32.0
-"""Side of the cells in which overlapping robots are looked for, in distance units."""
 
 CANDIDATE_STEP = 15
 """Degrees between the headings among which a robot chooses when it evades."""
@@ -105,7 +102,7 @@ def hits_robot(view: State, goal: GoalState) -> bool:
 @kernel
 def hits_neighbour(view: State, goal: GoalState, both: float) -> bool:
     """Return whether two of many robots are nearer to each other than a distance."""
-    chart(view, goal, CELL)
+    chart(view, goal, both)
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = view.members[m].robot
         robot = view.robots[index]
@@ -120,10 +117,8 @@ def hits_neighbour(view: State, goal: GoalState, both: float) -> bool:
 def react(ci: State, g: int) -> None:
     """Turn every member that will soon collide to the heading with the most clearance."""
     goal = ci.goals[g]
-    farthest = 0.0
-    for m in range(goal.first_member, goal.first_member + goal.n_members):
-        farthest = max(farthest, LOOK_AHEAD * pace(ci, ci.members[m].robot))
-    chart(ci, goal, 2.0 * (MARGIN + 2.0 * farthest + 2.0 * ROBOT_RADIUS))
+    farthest = LOOK_AHEAD * fastest(ci, goal)
+    chart(ci, goal, MARGIN + 2.0 * farthest + 2.0 * ROBOT_RADIUS)
     for m in range(goal.first_member, goal.first_member + goal.n_members):
         index = ci.members[m].robot
         command = ci.commands[index]
