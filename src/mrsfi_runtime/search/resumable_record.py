@@ -14,6 +14,7 @@ WORST_FITNESS = 0.0
 """Fitness of a specification whose evaluation failed; that of one without a violation."""
 
 _PATIENCE = 20  # a write comes no sooner than so many times as long as the last one took
+_MOST_WAITING = 1000  # results that wait for it: of more, a write takes no smaller share of time
 
 Result: TypeAlias = Evaluation | FailedEvaluation
 """What became of one specification that the search asked for."""
@@ -106,11 +107,11 @@ class ResumableRecord:
         """Write a new result or a finished generation, at once or with later ones.
 
         At once, unless writing would then take more than a small share of the time; those that
-        wait are lost if the process is killed.
+        wait, a thousand at most, are lost if the process is killed.
         """
         self._pending.append(result)
         begin = self._clock()
-        if begin >= self._due:
+        if begin >= self._due or len(self._pending) >= _MOST_WAITING:
             self._write()
             end = self._clock()
             self._due = end + _PATIENCE * (end - begin)

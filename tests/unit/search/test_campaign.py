@@ -396,3 +396,27 @@ def test_each_evaluation_is_written_at_once_unless_writing_takes_its_time(write,
 
     assert recorder.n_appends == n_appends
     assert len(recorder.kept) == 60
+
+
+def test_no_more_than_a_thousand_results_wait_to_be_written_however_long_each_takes():
+    now, sizes = 0.0, []
+
+    class Slow(MemoryRecorder):
+        def append(self, *entries: Any) -> None:
+            nonlocal now
+            sizes.append(sum(map(len, entries)))
+            now += sizes[-1]
+            super().append(*entries)
+
+    settings = CampaignSettings(population=2_500, generations=0)
+
+    def one_a_second(specifications: Sequence[Specification]) -> Iterator[Outcome]:
+        nonlocal now
+        for specification in specifications:
+            now += 1.0
+            yield stand_in_outcome(specification)
+
+    run_campaign(settings, paper_mission(), pool_of(), one_a_second, Slow(), clock=lambda: now)
+
+    assert max(sizes) == 1_000
+    assert sum(sizes) == 2_501
