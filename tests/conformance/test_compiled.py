@@ -15,6 +15,7 @@ from mrsfi_runtime.mission import load_code
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.models.shapes import small_mission
+from tests.support.modules import old_modules  # noqa: F401 - a fixture
 from tests.support.trace import traced
 from tests.support.tree import ROOT
 from tests.support.world import paper_code, specifications
@@ -213,7 +214,7 @@ def checked(monkeypatch):
 
 
 @pytest.fixture
-def unchecked(tmp_path):
+def unchecked(tmp_path, old_modules):  # noqa: F811 - a fixture
     """Code of a mission that nothing is remembered of."""
     return renamed(edited(tmp_path, "return ci.robots[0].x > 31.0"))
 

@@ -10,6 +10,7 @@ import pytest
 from mrsfi_runtime.engine.compiled.self_check import FLIES, SAME, SelfCheck
 from mrsfi_runtime.mission import load_code
 from tests.support.cli import edit
+from tests.support.modules import old_modules  # noqa: F401 - a fixture
 from tests.support.world import paper_code
 
 SEED = 3
@@ -26,7 +27,7 @@ def folder(tmp_path):
 
 
 @pytest.fixture
-def code(tmp_path, monkeypatch):
+def code(tmp_path, monkeypatch, old_modules):  # noqa: F811 - a fixture
     """Code of a mission in a folder of its own, whose interface imports a module of the team."""
     monkeypatch.syspath_prepend(str(tmp_path / "team"))
     (tmp_path / "team").mkdir()
