@@ -111,6 +111,21 @@ def test_a_region_that_reads_beyond_a_list_fails_as_in_python(tmp_path):
         engine.evaluate(())
 
 
+@pytest.mark.parametrize("is_cached", [False, True])
+def test_a_region_may_raise_an_error_of_its_own_with_values(tmp_path, is_cached):
+    tick = "int(ci.mission.tick) + 41"
+    body = f"if ci.mission.tick == 1:\n    raise ValueError('seen', {tick})\nreturn False"
+    code = edited(tmp_path, body)
+    if is_cached:
+        command = [sys.executable, "-c", FLY, str(code.directory)]
+        assert b"seen" in subprocess.run(command, capture_output=True, check=False).stderr
+
+    with COMPILED.open(code, SEED) as engine:
+        [found] = engine.evaluate_many([()])
+
+    assert "failed at tick 1: ValueError: ('seen', 42)" in found.traceback
+
+
 @pytest.mark.parametrize(
     ("body", "expected"),
     [

@@ -13,6 +13,7 @@ from mrsfi_runtime.engine.compiled import batch_flight
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
 from mrsfi_runtime.engine.compiled.compilation_errors import CompilationError, explain
 from mrsfi_runtime.engine.compiled.driver import load_driver, only_compiler
+from mrsfi_runtime.engine.compiled.inlining import Inlined, bind
 from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.mission import MissionCode
@@ -69,6 +70,8 @@ class CompiledFlight:
         try:
             with only_compiler(self._driver):
                 self._fly_many.compile((_typeof(arrays), _typeof(0), _typeof(0)))
+                for compiled in self._fly_many.overloads.values():
+                    bind(compiled)
         except Exception as error:
             raise explain(self._code, self._state_type, error) from error
         self._compiled.add(shapes)
@@ -106,4 +109,6 @@ def register(module: ModuleType) -> None:
     for function in kernel_functions(module):
         if function not in _REGISTERED:
             _REGISTERED.add(function)
-            register_jitable(boundscheck=True, forceinline=True, no_cfunc_wrapper=True)(function)
+            register_jitable(
+                boundscheck=True, forceinline=True, no_cfunc_wrapper=True, pipeline_class=Inlined
+            )(function)
