@@ -70,6 +70,18 @@ def test_what_was_recorded_before_does_not_count_into_the_time_left(capfd):
     assert capfd.readouterr().err.endswith("evaluations 90  left 2:00\n")
 
 
+def test_the_time_left_follows_a_search_that_became_faster(capfd):
+    clock = iter([0.0, *(100.0 * k for k in range(1, 11)), *(1000.0 + k for k in range(1, 11))])
+    lines = PlainLines(CampaignSettings(generations=99), lambda: next(clock))
+
+    for generation in range(20):
+        lines(state(generation))
+
+    printed = capfd.readouterr().err.splitlines()
+    assert printed[9].endswith("left 150:00")
+    assert printed[19].endswith("left 1:20")
+
+
 def test_a_generation_that_was_all_recorded_before_prints_nothing(capfd):
     lines = PlainLines(CampaignSettings(evaluations=100), lambda: 0.0, begun=0.5)
 

@@ -1,5 +1,6 @@
 """How far a search is: a bar on a terminal, plain lines anywhere else."""
 
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
 
 _LINES = 100
 """About how many plain lines a long search prints."""
+
+_PACE = 8
+"""Lines that tell how fast a search is now: it may be compiled since."""
 
 
 @contextmanager
@@ -75,18 +79,19 @@ class PlainLines:
         self._settings = settings
         self._recorded = begun
         self._clock = clock
-        self._began = clock()
+        self._recent = deque([(clock(), begun)], maxlen=_PACE)
         self._told = -1.0
 
     def __call__(self, state: "CampaignProgress") -> None:
         """Tell how far the search is after a generation."""
         done = share_done(self._settings, state)
-        fresh = done - self._recorded
-        if done < 1.0 and (fresh <= 0.0 or done - self._told < 1.0 / _LINES):
+        if done < 1.0 and (done <= self._recorded or done - self._told < 1.0 / _LINES):
             return
         self._told = done
-        elapsed = self._clock() - self._began
-        left = round(elapsed * (1.0 - done) / fresh) if done < 1.0 else 0
+        since, before = self._recent[0]
+        now = self._clock()
+        self._recent.append((now, done))
+        left = round((now - since) * (1.0 - done) / (done - before)) if done < 1.0 else 0
         tell(
             f"generation {_generation(self._settings, state)}  best {state.best:.2f}  "
             f"mean {state.mean:.2f}  evaluations {state.n_evaluations}  "
