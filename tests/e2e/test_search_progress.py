@@ -72,14 +72,14 @@ def test_what_was_recorded_before_does_not_count_into_the_time_left(capfd):
 
 def test_the_time_left_follows_a_search_that_became_faster(capfd):
     clock = iter([0.0, *(100.0 * k for k in range(1, 11)), *(1000.0 + k for k in range(1, 11))])
-    lines = PlainLines(CampaignSettings(generations=99), lambda: next(clock))
+    lines = PlainLines(CampaignSettings(generations=49), lambda: next(clock))
 
     for generation in range(20):
         lines(state(generation))
 
     printed = capfd.readouterr().err.splitlines()
-    assert printed[9].endswith("left 150:00")
-    assert printed[19].endswith("left 1:20")
+    assert printed[9].endswith("left 66:40")
+    assert printed[19].endswith("left 0:30")
 
 
 def test_a_generation_that_was_all_recorded_before_prints_nothing(capfd):
