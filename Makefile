@@ -74,8 +74,8 @@ test: $(DEV) generate ## run the tests, in some minutes
 test-all: $(DEV) generate ## run what make test leaves out: more seeds, kills, thousands of sockets
 	$(PYTEST) --tier rest
 
-interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib and MuJoCo
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[examples]"
+interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, Chromium
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples]"
 	$(BIN)/python -m pytest --tier all tests/interop
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh

@@ -17,6 +17,8 @@ from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.drawing_process import Draw, Drawing, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
 from mrsfi_runtime.analysis.markdown import report_text
+from mrsfi_runtime.analysis.page.content import Record, Told, campaign_page, told_of
+from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.errors import RecordError
@@ -54,6 +56,7 @@ def write_report(
     pool: FaultPool,
     write_specification: SpecificationWriter,
     *,
+    record: Record | str = "Nothing was flown again.",
     ratio: str | None = None,
     draw: Draw = draw_here,
     show: Callable[[Summary], None] = lambda _: None,
@@ -68,13 +71,15 @@ def write_report(
         What the campaign ran on.
     write_specification
         Writes one critical specification as XMI.
+    record
+        Flies what the page shows, or why it cannot be flown.
     ratio
         Ratio of violations to pick by, such as ``g3:g1=2:1``.
     draw
         Draws the figures.
     show
-        Shows what the report says, once all but the figures is written. They are finished
-        whatever becomes of it.
+        Shows what the report says, once all but the page and the figures is written. They are
+        finished whatever becomes of it.
 
     Returns
     -------
@@ -101,12 +106,31 @@ def write_report(
             layout.summary.write_text(content + "\n", encoding="utf-8")
             captions = {each.name: each.caption for each in shown}
             layout.report.write_text(report_text(summary, captions), encoding="utf-8")
-    try:
-        show(summary)
-    finally:
-        with _writing(folder, "figures"):
-            finish()
+        try:
+            show(summary)
+        finally:
+            try:
+                with _writing(folder, "page"):
+                    page = campaign_page(
+                        summary, mission, store, _told(layout, summary, store), record
+                    )
+                    layout.page.write_text(document(page), encoding="utf-8")
+            finally:
+                with _writing(folder, "figures"):
+                    finish()
     return summary
+
+
+def _told(layout: CampaignFolder, summary: Summary, store: CampaignStore) -> list[Told]:
+    """Return what the page says of the findings, whose cause sets are written."""
+    ranks = {evaluation.index: rank for rank, evaluation in enumerate(summary.top, 1)}
+    told = []
+    for number, finding in enumerate(summary.findings, 1):
+        path = layout.critical / f"{ranks[finding.evaluations[0]]:02d}-cause.xmi"
+        command = ["mrsfi", "simulate", store.manifest.mission, "--faults", str(path)]
+        command += ["--seed", str(summary.settings.mission_seed)]
+        told.append(told_of(number, finding, command, path.read_text(encoding="utf-8")))
+    return told
 
 
 @contextmanager

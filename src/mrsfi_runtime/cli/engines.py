@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -300,15 +300,47 @@ worker_options = options_as(
 """Gives a command the options of the workers; it receives them as ``workers``."""
 
 
-def recording_options(command: F) -> F:
-    """Give a command the options --log and --trace."""
-    for name, text in (
-        ("--trace", "Write belief and truth of every tick to FILE as CSV."),
-        (
+@dataclass(frozen=True, slots=True)
+class FlightFiles:
+    """Files that the command line wants of a flight; ``None`` where it wants none."""
+
+    log: Path | None = None
+    trace: Path | None = None
+    html: Path | None = None
+
+    @property
+    def wanted(self) -> tuple[Path, ...]:
+        """Those that it names."""
+        return tuple(path for path in astuple(self) if path is not None)
+
+    def require_none(self, option: str) -> None:
+        """Refuse them beside an option that flies many times.
+
+        Raises
+        ------
+        UsageError
+            If any is wanted.
+        """
+        if self.wanted:
+            names = ", ".join(f"--{field.name}" for field in fields(self))
+            raise click.UsageError(f"{names} are of one flight; {option} flies many")
+
+
+def _file_option(name: str, text: str) -> Callable[[Any], Any]:
+    kind = click.Path(path_type=Path, dir_okay=False)
+    return click.option(name, type=kind, metavar="FILE", help=text)
+
+
+recording_options = options_as(
+    "files",
+    FlightFiles,
+    (
+        _file_option(
             "--log",
             "Write the simulation log to FILE: robots each tick, mistaken beliefs, and events.",
         ),
-    ):
-        kind = click.Path(path_type=Path, dir_okay=False)
-        command = click.option(name, type=kind, metavar="FILE", help=text)(command)
-    return command
+        _file_option("--trace", "Write belief and truth of every tick to FILE as CSV."),
+        _file_option("--html", "Write the flight to FILE as a page, to be played in a browser."),
+    ),
+)
+"""Gives a command the options of files of a flight; it receives them as ``files``."""

@@ -1,60 +1,123 @@
-"""A flight with what the user wants written of it: log and trace."""
+"""A flight with what the user wants written of it: log, trace and page."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, TextIO, TypeAlias
 
 from mrsfi_runtime.cli.console import tell, written_file
+from mrsfi_runtime.cli.engines import FlightFiles
+from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.hosting.lockstep import Observer
+from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 
 
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What a page says that a flight is.
+
+    Attributes
+    ----------
+    title
+        What is flown, in words.
+    command
+        Flies it again.
+    xmi
+        The specification as a file holds it; empty if none does.
+    """
+
+    title: str
+    command: Sequence[str]
+    xmi: str = ""
+
+
 def fly_recorded(
     engine: Engine,
     specification: Specification,
     pool: FaultPool,
-    log: Path | None,
-    trace: Path | None,
+    files: FlightFiles,
+    subject: Subject,
 ) -> Outcome:
     """Fly once under faults of a pool, and write the wanted files."""
     require_no_overlap(engine.code.mission, pool, specification)
     faults = named_faults(engine.code.mission, pool, specification)
     tallies = [FaultTally() for _ in specification]
-    with _recorder(engine.code.mission, log, trace, faults, tallies) as observer:
+    with _recorder(engine, files, faults, tallies, subject) as (observer, finish):
         outcome = engine.evaluate(specification, pool=pool, observer=observer, tallies=tallies)
-    for path in (log, trace):
-        if path is not None:
-            tell(f"written    {path}")
+        finish(outcome)
+    for path in files.wanted:
+        tell(f"written    {path}")
     return outcome
+
+
+_Finish: TypeAlias = Callable[[Outcome], None]
+"""Writes what is written when the flight is over."""
 
 
 @contextmanager
 def _recorder(
-    mission: Mission,
-    log: Path | None,
-    trace: Path | None,
+    engine: Engine,
+    files: FlightFiles,
     faults: Sequence[NamedFault],
     tallies: Sequence[FaultTally],
-) -> Iterator[Observer | None]:
-    """Yield an observer that writes the wanted files, or ``None`` if none is wanted."""
-    with ExitStack() as files:
+    subject: Subject,
+) -> Iterator[tuple[Observer | None, _Finish]]:
+    """Yield an observer for the wanted files, or ``None`` if none is wanted, and what ends them."""
+    mission = engine.code.mission
+    with ExitStack() as opened:
         observers: list[Observer] = []
-        if log is not None:
-            stream = files.enter_context(written_file(log))
+        finish: _Finish = _nothing
+        if files.log is not None:
+            stream = opened.enter_context(written_file(files.log))
             observers.append(SimulationLog(mission, stream, faults, tallies))
-        if trace is not None:
-            observers.append(TraceTable(mission, files.enter_context(written_file(trace))))
+        if files.trace is not None:
+            observers.append(TraceTable(mission, opened.enter_context(written_file(files.trace))))
+        if files.html is not None:
+            observer, finish = _page(
+                engine, opened.enter_context(written_file(files.html)), faults, subject
+            )
+            observers.append(observer)
 
         def observe(*tick: Any) -> None:
             for observer in observers:
                 observer(*tick)
 
-        yield observe if observers else None
+        yield observe if observers else None, finish
+
+
+def _nothing(_: Outcome) -> None:
+    """Write nothing more."""
+
+
+def _page(
+    engine: Engine, stream: TextIO, faults: Sequence[NamedFault], subject: Subject
+) -> tuple[Observer, _Finish]:
+    """Return what records a flight for a page, and what writes the page; numpy comes with that."""
+    from mrsfi_runtime.analysis.page.content import Told, flight_page  # noqa: PLC0415
+    from mrsfi_runtime.analysis.page.document import document  # noqa: PLC0415
+    from mrsfi_runtime.engine.recording import Recorder  # noqa: PLC0415
+
+    mission = engine.code.mission
+    recorder = Recorder(initial_state(mission, engine.seed))
+
+    def write(outcome: Outcome) -> None:
+        silent = [""] * len(faults)
+        told = Told(subject.title, "", faults, silent, outcome, subject.command, subject.xmi)
+        facts = {
+            "mission": mission.name,
+            "ticks": mission.duration,
+            "mission seed": engine.seed,
+            "mrsfi": installed_version("mrsfi"),
+            "digest": outcome.digest,
+        }
+        page = flight_page(mission, told, recorder.recording(), facts.items())
+        stream.write(document(page))
+
+    return recorder, write

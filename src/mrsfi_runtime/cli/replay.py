@@ -9,8 +9,8 @@ from rich.progress import track
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.cli.campaigns import FlyableCampaign, OpenCampaign, open_to_fly
 from mrsfi_runtime.cli.console import print_json
-from mrsfi_runtime.cli.engines import EngineOptions
-from mrsfi_runtime.cli.recorded_flight import fly_recorded
+from mrsfi_runtime.cli.engines import EngineOptions, FlightFiles
+from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.cli.terminal import print_table, progress_console
 from mrsfi_runtime.engine.flights import Engine
@@ -28,15 +28,14 @@ def replay(
     evaluation: int | None,
     best: bool,
     is_all: bool,
-    log: Path | None,
-    trace: Path | None,
+    files: FlightFiles,
     is_json: bool,
 ) -> None:
     """Fly evaluations of a campaign again and compare them with their record."""
     if sum((evaluation is not None, best, is_all)) > 1:
         raise click.UsageError("--evaluation, --best and --all exclude each other")
-    if is_all and (log or trace):
-        raise click.UsageError("--log and --trace record one flight; --all flies many")
+    if is_all:
+        files.require_none("--all")
     with open_to_fly(folder) as campaign:
         recorded_by = campaign.store.manifest.engine
         chosen = engine.settings(recorded_by if recorded_by.is_foreign else None)
@@ -45,7 +44,11 @@ def replay(
                 _replay_all(campaign, opened, is_json=is_json)
                 return
             recorded = find_evaluation(campaign, evaluation)
-            outcome = fly_recorded(opened, recorded.specification, campaign.pool, log, trace)
+            title = f"evaluation {recorded.index} of {folder}"
+            again = ("mrsfi", "replay", str(folder), "--evaluation", str(recorded.index))
+            outcome = fly_recorded(
+                opened, recorded.specification, campaign.pool, files, Subject(title, again)
+            )
         require_same(folder, recorded, outcome)
         _print_one(campaign, recorded, is_json=is_json)
 

@@ -1,6 +1,7 @@
 """The command ``mrsfi report``: the report of a campaign, written into its folder and printed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from functools import cache, partial
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from m2t.load import load_mission_folder
 from m2t.specification import write_specification
 from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick
+from mrsfi_runtime.analysis.page.content import Record
 from mrsfi_runtime.analysis.report import SpecificationRow, write_report
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
@@ -17,6 +19,10 @@ from mrsfi_runtime.cli.campaigns import OpenCampaign, latest_folder, open_campai
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.tables import critical_tables, plain_table, print_findings
 from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.settings import AUTO, COMPILED, EngineSettings
+from mrsfi_runtime.errors import MrsfiError
+from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.measure import Measure, ticks
 
 
@@ -52,16 +58,49 @@ def report(
             print_json({"folder": str(path), **as_json(summary)})
         else:
             _print_summary(campaign, summary)
-        tell(f"drawing figures into {campaign.folder.figures}")
+        tell(f"drawing figures into {campaign.folder.figures}, and {campaign.folder.page}")
 
     path = campaign.folder.path
     try:
-        write_report(
-            path, campaign.mission, campaign.pool, write, ratio=ratio, draw=draw, show=show
-        )
+        with _flying(campaign) as record:
+            write_report(
+                path,
+                campaign.mission,
+                campaign.pool,
+                write,
+                record=record,
+                ratio=ratio,
+                draw=draw,
+                show=show,
+            )
     except KeyboardInterrupt:
         tell(f"figures are missing from the report; write it anew with: mrsfi report {path}")
         raise
+
+
+@contextmanager
+def _flying(campaign: OpenCampaign) -> Iterator[Record | str]:
+    """Yield what flies specifications again, compiled if they are already, or why nothing does."""
+    store = campaign.store
+    if store.manifest.engine.is_foreign:
+        yield "Flown on somebody else's simulation, which is not asked again."
+        return
+    try:
+        store.require_flyable()
+        code = load_code(campaign.folder.generated)
+    except MrsfiError as error:
+        yield str(error)
+        return
+    seed = store.settings.mission_seed
+    with ExitStack() as opened:
+
+        @cache
+        def engine() -> Engine:
+            found = EngineSettings(AUTO).tried(code, seed, lambda _: None, waits=False)
+            found = found if found.name == COMPILED else EngineSettings()
+            return opened.enter_context(found.open(code, seed))
+
+        yield lambda specification: engine().record(specification)
 
 
 def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
@@ -83,6 +122,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
         click.echo(_picked(campaign, summary.pick, summary.measure) + "\n")
     click.echo(f"specifications  {folder.critical}")
     click.echo(f"report          {folder.report}")
+    click.echo(f"page            {folder.page}")
     click.echo(f"campaign        {folder.path}")
     click.echo(f"evaluations     {summary.n_evaluations}, failed {summary.n_failures}")
     click.echo(f"digest          {summary.digest}")

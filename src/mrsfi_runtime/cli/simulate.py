@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mrsfi_runtime.cli.console import print_json, tell, written_file
-from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions, opened
+from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions, FlightFiles, opened
 from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.cli.loading import load_fresh, read_specification
-from mrsfi_runtime.cli.recorded_flight import fly_recorded
+from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.flights import Engine
@@ -40,13 +40,12 @@ def simulate(  # noqa: PLR0913 - one parameter per option
     markdown: Path | None,
     n_seeds: int,
     seed: int,
-    log: Path | None,
-    trace: Path | None,
+    files: FlightFiles,
     is_json: bool,
 ) -> None:
     """Fly a mission once and print what happened to each goal."""
     ways = [way for way in (no_faults or None, faults, each_fault) if way is not None]
-    _require_one_way(ways, is_each=each_fault is not None, has_log=bool(log or trace))
+    _require_one_way(ways, files, is_each=each_fault is not None)
     if each_fault is None and (markdown is not None or n_seeds > 1):
         option = "--seeds" if markdown is None else "--markdown"
         raise click.UsageError(f"{option} needs --each-fault")
@@ -54,7 +53,7 @@ def simulate(  # noqa: PLR0913 - one parameter per option
     folders = find_mission(mission, generated)
     code = load_fresh(folders)
     if engine.side == SIMULATION:
-        _require_nothing_else(ways, is_json=is_json, has_log=bool(log or trace))
+        _require_nothing_else(ways, files, is_json=is_json)
         _serve(folders.name, code, settings)
         return
     if settings.name == AUTO:
@@ -68,27 +67,38 @@ def simulate(  # noqa: PLR0913 - one parameter per option
             return
         pool = code.pool if faults is None else read_specification(faults)[1]
         specification = () if faults is None else pool.written_specification()
-        outcome = fly_recorded(flown_by, specification, pool, log, trace)
+        flown = "without faults" if faults is None else f"under {faults}"
+        title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
+        subject = Subject(title, _command(mission, faults, seed), _text(faults))
+        outcome = fly_recorded(flown_by, specification, pool, files, subject)
     named = named_faults(code.mission, pool, specification)
     if is_json:
         print_json(_as_json(code.mission, seed, named, outcome))
         return
-    flown = "without faults" if faults is None else f"under {faults}"
-    title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
     print_table(title, goal_table(code.mission, outcome))
     if named:
         print_table("Faults", *fault_tables(named, outcome))
 
 
-def _require_one_way(ways: Sequence[object], *, is_each: bool, has_log: bool) -> None:
+def _command(mission: str, faults: Path | None, seed: int) -> list[str]:
+    """Return what flies the same again."""
+    chosen = [] if faults is None else ["--faults", str(faults)]
+    return ["mrsfi", "simulate", mission, *chosen, "--seed", str(seed)]
+
+
+def _text(faults: Path | None) -> str:
+    return "" if faults is None else faults.read_text(encoding="utf-8", errors="replace")
+
+
+def _require_one_way(ways: Sequence[object], files: FlightFiles, *, is_each: bool) -> None:
     if len(ways) > 1:
         raise click.UsageError("--no-faults, --faults and --each-fault exclude each other")
-    if is_each and has_log:
-        raise click.UsageError("--log and --trace record one flight; --each-fault flies many")
+    if is_each:
+        files.require_none("--each-fault")
 
 
-def _require_nothing_else(ways: Sequence[object], *, is_json: bool, has_log: bool) -> None:
-    if ways or is_json or has_log:
+def _require_nothing_else(ways: Sequence[object], files: FlightFiles, *, is_json: bool) -> None:
+    if ways or is_json or files.wanted:
         raise click.UsageError(
             "--side simulation flies what the other side tells it; give faults, logs and --json "
             "there"

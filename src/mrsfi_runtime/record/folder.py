@@ -40,6 +40,8 @@ class CampaignFolder:
         What a script reads of the report.
     report
         What a person reads.
+    page
+        The same with flights to be looked at, for a browser.
     """
 
     def __init__(self, path: Path) -> None:
@@ -54,6 +56,7 @@ class CampaignFolder:
         self.tables = path / "tables"
         self.summary = path / "summary.json"
         self.report = path / "report.md"
+        self.page = path / "report.html"
 
     @classmethod
     def reserve(cls, path: Path) -> Self:

@@ -1,0 +1,60 @@
+"use strict";
+// Elements of the page. Text of models only ever becomes text: no markup is parsed anywhere.
+
+const svgSpace = "http://www.w3.org/2000/svg";
+
+function make(tag, attributes, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes || {})) {
+    if (name === "on") for (const [event, act] of Object.entries(value)) element.addEventListener(event, act);
+    else if (value !== null && value !== false) element.setAttribute(name, value === true ? "" : value);
+  }
+  for (const child of children.flat()) if (child !== null) element.append(child);
+  return element;
+}
+
+const said = (text) => make("bdi", { dir: "auto" }, String(text));
+
+function number(value) {
+  if (value === null || value === undefined) return "–";
+  if (typeof value !== "number") return said(value);
+  return Number.isInteger(value) ? String(value) : value.toFixed(Math.abs(value) < 1 ? 4 : 2);
+}
+
+function table(header, rows, attributes) {
+  const numeric = header.map((_, k) => rows.length > 0 && rows.every((row) => row[k] === null || typeof row[k] === "number"));
+  const cell = (tag, value, k) => make(tag, { class: numeric[k] ? "number" : null }, tag === "th" ? said(value) : value instanceof Node ? value : number(value));
+  return make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "table" },
+    make("table", attributes || {},
+      make("thead", {}, make("tr", {}, header.map((value, k) => cell("th", value, k)))),
+      make("tbody", {}, rows.map((row) => make("tr", {}, row.map((value, k) => cell("td", value, k)))))));
+}
+
+function copying(text) {
+  const button = make("button", { type: "button" }, "Copy");
+  button.addEventListener("click", async () => {
+    try { await navigator.clipboard.writeText(text); } catch {
+      const area = make("textarea", {}, text);
+      document.body.append(area); area.select(); document.execCommand("copy"); area.remove();
+    }
+    button.textContent = "Copied";
+  });
+  return button;
+}
+
+function colour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+}
+
+// Series of a flight: zlib of the bytes of 32-bit differences from tick to tick, all lowest bytes first.
+async function unpack(text, columns, step) {
+  const raw = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  const n = bytes.length / 4, values = new Float64Array(n), sums = new Int32Array(columns);
+  for (let k = 0; k < n; k++) {
+    sums[k % columns] += bytes[k] | (bytes[n + k] << 8) | (bytes[2 * n + k] << 16) | (bytes[3 * n + k] << 24);
+    values[k] = sums[k % columns] * step;
+  }
+  return values;
+}

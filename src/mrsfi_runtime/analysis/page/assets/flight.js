@@ -1,0 +1,293 @@
+// One flight: map, controls, timeline and charts on the same ticks.
+
+const palette = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9", "#8f6bd1", "#7f7f7f"];
+
+const believedTrail = 50; // ticks: what random positions would draw otherwise hides the mission
+
+class Flight {
+  constructor(data, mission) {
+    Object.assign(this, data);
+    this.mission = mission;
+  }
+
+  async load() {
+    if (this.series) return this;
+    const n = this.mission.robots.length, series = {};
+    for (const [name, text] of Object.entries(this.packed)) {
+      series[name] = await unpack(text, n, this.steps[name]);
+    }
+    for (const name of Object.keys(series)) {
+      const truth = series[name.replace("believed_", "")];
+      if (name.startsWith("believed_")) for (let k = 0; k < truth.length; k++) series[name][k] += truth[k];
+    }
+    this.series = series;
+    return this;
+  }
+
+  // A value of a robot at a tick; between ticks that the page has, on the straight line.
+  at(name, robot, tick) {
+    const n = this.mission.robots.length, values = this.series[name], place = tick / this.stride;
+    const last = values.length / n - 1, low = Math.min(Math.floor(place), last), high = Math.min(low + 1, last);
+    const end = Math.min(high * this.stride, this.mission.duration - 1), begin = low * this.stride;
+    const share = end > begin ? (tick - begin) / (end - begin) : 0;
+    return values[low * n + robot] * (1 - share) + values[high * n + robot] * share;
+  }
+}
+
+class FlightView {
+  constructor(mission) {
+    this.mission = mission;
+    this.tick = 0;
+    this.speed = 4;
+    this.playing = false;
+    this.zoom = 1;
+    this.shift = [0, 0];
+    this.whole = false;
+    this.element = make("section", { id: "flight", "aria-labelledby": "flight-title" });
+    document.addEventListener("keydown", (event) => this.onKey(event));
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.show(this.data));
+    addEventListener("resize", () => { if (this.flight) this.resize(); });
+  }
+
+  async show(data, without) {
+    this.data = data;
+    const flights = data.flights.map((each) => new Flight(each, this.mission));
+    this.flight = await flights[0].load();
+    const other = without === undefined || without === null ? null : flights.find((each) => each.without === without);
+    this.other = other ? await other.load() : null;
+    this.without = this.other ? without : null;
+    this.events = data.events;
+    this.build();
+    this.resize();
+    document.documentElement.dataset.ready = "true";
+  }
+
+  build() {
+    const { mission, data } = this, last = mission.duration - 1;
+    const button = (label, title, act, more) => make("button", { type: "button", title, "aria-label": title, on: { click: act }, ...more }, label);
+    this.canvas = make("canvas", { role: "img", "aria-label": "map of the mission with true and believed positions" });
+    this.slider = make("input", { type: "range", min: 0, max: last, value: this.tick, "aria-label": "tick", id: "tick",
+      on: { input: () => this.seek(Number(this.slider.value)) } });
+    this.play = button("Play", "play or pause (space)", () => this.toggle(), { id: "play" });
+    this.now = make("output", { id: "now" });
+    this.hover = make("p", { class: "note", id: "hover" }, "Point at a robot, a sample or an obstacle for its numbers.");
+    this.numbers = make("div");
+    const speeds = make("select", { "aria-label": "ticks a frame", id: "speed", on: { change: (event) => { this.speed = Number(event.target.value); } } },
+      [1, 2, 4, 8, 16, 64].map((n) => make("option", { value: n, selected: n === this.speed }, `${n} ticks a frame`)));
+    this.timeline = make("div", { class: "timeline" });
+    this.charts = make("div", { class: "side" });
+    this.element.replaceChildren(
+      make("h2", { id: "flight-title" }, "The flight: ", said(data.title)),
+      make("div", { class: "side" },
+        make("div", {}, this.canvas, this.hover,
+          make("div", { class: "controls" },
+            button("+", "zoom in", () => this.zoomBy(1.5)), button("−", "zoom out", () => this.zoomBy(1 / 1.5)),
+            button("Whole mission area", "show the whole mission area", () => { this.whole = !this.whole; this.zoom = 1; this.shift = [0, 0]; this.draw(); }))),
+        make("div", {}, this.numbers)),
+      make("div", { class: "controls" },
+        this.play, button("Previous event", "previous event (p)", () => this.jump(-1), { id: "previous" }), button("−1", "one tick back (←)", () => this.seek(this.tick - 1)),
+        this.slider, button("+1", "one tick on (→)", () => this.seek(this.tick + 1), { id: "step" }),
+        button("Next event", "next event (n)", () => this.jump(1), { id: "next" }), speeds, this.now),
+      make("p", { class: "note", id: "event", role: "status" }),
+      make("p", { class: "note" },
+        make("span", { class: "key fault" }), "fault active (click: the flight without it, pale)",
+        make("span", { class: "key believed" }), "goal believed violated", make("span", { class: "key true" }), "truly violated",
+        " · a black line: from then on certain to be missed. On the map: discs and solid trails are true, dashed ones ",
+        `believed (trails of the last ${believedTrail} ticks), joined where they differ; dots are samples that counted.`),
+      this.timeline, this.charts, make("p", { class: "note", id: "resolution" }, data.said));
+    this.canvas.addEventListener("pointermove", (event) => this.onPointer(event));
+    this.canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoomBy(event.deltaY < 0 ? 1.2 : 1 / 1.2); }, { passive: false });
+    this.buildTimeline();
+    this.buildCharts();
+  }
+
+  buildTimeline() {
+    const total = this.mission.duration, share = (tick) => `${(100 * tick) / total}%`;
+    const bar = (kind, first, last, title) => {
+      const element = make("div", { class: `bar ${kind}`, title });
+      element.style.left = share(first);
+      element.style.width = share(last + 1 - first);
+      return element;
+    };
+    const track = (...bars) => make("div", { class: "track", on: { click: (event) => {
+      const box = event.currentTarget.getBoundingClientRect();
+      this.seek(Math.floor(((event.clientX - box.left) / box.width) * total));
+    } } }, bars);
+    const faults = this.data.faults.map((fault, k) => {
+      const can = this.data.flights.some((each) => each.without === k);
+      const label = make("button", { type: "button", class: "fault", disabled: !can, "aria-pressed": String(this.without === k),
+        title: can ? "show or hide the flight without this fault" : null,
+        on: { click: () => this.show(this.data, this.without === k ? null : k) } }, said(`${fault.name} ${fault.type}`));
+      const title = `${fault.name} ${fault.type} on ${fault.target}${fault.values ? ` with ${fault.values}` : ""}`;
+      return make("div", { class: "row" }, label, track(...(fault.window ? [bar("fault", ...fault.window, title)] : [])));
+    });
+    const goals = this.mission.goals.map((goal, k) => {
+      const judged = this.flight.goals[k];
+      const bars = ["believed", "true"].flatMap((kind) => judged[kind].map(([first, last]) => bar(kind, first, last, `${goal.id} ${kind} violated, ticks ${first} to ${last}`)));
+      if (judged.missed !== null) bars.push(bar("missed", judged.missed, judged.missed, `${goal.id} certain to be missed from tick ${judged.missed}`));
+      return make("div", { class: "row" }, make("span", { title: goal.name }, said(`${goal.id} ${goal.task}`)), track(...bars));
+    });
+    this.cursor = make("div", { class: "cursor" });
+    this.timeline.replaceChildren(...faults, ...goals, this.cursor);
+  }
+
+  buildCharts() {
+    const { mission, flight } = this, ticks = [];
+    for (let tick = 0; tick < mission.duration; tick += flight.stride) ticks.push(tick);
+    if (ticks[ticks.length - 1] !== mission.duration - 1) ticks.push(mission.duration - 1);
+    const ink = colour("ink"), grid = colour("grid");
+    this.plots = ["speed", "energy"].map((name) => {
+      const place = make("div");
+      this.charts.append(place);
+      const series = mission.robots.flatMap((robot, r) => [false, true].map((believed) => ({
+        label: `${robot.id} ${believed ? "believed" : "true"}`, stroke: palette[r % palette.length], width: 1.5, dash: believed ? [6, 4] : undefined, points: { show: false } })));
+      const values = mission.robots.flatMap((_, r) => ["", "believed_"].map((side) => ticks.map((tick) => flight.at(side + name, r, tick))));
+      return new uPlot({ title: name, width: 500, height: 190, scales: { x: { time: false } }, legend: { show: mission.robots.length <= 4, live: false },
+        axes: [{ stroke: ink, grid: { stroke: grid } }, { stroke: ink, grid: { stroke: grid }, size: 72 }], series: [{ label: "tick" }, ...series] }, [ticks, ...values], place);
+    });
+  }
+
+  resize() {
+    const ratio = devicePixelRatio || 1, width = this.canvas.clientWidth || 600;
+    this.canvas.width = width * ratio;
+    this.canvas.height = Math.round(width * 0.75 * ratio);
+    for (const plot of this.plots) plot.setSize({ width: Math.max(240, plot.root.parentElement.clientWidth - 8), height: 190 });
+    this.draw();
+  }
+
+  // Where a point of the mission is on the canvas; y grows upwards in the mission.
+  project(x, y) {
+    const [cx, cy, half] = this.whole ? [this.mission.area[0], this.mission.area[1], this.mission.area[2] * 1.05] : this.data.window;
+    const scale = (Math.min(this.canvas.width, this.canvas.height) / 2 / half) * this.zoom;
+    return [this.canvas.width / 2 + (x - cx + this.shift[0]) * scale, this.canvas.height / 2 - (y - cy + this.shift[1]) * scale, scale];
+  }
+
+  draw() {
+    const context = this.canvas.getContext("2d"), ratio = devicePixelRatio || 1, { mission, tick } = this;
+    const began = performance.now();
+    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.spots = [];
+    const disc = (x, y, radius, { fill, stroke, dash = [], width = 1, least = 0 }) => {
+      const [px, py, scale] = this.project(x, y);
+      context.beginPath();
+      context.arc(px, py, Math.max(radius * scale, least * ratio), 0, 2 * Math.PI);
+      if (fill) { context.fillStyle = fill; context.fill(); }
+      if (stroke) { context.strokeStyle = stroke; context.setLineDash(dash.map((d) => d * ratio)); context.lineWidth = width * ratio; context.stroke(); context.setLineDash([]); }
+      return [px, py];
+    };
+    const label = (text, px, py, style) => { context.fillStyle = style; context.font = `${12 * ratio}px system-ui, sans-serif`; context.fillText(text.slice(0, 24), px + 8 * ratio, py - 6 * ratio); };
+    disc(...mission.area, { stroke: colour("soft"), width: 1.5 });
+    for (const area of mission.discs) { const [px, py] = disc(area.x, area.y, area.radius, { stroke: colour("true"), dash: [3, 3] }); label(area.goal, px, py, colour("soft")); }
+    mission.obstacles.forEach((obstacle) => {
+      const [px, py] = disc(obstacle.x, obstacle.y, obstacle.radius, { fill: colour("rock") });
+      this.spots.push([px, py, `${obstacle.id}: obstacle at (${number(obstacle.x)}, ${number(obstacle.y)}), radius ${number(obstacle.radius)}`]);
+    });
+    for (const [from, to, x, y, id, radius] of this.data.displaced) if (from <= tick && tick <= to) {
+      const [px, py] = disc(x, y, radius, { stroke: colour("believed"), dash: [4, 3] });
+      this.spots.push([px, py, `${id}: obstacle believed at (${number(x)}, ${number(y)})`]);
+    }
+    for (const [at, goal, x, y] of this.data.samples) if (at <= tick) disc(x, y, 0, { fill: colour("true"), least: 1.5 });
+    if (this.other) this.drawRobots(context, this.other, disc, null, 0.35);
+    this.drawRobots(context, this.flight, disc, label, 1);
+    this.tell(performance.now() - began);
+  }
+
+  drawRobots(context, flight, disc, label, alpha) {
+    const { mission, tick } = this, ratio = devicePixelRatio || 1;
+    context.globalAlpha = alpha;
+    mission.robots.forEach((robot, r) => {
+      const shade = palette[r % palette.length], at = (name, t) => flight.at(name, r, t);
+      for (const side of ["", "believed_"]) {
+        context.beginPath();
+        const first = side ? Math.max(0, tick - believedTrail) : 0;
+        for (let t = first; t <= tick; t += Math.max(flight.stride, Math.ceil(tick / 1500))) {
+          const [px, py] = this.project(at(`${side}x`, t), at(`${side}y`, t));
+          if (t === first) context.moveTo(px, py); else context.lineTo(px, py);
+        }
+        context.lineTo(...this.project(at(`${side}x`, tick), at(`${side}y`, tick)).slice(0, 2));
+        context.strokeStyle = shade; context.lineWidth = (side ? 0.7 : 1.6) * ratio; context.setLineDash(side ? [3 * ratio, 4 * ratio] : []);
+        context.stroke(); context.setLineDash([]);
+      }
+      const [x, y, bx, by] = ["x", "y", "believed_x", "believed_y"].map((name) => at(name, tick));
+      if (x !== bx || y !== by) {
+        context.beginPath(); context.moveTo(...this.project(x, y).slice(0, 2)); context.lineTo(...this.project(bx, by).slice(0, 2));
+        context.strokeStyle = colour("believed"); context.lineWidth = 1.2 * ratio; context.stroke();
+        disc(bx, by, mission.robot_radius, { stroke: shade, dash: [2, 2], width: 1.5, least: 6 });
+      }
+      const hit = this.touches(flight, r, x, y);
+      const [px, py] = disc(x, y, mission.robot_radius, { fill: shade, least: 4, stroke: hit ? colour("fault") : null, width: 4 });
+      if (label) { label(robot.id, px, py, colour("ink")); this.spots.push([px, py, `${robot.id}: true (${number(x)}, ${number(y)}), believed (${number(bx)}, ${number(by)})${hit ? ", in collision" : ""}`]); }
+    });
+    context.globalAlpha = 1;
+  }
+
+  touches(flight, robot, x, y) {
+    const { mission, tick } = this;
+    return mission.obstacles.some((each) => Math.hypot(x - each.x, y - each.y) < each.radius + mission.robot_radius)
+      || (mission.robots.length <= 200 && mission.robots.some((_, r) => r !== robot && Math.hypot(x - flight.at("x", r, tick), y - flight.at("y", r, tick)) < 2 * mission.robot_radius));
+  }
+
+  tell(milliseconds) {
+    const { mission, tick, flight } = this;
+    this.slider.value = tick;
+    this.now.textContent = `tick ${tick} of ${mission.duration}`;
+    const tracks = this.timeline.querySelector(".track");
+    if (tracks) this.cursor.style.left = `${tracks.offsetLeft + (tracks.offsetWidth * (tick + 0.5)) / mission.duration}px`;
+    this.element.dataset.frame = milliseconds.toFixed(2);
+    const rows = mission.robots.map((robot, r) => [said(robot.id), ...["x", "y", "speed", "energy"].flatMap((name) => [flight.at(name, r, tick), flight.at(`believed_${name}`, r, tick)].map((value) => value.toFixed(flight.digits[name])))]);
+    const header = ["robot", ...["x", "y", "speed", "energy"].flatMap((name) => [name, "believed"])];
+    if (!this.playing || mission.robots.length <= 12) this.numbers.replaceChildren(table(header, rows, { id: "numbers" }));
+  }
+
+  seek(tick) {
+    this.tick = Math.max(0, Math.min(this.mission.duration - 1, tick));
+    this.draw();
+  }
+
+  jump(direction) {
+    const ahead = this.events.filter(([tick]) => (direction > 0 ? tick > this.tick : tick < this.tick));
+    const found = direction > 0 ? ahead[0] : ahead[ahead.length - 1];
+    if (!found) return;
+    this.seek(found[0]);
+    const told = this.events.filter(([tick]) => tick === found[0]).map(([, text]) => text);
+    document.getElementById("event").textContent = `tick ${found[0]}: ${told.join("; ")}`;
+  }
+
+  zoomBy(factor) {
+    this.zoom = Math.max(0.2, Math.min(200, this.zoom * factor));
+    this.draw();
+  }
+
+  toggle() {
+    this.playing = !this.playing;
+    this.play.textContent = this.playing ? "Pause" : "Play";
+    if (this.playing && this.tick >= this.mission.duration - 1) this.tick = 0;
+    const frame = () => {
+      if (!this.playing) return;
+      this.seek(this.tick + this.speed);
+      if (this.tick >= this.mission.duration - 1) this.toggle(); else requestAnimationFrame(frame);
+    };
+    if (this.playing) requestAnimationFrame(frame); else this.draw();
+  }
+
+  onKey(event) {
+    if (!this.flight || event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range") return;
+    const onButton = event.target.tagName === "BUTTON";
+    const act = { " ": onButton ? null : () => this.toggle(), ArrowRight: () => this.seek(this.tick + (event.shiftKey ? 10 : 1)),
+      ArrowLeft: () => this.seek(this.tick - (event.shiftKey ? 10 : 1)), Home: () => this.seek(0), End: () => this.seek(this.mission.duration - 1),
+      n: () => this.jump(1), p: () => this.jump(-1) }[event.key];
+    if (act) { event.preventDefault(); act(); }
+  }
+
+  onPointer(event) {
+    const box = this.canvas.getBoundingClientRect(), ratio = this.canvas.width / box.width;
+    const [x, y] = [(event.clientX - box.left) * ratio, (event.clientY - box.top) * ratio];
+    if (event.buttons) {
+      const [, , scale] = this.project(0, 0);
+      this.shift = [this.shift[0] + (event.movementX * ratio) / scale, this.shift[1] - (event.movementY * ratio) / scale];
+      this.draw();
+    }
+    const near = this.spots.map(([px, py, text]) => [Math.hypot(px - x, py - y), text]).sort((a, b) => a[0] - b[0])[0];
+    if (near && near[0] < 20 * ratio) this.hover.replaceChildren(said(near[1]));
+  }
+}

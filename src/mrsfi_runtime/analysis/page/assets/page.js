@@ -1,0 +1,87 @@
+// The page: findings first, then the flight, the search, the evaluations and the record.
+
+function findingsOf(data, view) {
+  return make("section", { id: "findings" }, make("h2", {}, "Findings"),
+    data.findings.length ? null : make("p", {}, data.none),
+    data.findings.map((finding, k) => make("article", {},
+      make("h3", {}, said(finding.title)),
+      make("p", {}, said(finding.sentence)),
+      table(["fault", "type", "on", "values", "ticks", "what it did"], finding.faults.map((fault) =>
+        [fault.name, fault.type, fault.target, fault.values, fault.window ? `${fault.window[0]} to ${fault.window[1]}` : "never", fault.sentence])),
+      make("p", { class: "note" }, finding.counts_said), table(finding.counts.header, finding.counts.rows),
+      finding.firmness.rows.length ? make("p", { class: "note" }, finding.firmness.said) : null,
+      finding.firmness.rows.length ? table(finding.firmness.header, finding.firmness.rows) : null,
+      make("p", {}, "Fly it again: ", make("code", {}, said(finding.command)), " ", copying(finding.command)),
+      make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(finding.xmi), make("pre", { dir: "ltr" }, finding.xmi)),
+      finding.flight ? make("button", { type: "button", class: "show", "aria-label": `show the flight of finding ${k + 1}`, on: { click: async () => {
+        view.tick = 0;
+        await view.show(finding.flight);
+        view.element.scrollIntoView();
+      } } }, "Show the flight") : make("p", { class: "note" }, finding.no_flight))));
+}
+
+function chart(place, { title, x, y, lines, points }) {
+  const ink = colour("ink"), grid = colour("grid");
+  const series = lines.map(([label, shade, , dash]) => ({ label, stroke: shade, width: points ? 0 : 1.6, dash, points: { show: Boolean(points), size: 6, fill: shade } }));
+  const axis = (label) => ({ label, stroke: ink, grid: { stroke: grid } });
+  return new uPlot({ title, width: Math.max(260, Math.min(560, document.body.clientWidth - 40)), height: 260, scales: { x: { time: false } }, legend: { live: false },
+    axes: [axis(x), { ...axis(y), size: 64 }], series: [{ label: x }, ...series] }, [lines.xs, ...lines.map(([, , values]) => values)], place);
+}
+
+function searchOf(search) {
+  const place = make("div", { class: "side" });
+  const element = make("section", { id: "search" }, make("h2", {}, "The search"), make("p", {}, said(search.said)), place);
+  requestAnimationFrame(() => search.charts.forEach((each) => {
+    const lines = each.lines.map((line, k) => [line.label, palette[k], line.values]);
+    lines.xs = each.xs;
+    const box = make("div");
+    place.append(box);
+    chart(box, { ...each, lines });
+  }));
+  return element;
+}
+
+function evaluationsOf(data) {
+  const most = 200, body = make("tbody"), state = { column: 0, up: true, text: "" };
+  const count = make("output", { class: "note" });
+  const fill = () => {
+    const found = data.rows.filter((row) => !state.text || row.some((cell) => String(cell).includes(state.text)));
+    const sign = state.up ? 1 : -1, by = (a, b) => (a === b ? 0 : a === null ? 1 : b === null ? -1 : a < b ? -sign : sign);
+    found.sort((a, b) => by(a[state.column], b[state.column]));
+    body.replaceChildren(...found.slice(0, most).map((row) => make("tr", {}, row.map((cell) => make("td", { class: "number" }, number(cell))))));
+    count.textContent = `${found.length} of ${data.rows.length}${found.length > most ? `, the first ${most} are shown` : ""}`;
+  };
+  const head = data.header.map((name, k) => make("th", { class: "number", "aria-sort": "none" }, make("button", { type: "button", on: { click: () => {
+    Object.assign(state, { up: state.column === k ? !state.up : true, column: k });
+    head.forEach((each, place) => each.setAttribute("aria-sort", place === k ? (state.up ? "ascending" : "descending") : "none"));
+    fill();
+  } } }, said(name))));
+  fill();
+  return make("section", { id: "evaluations" }, make("h2", {}, "The evaluations"), make("p", { class: "note" }, data.said),
+    make("p", { class: "controls" }, make("label", {}, "Rows that contain ", make("input", { type: "search", id: "filter", on: { input: (event) => { state.text = event.target.value; fill(); } } })), count),
+    make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "evaluations" }, make("table", {}, make("thead", {}, make("tr", {}, head)), body)));
+}
+
+function recordOf(rows) {
+  return make("section", { id: "record" }, make("h2", {}, "The record"), table(["what", "value"], rows));
+}
+
+async function main() {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  document.title = data.title;
+  const view = new FlightView(data.mission), sections = [];
+  if (data.findings) sections.push(["findings", "Findings", findingsOf(data, view)]);
+  const first = data.flight || (data.findings || []).map((each) => each.flight).find(Boolean);
+  if (first) sections.push(["flight", "The flight", view.element]);
+  if (data.search) sections.push(["search", "The search", searchOf(data.search)]);
+  if (data.evaluations) sections.push(["evaluations", "The evaluations", evaluationsOf(data.evaluations)]);
+  sections.push(["record", "The record", recordOf(data.record)]);
+  document.body.append(
+    make("header", {}, make("h1", {}, said(data.title)),
+      make("nav", { "aria-label": "sections" }, make("ul", {}, sections.map(([id, label]) => make("li", {}, make("a", { href: `#${id}` }, label)))))),
+    make("main", {}, sections.map(([, , element]) => element)));
+  if (first) await view.show(first);
+  document.documentElement.dataset.ready = "true";
+}
+
+main();

@@ -1,0 +1,276 @@
+"""What the page shows of a campaign, or of one flight, as plain values."""
+
+import shlex
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any, TypeAlias
+
+from mrsfi_runtime.analysis.findings import Finding
+from mrsfi_runtime.analysis.markdown import trend_in_words
+from mrsfi_runtime.analysis.page.flight import Flown, flight_content, mission_content, stride
+from mrsfi_runtime.analysis.summary import Summary
+from mrsfi_runtime.analysis.tables import evaluations_table
+from mrsfi_runtime.causes.cause_set import without
+from mrsfi_runtime.causes.firmness import N_SEEDS
+from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.named_faults import NamedFault
+
+Record: TypeAlias = Callable[[Specification], Recording]
+"""Flies faults of a mission's pool in the weather of the first mission seed, and records it."""
+
+MOST_LISTED = 5000
+"""Evaluations that the page lists, at most."""
+
+_WORDS = {"missed_since": "missed since tick"}
+_COUNTS = (
+    "Ticks at which each goal was violated; phantom: believed, not true; masked: true, not "
+    "believed."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What the page says of a specification that was flown.
+
+    Attributes
+    ----------
+    title, sentence
+        What it is, and why it breaks goals, in words.
+    faults, sentences
+        Its faults, and what each did, in words.
+    outcome
+        What flying it finds.
+    command, xmi
+        What flies it again, and the specification as a file holds it.
+    firmness
+        What violations are in other weather.
+    """
+
+    title: str
+    sentence: str
+    faults: Sequence[NamedFault]
+    sentences: Sequence[str]
+    outcome: Outcome
+    command: Sequence[str]
+    xmi: str
+    firmness: Sequence[Mapping[str, Any]] = ()
+
+    @property
+    def specification(self) -> Specification:
+        """Its faults as they are flown."""
+        return tuple(fault.timed for fault in self.faults)
+
+
+def flight_page(
+    mission: Mission, told: Told, recording: Recording, facts: Iterable[tuple[str, Any]]
+) -> dict[str, Any]:
+    """Return what the page shows of one flight.
+
+    Parameters
+    ----------
+    mission
+        What was flown.
+    told
+        What is said of the flight.
+    recording
+        The flight.
+    facts
+        Rows of the record: a name and a value.
+    """
+    flown = Flown(told.title, told.faults, recording, {})
+    return {
+        "title": told.title,
+        "mission": mission_content(mission),
+        "findings": [
+            _told(mission, told) | {"flight": flight_content(mission, flown, stride(mission, 1))}
+        ],
+        "record": list(facts),
+    }
+
+
+def campaign_page(
+    summary: Summary,
+    mission: Mission,
+    store: CampaignStore,
+    findings: Sequence[Told],
+    record: Record | str,
+) -> dict[str, Any]:
+    """Return what the page shows of a campaign.
+
+    Parameters
+    ----------
+    summary
+        What it found.
+    mission, store
+        What it ran on, and its record.
+    findings
+        What is said of each finding, the most critical first.
+    record
+        Flies, or why nothing can be flown.
+    """
+    step = max(1, -(-summary.n_evaluations // MOST_LISTED))
+    header, *rows = evaluations_table(store.flown(step), summary.measure)
+    return {
+        "title": f"Campaign {summary.folder.name} on mission {summary.mission}",
+        "mission": mission_content(mission),
+        "findings": list(_findings(mission, findings, record)),
+        "none": "No causes were asked for, or none was found; see the evaluations.",
+        "search": {"said": trend_in_words(summary.trend), "charts": list(_charts(summary))},
+        "evaluations": {
+            "said": f"One in {step} is listed." if step > 1 else "All are listed.",
+            "header": header[:-1],
+            "rows": [(*row[:2], _plain(row[2]), *row[3:-1]) for row in rows],
+        },
+        "record": list(_record(summary, store)),
+    }
+
+
+def told_of(number: int, finding: Finding, command: Sequence[str], xmi: str) -> Told:
+    """Return what is said of a finding.
+
+    Parameters
+    ----------
+    number
+        Its rank, from 1.
+    finding
+        The finding.
+    command, xmi
+        See ``Told``.
+    """
+    first, *others = finding.evaluations
+    alike = f" and {len(others)} more with alike causes" if others else ""
+    return Told(
+        title=f"{number}: cause of evaluation {first}{alike}",
+        sentence=finding.sentence,
+        faults=finding.faults,
+        sentences=finding.cause.sentences,
+        outcome=finding.outcome,
+        command=command,
+        xmi=xmi,
+        firmness=finding.cause.firmness,
+    )
+
+
+def _findings(
+    mission: Mission, findings: Sequence[Told], record: Record | str
+) -> Iterable[dict[str, Any]]:
+    n_flights = sum(1 + len(told.faults) for told in findings)
+    for told in findings:
+        content = _told(mission, told)
+        if isinstance(record, str):
+            content["no_flight"] = record
+        else:
+            try:
+                flown = _flown(told, record)
+            except EvaluationError as error:
+                content["no_flight"] = str(error)
+            else:
+                content["flight"] = flight_content(mission, flown, stride(mission, n_flights))
+        yield content
+
+
+def _flown(told: Told, record: Record) -> Flown:
+    """Fly a specification, and all of it but each of its faults."""
+    faults = told.specification
+    places = range(len(faults)) if len(faults) > 1 else ()
+    others = {place: record(without(faults, place)) for place in places}
+    return Flown(told.title, told.faults, record(faults), others)
+
+
+def _told(mission: Mission, told: Told) -> dict[str, Any]:
+    counts = told.outcome.told(mission.duration)
+    header = ("goal", "name", *(_WORDS.get(name, name) for name in counts))
+    goals = [(goal.id, goal.name) for goal in mission.goals]
+    columns = zip(*counts.values(), strict=True)
+    return {
+        "title": told.title,
+        "sentence": told.sentence,
+        "faults": [
+            {
+                "name": fault.name,
+                "type": fault.fault.type,
+                "target": fault.target,
+                "values": fault.values,
+                "window": fault.window,
+                "sentence": sentence,
+            }
+            for fault, sentence in zip(told.faults, told.sentences, strict=True)
+        ],
+        "counts_said": _COUNTS,
+        "counts": {
+            "header": header,
+            "rows": [(*goal, *row) for goal, row in zip(goals, columns, strict=True)],
+        },
+        "firmness": {
+            "said": f"Violations in the weather of {N_SEEDS} mission seeds, in ticks.",
+            "header": ("goal", "violations", "median", "least", "most", "violated in"),
+            "rows": [tuple(each.values()) for each in told.firmness if each["most"]],
+        },
+        "command": shlex.join(told.command),
+        "xmi": told.xmi,
+        "flight": None,
+        "no_flight": "",
+    }
+
+
+def _charts(summary: Summary) -> Iterable[dict[str, Any]]:
+    rows = summary.trend.generations
+    if rows:
+        yield {
+            "title": "Fitness of each generation",
+            "x": "generation",
+            "y": "fitness",
+            "xs": [row.generation for row in rows],
+            "lines": [
+                {"label": "best", "values": [row.best for row in rows]},
+                {"label": "mean", "values": [row.mean for row in rows]},
+            ],
+        }
+    front = summary.front
+    if front is not None and front.points and len(front.goals) > 1:
+        x, y, *_ = front.goals
+        points = sorted(point.violations[:2] for point in front.points)
+        yield _scatter("Pareto front, violations in ticks", x, y, points)
+    if summary.harm:
+        harm = sorted((each.cost, each.violations) for each in summary.harm)
+        words = f"Most violations with how few {summary.measure.minimised}"
+        yield _scatter(words, str(summary.measure.minimised), "violations", harm)
+
+
+def _scatter(title: str, x: str, y: str, points: Sequence[Sequence[float]]) -> dict[str, Any]:
+    xs, values = zip(*points, strict=True)
+    lines = [{"label": y, "values": values}]
+    return {"title": title, "x": x, "y": y, "xs": xs, "lines": lines, "points": True}
+
+
+def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]:
+    manifest = store.manifest
+    yield from {
+        "campaign": summary.folder.name,
+        "mission": summary.mission,
+        "case": manifest.case,
+        "engine": manifest.engine.name,
+        "generations": summary.n_generations,
+        "evaluations": summary.n_evaluations,
+        "distinct specifications": summary.n_distinct,
+        "failed": summary.n_failures,
+        "semantics": summary.semantics,
+        "digest": summary.digest,
+    }.items()
+    yield from ((f"version of {name}", text) for name, text in manifest.versions.items())
+    for name, value in summary.settings.as_json().items():
+        if value not in (None, []):
+            yield f"setting {name}", " ".join(value) if isinstance(value, list) else str(value)
+    yield from ((f"SHA-256 of {name}", text) for name, text in islice(manifest.sha256.items(), 100))
+
+
+def _plain(fitness: Any) -> Any:
+    """Return a fitness as a number if it is one."""
+    parts = str(fitness).split()
+    return float(parts[0]) if len(parts) == 1 else fitness

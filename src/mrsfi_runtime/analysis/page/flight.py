@@ -1,0 +1,239 @@
+"""Flights as the page shows them: positions to a stated resolution, verdicts as windows, events."""
+
+import zlib
+from base64 import b64encode
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import floor, log10
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from mrsfi_runtime.analysis.tables import goal_discs, working_window
+from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
+from mrsfi_runtime.record.named_faults import NamedFault
+
+Window: TypeAlias = tuple[int, int]
+"""First and last tick."""
+
+MOST_VALUES = 6_000_000
+"""Numbers of all series of a page, at most; where there were more, ticks between are left out."""
+
+_SERIES = ("x", "y", "speed", "energy")
+_DIGITS = 6  # of the largest value of a series
+
+
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """A flight, and those without one of its faults each.
+
+    Attributes
+    ----------
+    title
+        What flew.
+    faults
+        Its faults.
+    recording
+        The flight.
+    others
+        For some faults, by their places: the flight without the fault.
+    """
+
+    title: str
+    faults: Sequence[NamedFault]
+    recording: Recording
+    others: dict[int, Recording]
+
+
+def mission_content(mission: Mission) -> dict[str, Any]:
+    """Return what the page shows of a mission before anything flies."""
+    area = mission.area
+    return {
+        "name": mission.name,
+        "duration": mission.duration,
+        "robot_radius": ROBOT_RADIUS,
+        "area": [area.center.x, area.center.y, area.radius],
+        "robots": [{"id": robot.id, "name": robot.name} for robot in mission.robots],
+        "obstacles": [
+            {
+                "id": each.id,
+                "x": each.area.center.x,
+                "y": each.area.center.y,
+                "radius": each.area.radius,
+            }
+            for each in mission.obstacles
+        ],
+        "goals": [
+            {"id": goal.id, "name": goal.name, "task": goal.task.name} for goal in mission.goals
+        ],
+        "discs": [
+            {"goal": disc.goal.id, "x": disc.x, "y": disc.y, "radius": disc.radius}
+            for disc in goal_discs(mission)
+        ],
+    }
+
+
+def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any]:
+    """Return what the page shows of a flight.
+
+    Parameters
+    ----------
+    mission
+        What was flown.
+    flown
+        The flight.
+    stride
+        Every so many-th tick is kept of positions, speeds and energies; see ``stride``.
+    """
+    world = flown.recording["world"]["robots"]
+    steps = {
+        name: _step(world[name], flown.recording["belief"]["robots"][name]) for name in _SERIES
+    }
+    steps["x"] = steps["y"] = max(steps["x"], steps["y"])
+    flights = [(None, flown.recording), *flown.others.items()]
+    return {
+        "title": flown.title,
+        "window": _seen(mission, flown.recording),
+        "faults": [
+            {
+                "name": fault.name,
+                "type": fault.fault.type,
+                "target": fault.target,
+                "values": fault.values,
+                "window": fault.window,
+            }
+            for fault in flown.faults
+        ],
+        "flights": [
+            {"without": place, **_flight(mission, recording, steps, stride)}
+            for place, recording in flights
+        ],
+        "displaced": list(_displaced(mission, flown.recording)),
+        "samples": list(_samples(mission, flown.recording)),
+        "events": sorted(_events(mission, flown), key=lambda event: event[0]),
+        "said": _resolution(steps, stride),
+    }
+
+
+def stride(mission: Mission, n_flights: int) -> int:
+    """Return the distance of the ticks that a page with so many flights keeps of each."""
+    n_values = n_flights * mission.duration * len(mission.robots) * 2 * len(_SERIES)
+    return max(1, -(-n_values // MOST_VALUES))
+
+
+def runs(flags: npt.NDArray[Any]) -> list[Window]:
+    """Return the windows in which flags, shape ``(n_ticks,)``, are set."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags != 0, [0]))))
+    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
+
+
+def _flight(
+    mission: Mission, recording: Recording, steps: dict[str, float], stride: int
+) -> dict[str, Any]:
+    kept = [*range(0, mission.duration, stride)]
+    if kept[-1] != mission.duration - 1:
+        kept.append(mission.duration - 1)
+    packed = {}
+    for name in _SERIES:
+        true, believed = (
+            np.rint(recording[side]["robots"][name][kept] / steps[name]).astype(np.int32)
+            for side in ("world", "belief")
+        )
+        packed[name] = _packed(true)
+        packed[f"believed_{name}"] = _packed(believed - true)
+    return {
+        "stride": stride,
+        "steps": steps | {f"believed_{name}": step for name, step in steps.items()},
+        "digits": {name: max(0, -floor(log10(step))) for name, step in steps.items()},
+        "packed": packed,
+        "goals": [
+            {
+                "believed": runs(recording["is_believed"][:, goal]),
+                "true": runs(recording["is_true"][:, goal]),
+                "missed": _first(recording["missed"][:, goal] > 0),
+            }
+            for goal in range(len(mission.goals))
+        ],
+    }
+
+
+def _packed(values: npt.NDArray[np.int32]) -> str:
+    """Return numbers, shape ``(n_ticks, n)``, as text: zlib of the bytes of their differences.
+
+    The lowest bytes of all differences from tick to tick come first, then the second, and so on.
+    """
+    differences = np.diff(values, axis=0, prepend=np.zeros((1, values.shape[1]), np.int32))
+    planes = np.ascontiguousarray(differences.astype("<i4")).view(np.uint8).reshape(-1, 4).T
+    return b64encode(zlib.compress(planes.tobytes(), 9)).decode()
+
+
+def _step(*values: npt.NDArray[Any]) -> float:
+    """Return the power of ten that leaves the largest of values so many digits."""
+    largest = max(float(np.abs(each).max(initial=1.0)) for each in values)
+    return float(10.0 ** (floor(log10(max(largest, 1.0))) + 1 - _DIGITS))
+
+
+def _resolution(steps: dict[str, float], stride: int) -> str:
+    ticks = "every tick" if stride == 1 else f"every {stride}th tick and on straight lines between"
+    kept = ", ".join(f"{name} to {step / 2:g}" for name, step in steps.items() if name != "y")
+    return f"Of {ticks}: {kept.replace('x to', 'positions to')}, in units of the mission."
+
+
+def _first(flags: npt.NDArray[Any]) -> int | None:
+    return int(flags.argmax()) if flags.any() else None
+
+
+def _seen(mission: Mission, recording: Recording) -> tuple[float, float, float]:
+    """Return the square around what the mission is about and where robots truly were."""
+    x, y, half = working_window(mission)
+    robots = recording["world"]["robots"]
+    reach = max(float(np.abs(robots["x"] - x).max()), float(np.abs(robots["y"] - y).max()))
+    return x, y, max(half, reach * 1.05)
+
+
+def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ...]]:
+    """Yield where obstacles were believed to be elsewhere: window, place, ID and radius."""
+    true, believed = recording["world"]["obstacles"], recording["belief"]["obstacles"]
+    for k, obstacle in enumerate(mission.obstacles):
+        x, y = (believed[name][:, k] for name in ("x", "y"))
+        is_wrong = (x != true["x"][:, k]) | (y != true["y"][:, k])
+        if not is_wrong.any():
+            continue
+        moved = np.flatnonzero((np.diff(x) != 0) | (np.diff(y) != 0)) + 1
+        edges = [0, *moved.tolist(), len(x)]
+        for first, after in pairwise(edges):
+            if is_wrong[first]:
+                place = float(x[first]), float(y[first])
+                yield first, after - 1, *place, obstacle.id, obstacle.area.radius
+
+
+def _samples(mission: Mission, recording: Recording) -> Iterator[tuple[int, str, float, float]]:
+    """Yield the samples that truly counted: tick, ID of the goal, and where."""
+    goals = recording["world"]["goals"]
+    for k, goal in enumerate(mission.goals):
+        if goal.terms.sensor is None:
+            continue
+        counted = np.flatnonzero(np.diff(goals["count"][:, k], prepend=0) > 0)
+        for tick in counted.tolist():
+            place = goals["sampled_x"][tick, k], goals["sampled_y"][tick, k]
+            yield tick, goal.id, float(place[0]), float(place[1])
+
+
+def _events(mission: Mission, flown: Flown) -> Iterator[tuple[int, str]]:
+    for fault in flown.faults:
+        if fault.window is not None:
+            first, last = fault.window
+            yield first, f"{fault.name} ({fault.fault.type}) starts on {fault.target}"
+            yield last, f"{fault.name} ({fault.fault.type}) ends"
+    for k, goal in enumerate(mission.goals):
+        for verdict, word in (("is_believed", "believed"), ("is_true", "truly")):
+            for first, last in runs(flown.recording[verdict][:, k]):
+                yield first, f"{goal.id} {word} violated"
+                if last + 1 < mission.duration:
+                    yield last + 1, f"{goal.id} no longer {word} violated"
+        missed = _first(flown.recording["missed"][:, k] > 0)
+        if missed is not None:
+            yield missed, f"{goal.id} certain to be missed"

@@ -1,0 +1,66 @@
+"""Pages that commands write: of one flight, and of a campaign."""
+
+import json
+import re
+
+import pytest
+
+from tests.support.cli import MISSION, mrsfi, mrsfi_json, stop_specification
+
+
+def data_of(path):
+    """Return what a page shows, as its script reads it."""
+    found = re.search('<script type="application/json" id="data">(.*?)</script>', path.read_text())
+    return json.loads(found[1])
+
+
+def test_a_flight_is_written_as_a_page_that_says_how_to_fly_it_again(place):
+    stop_specification(place / "stop.xmi", [(100, 200)])
+    words = ("simulate", MISSION, "--faults", "stop.xmi", "--seed", "7")
+
+    printed = mrsfi_json(*words, "--html", "page.html", "--json", cwd=place)
+
+    data = data_of(place / "page.html")
+    (flown,) = data["findings"]
+    assert ["digest", printed["digest"]] in data["record"]
+    assert flown["command"] == "mrsfi simulate uuv_sampling --faults stop.xmi --seed 7"
+    assert flown["xmi"] == (place / "stop.xmi").read_text()
+    assert [fault["window"] for fault in flown["flight"]["faults"]] == [[100, 200]]
+    assert "written    page.html" in mrsfi(*words, "--html", "page.html", cwd=place).stderr
+
+
+def test_an_evaluation_of_a_campaign_is_written_as_a_page(flown, tmp_path):
+    printed = mrsfi_json("replay", flown, "--html", tmp_path / "page.html", "--json", cwd=tmp_path)
+
+    data = data_of(tmp_path / "page.html")
+    assert ["digest", printed["digest"]] in data["record"]
+    names = [fault["name"] for fault in data["findings"][0]["faults"]]
+    assert len(names) == len(printed["faults"])
+
+
+def test_a_campaign_has_a_page_with_the_flights_of_its_findings(flown):
+    data = data_of(flown / "report.html")
+    summary = json.loads((flown / "summary.json").read_text())
+
+    assert ["digest", summary["digest"]] in data["record"]
+    assert len(data["evaluations"]["rows"]) == summary["n_evaluations"]
+    findings = summary["causes"]["findings"]
+    assert [found["sentence"] for found in data["findings"]] == [
+        each["sentence"] for each in findings
+    ]
+    for found in data["findings"]:
+        n = len(found["faults"])
+        without = [None, *range(n if n > 1 else 0)]
+        assert [each["without"] for each in found["flight"]["flights"]] == without
+
+
+@pytest.mark.parametrize(
+    "words", [("replay", "FLOWN", "--all"), ("simulate", MISSION, "--each-fault", "1:2")]
+)
+def test_what_flies_many_times_writes_no_page(words, flown, place):
+    words = [str(flown) if word == "FLOWN" else word for word in words]
+
+    done = mrsfi(*words, "--html", "page.html", cwd=place, expected=2)
+
+    assert "--html are of one flight" in done.stderr
+    assert not (place / "page.html").exists()

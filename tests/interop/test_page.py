@@ -1,0 +1,241 @@
+"""The page of a campaign in a real browser: Chromium, opened from disk."""
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mrsfi_runtime.analysis.page.content import Told, flight_page
+from mrsfi_runtime.analysis.page.document import document
+from mrsfi_runtime.causes.cause_set import chosen
+from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.outcome import TOLD
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.causes import RecordedCause
+from mrsfi_runtime.record.named_faults import named_faults
+from tests.integration.analysis.test_page import HOSTILE
+from tests.support.cli import MISSION, mrsfi, workspace
+from tests.support.missing import skip
+from tests.support.world import paper_code, specifications
+
+try:
+    from playwright.sync_api import sync_playwright
+except ImportError:
+    sync_playwright = None
+
+TICKS = (0, 1, 137, 500, 999)
+SERIES = ("x", "y", "speed", "energy")
+
+
+@dataclass
+class Page:
+    """A page that a browser shows, and what it said and asked for meanwhile."""
+
+    shown: Any
+    said: list[str] = field(default_factory=list)
+    asked: list[str] = field(default_factory=list)
+
+    def numbers(self) -> list[list[str]]:
+        """Return the cells of the table of robots."""
+        rows = self.shown.locator("#numbers tbody tr").all()
+        return [row.locator("td").all_inner_texts() for row in rows]
+
+    def seek(self, tick: int) -> None:
+        """Move the slider, as a person's drag does."""
+        self.shown.locator("#tick").fill(str(tick))
+
+    def now(self) -> int:
+        """Return the tick that is shown."""
+        return int(self.shown.locator("#now").inner_text().split()[1])
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    """Headless Chromium, as Debian packages it."""
+    path = shutil.which("chromium")
+    if sync_playwright is None or path is None:
+        skip("Chromium or playwright is missing; install both")
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def opened(chromium: Any, path: Path, **options: Any) -> Iterator[Page]:
+    """Open a page from disk; afterwards it said no word, and asked for nothing but itself."""
+    context = chromium.new_context(viewport={"width": 1200, "height": 900}, **options)
+    page = Page(context.new_page())
+    page.shown.on("console", lambda message: page.said.append(message.text))
+    page.shown.on("pageerror", lambda error: page.said.append(str(error)))
+    page.shown.on("dialog", lambda dialog: page.said.append(dialog.message))
+    page.shown.on("request", lambda request: page.asked.append(request.url))
+    page.shown.goto(path.as_uri())
+    page.shown.wait_for_selector("html[data-ready=true]")
+    yield page
+    assert page.said == []
+    assert page.asked == [path.as_uri()]
+    context.close()
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a fresh campaign of the paper's mission, explained."""
+    place = workspace(tmp_path_factory.mktemp("page"))
+    size = ("--population", "8", "--generations", "12", "--workers", "1")
+    mrsfi("evolve", MISSION, *size, "--engine", "reference", "--out", "runs/new", cwd=place)
+    return place / "runs" / "new"
+
+
+@pytest.fixture(scope="module")
+def leader(campaign: Path) -> tuple[RecordedCause, Recording]:
+    """The first finding's cause as recorded, and its flight."""
+    code = load_code(campaign / "generated")
+    with CampaignStore.open(campaign) as store:
+        cause = next(cause for cause in store.causes() if cause.places)
+        faults = chosen(store.evaluation(cause.index).specification, cause.places)
+        return cause, ReferenceEngine(code, store.settings.mission_seed).record(faults)
+
+
+def test_positions_at_some_ticks_are_those_of_the_engine(chromium, campaign, leader):
+    _, recording = leader
+    with opened(chromium, campaign / "report.html") as page:
+        for tick in TICKS:
+            page.seek(tick)
+            assert page.now() == tick
+            for robot, (_, *cells) in enumerate(page.numbers()):
+                for name, true, believed in zip(SERIES, cells[::2], cells[1::2], strict=True):
+                    step = 10.0 ** -len(true.partition(".")[2])
+                    for side, text in (("world", true), ("belief", believed)):
+                        found = recording[side]["robots"][name][tick, robot]
+                        assert float(text) == pytest.approx(found, abs=step)
+
+
+def test_counts_are_those_of_the_record(chromium, campaign, leader):
+    cause, _ = leader
+    assert cause.outcome is not None
+    told = cause.outcome.told(1000)
+    with opened(chromium, campaign / "report.html") as page:
+        table = page.shown.locator("#findings article").first.locator("table").nth(1)
+        rows = [row.locator("td").all_inner_texts() for row in table.locator("tbody tr").all()]
+
+    assert f"evaluation {cause.index}" in page_title(campaign, cause)
+    for goal, row in enumerate(rows):
+        expected = [told[kind][goal] for kind in TOLD]
+        assert row[2:] == ["–" if each is None else str(each) for each in expected]
+
+
+def page_title(campaign: Path, cause: RecordedCause) -> str:
+    """Return the line of the report that names a finding's evaluation."""
+    lines = (campaign / "report.md").read_text(encoding="utf-8").splitlines()
+    return next(line for line in lines if f"evaluation {cause.index}" in line)
+
+
+def test_play_slider_keys_and_clicks_do_what_they_say(chromium, campaign):
+    with opened(chromium, campaign / "report.html") as page:
+        shown = page.shown
+        before = page.numbers()
+        shown.locator("#play").click()
+        for _ in range(200):
+            if page.now() > 40:
+                break
+            shown.wait_for_timeout(50)
+        shown.locator("#play").click()
+        assert page.numbers() != before
+        stopped = page.now()
+        assert shown.locator("#play").inner_text() == "Play"
+
+        shown.locator("#step").click()
+        assert page.now() == stopped + 1
+        shown.locator("body").press("ArrowLeft")
+        assert page.now() == stopped
+        shown.locator("body").press("End")
+        assert page.now() == 999
+        shown.locator("body").press("Home")
+        assert page.now() == 0
+        shown.locator("body").press("n")
+        first = page.now()
+        assert shown.locator("#event").inner_text().startswith(f"tick {first}: ")
+        shown.locator("body").press("n")
+        assert page.now() > first > 0
+        shown.locator("body").press("p")
+        assert page.now() == first
+
+        fault = shown.locator("button.fault:not([disabled])").first
+        fault.click()
+        shown.wait_for_selector("button.fault[aria-pressed=true]")
+
+        shown.locator("#filter").fill("7")
+        rows = shown.locator("#evaluations tbody tr")
+        assert all("7" in row.inner_text() for row in rows.all())
+        header = shown.locator("#evaluations th button").first
+        header.click()  # it is sorted by this column, upwards
+        listed = [int(row.locator("td").first.inner_text()) for row in rows.all()]
+        assert listed == sorted(listed, reverse=True)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"color_scheme": "light"},
+        {"color_scheme": "dark"},
+        {"screen": {"width": 400, "height": 800}},
+    ],
+    ids=["light", "dark", "narrow"],
+)
+def test_it_is_drawn_in_every_setting(chromium, campaign, tmp_path, options):
+    with opened(chromium, campaign / "report.html", **options) as page:
+        page.shown.screenshot(path=tmp_path / "page.png", full_page=True)
+        inked = page.shown.evaluate(
+            "() => { const c = document.querySelector('canvas');"
+            " return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some(Boolean); }"
+        )
+
+    assert inked
+    assert (tmp_path / "page.png").stat().st_size > 20_000
+
+
+def test_a_model_of_hostile_texts_is_shown_and_does_nothing(chromium, tmp_path):
+    code = paper_code(60)
+    (specification,) = specifications(code, 1)
+    engine = ReferenceEngine(code, 1)
+    faults = named_faults(code.mission, code.pool, specification)
+    recording, outcome = engine.record(specification), engine.evaluate(specification)
+    mission = replace(
+        code.mission,
+        name=HOSTILE[0],
+        robots=tuple(
+            replace(robot, id=text, name=text)
+            for robot, text in zip(code.mission.robots, HOSTILE, strict=False)
+        ),
+        goals=tuple(
+            replace(goal, id=text, name=text)
+            for goal, text in zip(code.mission.goals, HOSTILE[1:], strict=True)
+        ),
+        obstacles=tuple(
+            replace(obstacle, id=HOSTILE[k % len(HOSTILE)])
+            for k, obstacle in enumerate(code.mission.obstacles)
+        ),
+    )
+    hostile = [replace(fault, name=HOSTILE[k % len(HOSTILE)]) for k, fault in enumerate(faults)]
+    sentences = [HOSTILE[k % len(HOSTILE)] for k in range(len(faults))]
+    told = Told(HOSTILE[0], HOSTILE[1], hostile, sentences, outcome, HOSTILE, HOSTILE[2])
+    path = tmp_path / "hostile.html"
+    page_text = document(flight_page(mission, told, recording, [(HOSTILE[3], HOSTILE[4])]))
+    path.write_text(page_text, encoding="utf-8")
+
+    with opened(chromium, path) as page:
+        text = page.shown.locator("body").evaluate("element => element.textContent")
+        for each in HOSTILE:
+            assert each in text
+        assert page.shown.locator("img").count() == 0
+        assert page.shown.locator("script").count() == 2
+        assert page.shown.title() == HOSTILE[0]
+        page.seek(30)
+        page.shown.locator("body").press("n")
