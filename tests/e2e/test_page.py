@@ -15,16 +15,17 @@ def data_of(path):
 
 
 def test_a_flight_is_written_as_a_page_that_says_how_to_fly_it_again(place):
-    stop_specification(place / "stop.xmi", [(100, 200)])
-    words = ("simulate", MISSION, "--faults", "stop.xmi", "--seed", "7")
+    stop = f"models/{MISSION}/stop.xmi"
+    stop_specification(place / stop, [(100, 200)])
+    words = ("simulate", MISSION, "--faults", stop, "--seed", "7")
 
     printed = mrsfi_json(*words, "--html", "page.html", "--json", cwd=place)
 
     data = data_of(place / "page.html")
     (flown,) = data["findings"]
     assert ["digest", printed["digest"]] in data["record"]
-    assert flown["command"] == "mrsfi simulate uuv_sampling --faults stop.xmi --seed 7"
-    assert flown["xmi"] == (place / "stop.xmi").read_text()
+    assert flown["command"] == f"mrsfi simulate {MISSION} --faults {stop} --seed 7"
+    assert flown["xmi"] == (place / stop).read_text()
     assert [fault["window"] for fault in flown["flight"]["faults"]] == [[100, 200]]
     assert "written    page.html" in mrsfi(*words, "--html", "page.html", cwd=place).stderr
 
