@@ -132,7 +132,9 @@ def fly_alike(folders, of, longest, n_missions):
     return coverage
 
 
-@pytest.mark.parametrize(("name", "n_missions"), [("three robots", 1), ("fifty robots", 1)])
+@pytest.mark.parametrize(
+    ("name", "n_missions"), [("three robots", 1), pytest.param("fifty robots", 1, marks=slow)]
+)
 def test_some_drawn_missions_fly_alike(tmp_path_factory, name, n_missions):
     """What they cover depends on the draw; each task and type has tests of its own."""
     of, longest, _ = (FEW | MANY)[name]

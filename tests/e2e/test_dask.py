@@ -100,6 +100,7 @@ def test_ctrl_c_ends_a_local_cluster_quietly_and_another_goes_on(place, whole):
     assert resumed.stdout.splitlines()[-1].split() == ["digest", whole["digest"]]
 
 
+@slow
 def test_a_comparison_finds_the_same_on_a_local_cluster(place):
     here, there = (
         mrsfi_json(*COMPARE, *options, "--out", f"runs/compared-{number}", cwd=place)

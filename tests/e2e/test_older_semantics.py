@@ -11,6 +11,7 @@ from tests.support.cli import contents, edit, mrsfi, mrsfi_json, workspace
 from tests.support.interrupted import MISSION
 from tests.support.older_records import DIGEST_OF_1, recorded_by_1
 from tests.support.rosbridge import process
+from tests.tiers import seeds
 
 _LATER = """
 import sys
@@ -106,7 +107,7 @@ def test_a_comparison_is_not_continued_under_other_rules(quick):
     assert contents(quick / "out" / "runs") == before
 
 
-@pytest.mark.parametrize("is_later", ["simulation", "ci"])
+@pytest.mark.parametrize("is_later", seeds(["simulation", "ci"], 1))
 def test_a_simulation_and_a_ci_of_different_rules_refuse_each_other(tmp_path, is_later):
     meet = ("simulate", MISSION, "--engine", "rosbridge", "--url")
     places = {}

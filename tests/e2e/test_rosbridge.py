@@ -132,7 +132,7 @@ def test_replications_share_one_server(quick, url):
     assert digests[0] == digests[1]
 
 
-@pytest.mark.parametrize("client", ["asyncio", "twisted"])
+@pytest.mark.parametrize("client", ["asyncio", pytest.param("twisted", marks=slow)])
 def test_two_sides_meet_on_a_server(place, url, client):
     faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
     meet = (*ROSBRIDGE, "--url", url, "--client", client)

@@ -74,7 +74,7 @@ def test_missions_without_faults_fly_alike(twins):
 
 
 @pytest.mark.parametrize(
-    "twins", [*SHORT, *(pytest.param(name, marks=slow) for name in LONG)], indirect=True
+    "twins", [SHORT[0], *(pytest.param(name, marks=slow) for name in MISSIONS[1:])], indirect=True
 )
 def test_each_fault_alone_flies_alike(twins):
     n_ticks = twins.code.mission.duration
@@ -158,7 +158,7 @@ def test_the_simulation_quotes_the_pages_as_they_are():
     assert [each for each in sorted(sections) if f"## {each[1]}" not in texts[each[0]]] == []
 
 
-@pytest.mark.parametrize("seed", seeds(range(5), 2))
+@pytest.mark.parametrize("seed", seeds(range(5), 1))
 @pytest.mark.parametrize("name", SHAPES)
 def test_drawn_missions_fly_alike(tmp_path, name, seed):
     """Each under some drawn specifications, and each fault of its pool alone."""
@@ -175,7 +175,7 @@ def test_drawn_missions_fly_alike(tmp_path, name, seed):
         twins.fly((whole,), rng.getrandbits(40))
 
 
-@pytest.mark.parametrize("n_robots", seeds([30, 25, 12, 24, 45, 70], 2))
+@pytest.mark.parametrize("n_robots", seeds([25, 30, 12, 24, 45, 70], 1))
 @pytest.mark.parametrize("room", [15.0, 60.0])
 def test_crowds_fly_alike(tmp_path, n_robots, room):
     rng = Random(n_robots)

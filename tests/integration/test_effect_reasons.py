@@ -136,14 +136,14 @@ def test_the_reasons_of_a_blocked_position_and_a_wandering_obstacle_hold(seed):
     _require_that_reasons_hold("uuv_sampling", seed, "f2", "f19")
 
 
-@pytest.mark.parametrize("seed", seeds([1, 2, 7], 1))
+@pytest.mark.parametrize("seed", seeds([1, 2, 7], 0))
 def test_every_reason_on_the_papers_mission_holds(seed):
     n_effective = _require_that_reasons_hold("uuv_sampling", seed)
 
     assert 10 <= n_effective < 30
 
 
-@pytest.mark.parametrize("seed", seeds(range(1, 41), 4))
+@pytest.mark.parametrize("seed", seeds(range(1, 41), 3))
 def test_every_reason_on_a_mission_with_tight_margins_holds(seed):
     _require_that_reasons_hold("tight_margins", seed)
 

@@ -49,7 +49,10 @@ def tick_of(errors: str) -> int:
 
 @pytest.mark.parametrize(
     ("sign", "problem"),
-    [(signal.SIGKILL, "was lost"), (signal.SIGSTOP, "was silent for 2 s")],
+    [
+        (signal.SIGKILL, "was lost"),
+        pytest.param(signal.SIGSTOP, "was silent for 2 s", marks=slow),
+    ],
     ids=["killed", "stopped: its sockets are half open"],
 )
 def test_a_server_lost_in_mid_run_ends_both_sides_with_8(sign, problem, note):

@@ -34,6 +34,8 @@ from tests.tiers import slow
 PATIENCE = Patience(tick=3.0, handshake=10.0)
 SHORT = code_of("tight_margins", 60)
 CLIENTS = ("asyncio", "twisted")
+FEW_CLIENTS = [CLIENTS[0], pytest.param(CLIENTS[1], marks=slow)]
+"""The other one where a flight says it all is left to the rest."""
 
 
 @lru_cache
@@ -59,7 +61,7 @@ def engine(code, **options):
 
 
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
-@pytest.mark.parametrize("client", CLIENTS)
+@pytest.mark.parametrize("client", FEW_CLIENTS)
 @pytest.mark.parametrize("seeds", [range(2), pytest.param(range(20), marks=slow)], ids=len)
 def test_random_specifications_of_the_paper_s_mission_fly_as_in_process(seeds, client, is_bundled):
     flown = digests_apart(client, "uuv_sampling", 1000, seeds, is_bundled=is_bundled)
@@ -68,14 +70,14 @@ def test_random_specifications_of_the_paper_s_mission_fly_as_in_process(seeds, c
 
 
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
-@pytest.mark.parametrize("client", CLIENTS)
+@pytest.mark.parametrize("client", FEW_CLIENTS)
 def test_both_sides_on_a_server_of_its_own_fly_as_in_process(server, client, is_bundled):
     flown = digests_apart(client, "tight_margins", 60, range(3), server.url, is_bundled=is_bundled)
 
     assert flown == reference_digests(SHORT, range(3))
 
 
-@pytest.mark.parametrize("client", CLIENTS)
+@pytest.mark.parametrize("client", FEW_CLIENTS)
 def test_jitter_changes_nothing(server, client):
     with Relay(server.url, jitter=0.01) as relay:
         flown = digests_apart(client, "tight_margins", 60, range(2), relay.url)
