@@ -4,12 +4,12 @@ import keyword
 import re
 
 from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.model.names import plain_name
 
 RESERVED = frozenset({"checks", "reactions", "topics", "commands", "truth"})
 """Identifiers that generated code uses itself, as tables or as a root of topics."""
 
 _ALLOWED = re.compile(r"[A-Za-z0-9_. -]+", re.ASCII)
-_SEPARATORS = re.compile(r"[_. -]+")
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
 _WORD_START = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
@@ -43,7 +43,7 @@ def identifier(text: str) -> str:
             f"ID {_shown(text)} cannot be a name in Python; expected ASCII letters, digits, "
             "'_', '-', '.' or spaces; rename the element"
         )
-    name = _SEPARATORS.sub("_", text).strip("_").lower()
+    name = plain_name(text)
     if not _IDENTIFIER.fullmatch(name):
         raise ModelError(
             f"ID {_shown(text)} becomes '{name[:40]}', which is no name in Python; "

@@ -12,8 +12,10 @@ from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
+from tests.support.bags import bagged
 from tests.support.trace import columns, traced
 from tests.support.world import code_of, paper_code, specifications
 
@@ -132,7 +134,7 @@ def test_a_recording_has_what_an_observer_sees(engine):
 def test_log_and_trace_say_from_which_tick_on_a_goal_is_missed(engine):
     mission = engine.code.mission
     log, trace = StringIO(), StringIO()
-    observers = SimulationLog(mission, log), TraceTable(mission, trace)
+    observers = SimulationLog(mission, log, Events(mission)), TraceTable(mission, trace)
 
     outcome = engine.evaluate(
         specifications(engine.code, 3)[2],
@@ -157,7 +159,9 @@ def logged(engine, specification):
     """Return the log of a flight, what its faults did, and its outcome."""
     mission, pool = engine.code.mission, engine.code.pool
     stream, tallies = StringIO(), []
-    log = SimulationLog(mission, stream, named_faults(mission, pool, specification), tallies)
+    log = SimulationLog(
+        mission, stream, Events(mission, named_faults(mission, pool, specification), tallies)
+    )
     outcome = engine.evaluate(specification, observer=log, tallies=tallies)
     return stream.getvalue(), tallies, outcome
 
@@ -173,6 +177,13 @@ def test_the_log_of_a_flight_under_faults_is_that_of_the_reference(engine):
         assert log.count(": first changes something\n") == sum(map(bool, outcome.changed)) > 0
         assert log.count(": ends\n") == log.count(": starts (") == sum(map(bool, outcome.applied))
         assert "  believed " in log
+
+
+def test_the_bag_of_a_flight_is_that_of_the_reference(engine):
+    reference = ReferenceEngine(engine.code, SEED)
+    (specification,) = specifications(engine.code, 1)
+
+    assert bagged(engine, specification) == bagged(reference, specification)
 
 
 def test_the_window_of_every_fault_has_as_many_ticks_as_it_was_active(engine):

@@ -76,13 +76,13 @@ def test_a_flight_over_rosbridge_prints_what_the_reference_does(place):
     assert flown == mrsfi_json(*arguments, cwd=place)
 
 
-def test_logs_and_traces_are_the_same(place):
+def test_logs_traces_and_bags_are_the_same(place):
     faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
     for name, options in (("local", ()), ("bus", ROSBRIDGE)):
-        files = ("--log", f"{name}.log", "--trace", f"{name}.csv")
+        files = ("--log", f"{name}.log", "--trace", f"{name}.csv", "--mcap", f"{name}.mcap")
         mrsfi_process("simulate", MISSION, *faults, *files, *options, cwd=place)
 
-    for kind in ("log", "csv"):
+    for kind in ("log", "csv", "mcap"):
         assert (place / f"bus.{kind}").read_bytes() == (place / f"local.{kind}").read_bytes()
     events = re.findall(
         "event fault h1 StopRobot on r1 motion: (.*)", (place / "bus.log").read_text()

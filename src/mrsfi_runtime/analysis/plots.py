@@ -25,7 +25,7 @@ from matplotlib.ticker import MaxNLocator
 
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
-from mrsfi_runtime.analysis.tables import goal_discs, working_window
+from mrsfi_runtime.analysis.tables import working_window
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.measure import Measure
 
@@ -360,7 +360,7 @@ def _draw_mission(
     axes.add_patch(
         Circle((centre.x, centre.y), mission.area.radius, fc="#f1f6fa", ec=BLUE, lw=1.4, zorder=0)
     )
-    for disc in goal_discs(mission):
+    for disc in mission.goal_discs:
         colour = colours.get(disc.goal.members[0], SOFT)
         axes.add_patch(Circle((disc.x, disc.y), disc.radius, fc=colour, alpha=0.14, lw=0, zorder=1))
         axes.add_patch(

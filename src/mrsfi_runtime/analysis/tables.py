@@ -1,14 +1,14 @@
-"""The numbers behind the figures: discs that goals are about, and tables as CSV."""
+"""The numbers behind the figures: where a mission happens, and tables as CSV."""
 
 import csv
 import io
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple
 from itertools import chain
 from typing import TextIO, TypeAlias
 
 from mrsfi_runtime.analysis.fronts import Front, Harm
-from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Goal, Mission
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Mission
 from mrsfi_runtime.model.outcome import TOLD
 from mrsfi_runtime.record.campaign import Flown
 from mrsfi_runtime.record.measure import Measure, ticks
@@ -20,28 +20,6 @@ Rows: TypeAlias = list[tuple[Cell, ...]]
 _MOST_LISTED = 100_000  # evaluations of a table
 
 
-@dataclass(frozen=True, slots=True)
-class GoalDisc:
-    """A disc that a goal is about, in distance units."""
-
-    goal: Goal
-    x: float
-    y: float
-    radius: float
-
-
-def goal_discs(mission: Mission) -> tuple[GoalDisc, ...]:
-    """Return the discs that the goals' tasks read, in model order.
-
-    Goals whose area plays no part in their task have none.
-    """
-    return tuple(
-        GoalDisc(goal, area.center.x, area.center.y, area.radius + goal.terms.tolerance)
-        for goal in mission.goals
-        if (area := goal.terms.area) is not None
-    )
-
-
 def working_window(mission: Mission) -> tuple[float, float, float]:
     """Return the square around all robots' starts, obstacles and goal areas, with a margin.
 
@@ -50,7 +28,7 @@ def working_window(mission: Mission) -> tuple[float, float, float]:
     tuple of float
         Centre x, centre y and half width, in distance units.
     """
-    discs = [(disc.x, disc.y, disc.radius) for disc in goal_discs(mission)]
+    discs = [(disc.x, disc.y, disc.radius) for disc in mission.goal_discs]
     discs += [(robot.position.x, robot.position.y, ROBOT_RADIUS) for robot in mission.robots]
     discs += [
         (obstacle.area.center.x, obstacle.area.center.y, obstacle.area.radius)
@@ -90,7 +68,7 @@ def map_table(mission: Mission) -> Rows:
         *(row("obstacle", each.id, "", each.area) for each in mission.obstacles),
         *(
             ("goal area", disc.goal.id, disc.goal.name, disc.x, disc.y, disc.radius)
-            for disc in goal_discs(mission)
+            for disc in mission.goal_discs
         ),
     ]
 

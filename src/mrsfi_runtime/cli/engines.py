@@ -306,6 +306,7 @@ class FlightFiles:
 
     log: Path | None = None
     trace: Path | None = None
+    mcap: Path | None = None
     html: Path | None = None
 
     @property
@@ -340,6 +341,7 @@ recording_options = options_as(
             "Write the simulation log to FILE: robots each tick, mistaken beliefs, and events.",
         ),
         _file_option("--trace", "Write belief and truth of every tick to FILE as CSV."),
+        _file_option("--mcap", "Write the flight to FILE as a bag, for Foxglove or RViz."),
         _file_option("--html", "Write the flight to FILE as a page, to be played in a browser."),
     ),
 )

@@ -1,11 +1,11 @@
-"""A flight with what the user wants written of it: log, trace and page."""
+"""A flight with what the user wants written of it: log, trace, bag and page."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import Any, TextIO, TypeAlias
+from typing import IO, Any, TypeAlias
 
-from mrsfi_runtime.cli.console import tell, written_file
+from mrsfi_runtime.cli.console import tell, whole_file, written_file
 from mrsfi_runtime.cli.engines import FlightFiles
 from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.engine.flights import Engine
@@ -15,6 +15,7 @@ from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import require_no_overlap
+from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 
@@ -51,7 +52,8 @@ def fly_recorded(
     tallies = [FaultTally() for _ in specification]
     with _recorder(engine, files, faults, tallies, subject) as (observer, finish):
         outcome = engine.evaluate(specification, pool=pool, observer=observer, tallies=tallies)
-        finish(outcome)
+        for write in finish:
+            write(outcome)
     for path in files.wanted:
         tell(f"written    {path}")
     return outcome
@@ -68,22 +70,29 @@ def _recorder(
     faults: Sequence[NamedFault],
     tallies: Sequence[FaultTally],
     subject: Subject,
-) -> Iterator[tuple[Observer | None, _Finish]]:
+) -> Iterator[tuple[Observer | None, Sequence[_Finish]]]:
     """Yield an observer for the wanted files, or ``None`` if none is wanted, and what ends them."""
     mission = engine.code.mission
     with ExitStack() as opened:
         observers: list[Observer] = []
-        finish: _Finish = _nothing
+        finish: list[_Finish] = []
         if files.log is not None:
             stream = opened.enter_context(written_file(files.log))
-            observers.append(SimulationLog(mission, stream, faults, tallies))
+            observers.append(SimulationLog(mission, stream, Events(mission, faults, tallies)))
         if files.trace is not None:
             observers.append(TraceTable(mission, opened.enter_context(written_file(files.trace))))
+        if files.mcap is not None:
+            from mrsfi_runtime.record.bag.writer import Bag  # noqa: PLC0415 - slow to import
+
+            whole = opened.enter_context(whole_file(files.mcap))
+            bag = Bag(mission, whole, faults, Events(mission, faults, tallies))
+            observers.append(bag)
+            finish.append(lambda _: bag.finish())
         if files.html is not None:
-            observer, finish = _page(
-                engine, opened.enter_context(written_file(files.html)), faults, subject
-            )
+            whole = opened.enter_context(whole_file(files.html))
+            observer, write = _page(engine, whole, faults, subject)
             observers.append(observer)
+            finish.append(write)
 
         def observe(*tick: Any) -> None:
             for observer in observers:
@@ -92,12 +101,8 @@ def _recorder(
         yield observe if observers else None, finish
 
 
-def _nothing(_: Outcome) -> None:
-    """Write nothing more."""
-
-
 def _page(
-    engine: Engine, stream: TextIO, faults: Sequence[NamedFault], subject: Subject
+    engine: Engine, stream: IO[bytes], faults: Sequence[NamedFault], subject: Subject
 ) -> tuple[Observer, _Finish]:
     """Return what records a flight for a page, and what writes the page; numpy comes with that."""
     from mrsfi_runtime.analysis.page.content import Told, flight_page  # noqa: PLC0415
@@ -118,6 +123,6 @@ def _page(
             "digest": outcome.digest,
         }
         page = flight_page(mission, told, recorder.recording(), facts.items())
-        stream.write(document(page))
+        stream.write(document(page).encode())
 
     return recorder, write

@@ -231,6 +231,16 @@ class Goal:
         return self.task.terms(self)
 
 
+@dataclass(frozen=True, slots=True)
+class GoalDisc:
+    """A disc that a goal is about, in distance units."""
+
+    goal: Goal
+    x: float
+    y: float
+    radius: float
+
+
 @dataclass(frozen=True)
 class Mission:
     """A mission of ``duration`` ticks, ``0 … duration - 1``."""
@@ -272,6 +282,15 @@ class Mission:
     def goal_ids(self) -> tuple[str, ...]:
         """IDs of the goals in model order."""
         return tuple(goal.id for goal in self.goals)
+
+    @cached_property
+    def goal_discs(self) -> tuple[GoalDisc, ...]:
+        """The discs that the goals' tasks read, in model order; not every task reads its area."""
+        return tuple(
+            GoalDisc(goal, area.center.x, area.center.y, area.radius + goal.terms.tolerance)
+            for goal in self.goals
+            if (area := goal.terms.area) is not None
+        )
 
     @cached_property
     def message_goal(self) -> dict[str, tuple[Message, Goal]]:

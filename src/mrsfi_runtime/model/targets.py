@@ -27,6 +27,8 @@ from mrsfi_runtime.model.mission import Message, Mission, Obstacle, Robot, Senso
 Target: TypeAlias = tuple[Field, int]
 """A property and the index of the robot, sensor or obstacle that has it."""
 
+_OF_ANY_SENSOR = (*OF_SENSOR, Field.ACTIVATION)
+
 _BY_NAME = {affected.name: affected for affected in OF_ROBOT}
 """What the entries of a message's body stand for; all others are types of sensors."""
 
@@ -45,11 +47,20 @@ def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     return mission.touches[key]
 
 
+def robots_of(mission: Mission, targets: Iterable[Target]) -> frozenset[int]:
+    """Return the indices of the robots that have the properties, or carry the sensors that do."""
+    return frozenset(
+        mission.sensor_robot[index] if affected in _OF_ANY_SENSOR else index
+        for affected, index in targets
+        if affected is not Field.OBSTACLE
+    )
+
+
 def describe(mission: Mission, target: Target) -> str:
     """Return a target in words, for example ``r3 energy`` or ``s4 count``."""
     affected, index = target
     owners: Sequence[Robot | Sensor | Obstacle] = mission.robots
-    if affected in (*OF_SENSOR, Field.ACTIVATION):
+    if affected in _OF_ANY_SENSOR:
         owners = mission.sensors
     elif affected is Field.OBSTACLE:
         owners = mission.obstacles

@@ -1,6 +1,6 @@
 from dataclasses import replace
 
-from mrsfi_runtime.analysis.tables import goal_discs, working_window
+from mrsfi_runtime.analysis.tables import working_window
 from mrsfi_runtime.api import Patrol, Stay, Visit
 from mrsfi_runtime.model.mission import Coordinates, Goal
 from tests.support.campaigns import area
@@ -12,7 +12,7 @@ def test_only_areas_that_a_task_reads_are_places():
     unread = replace(waters.goals[0], area=area("a9", 600, -200, 4))
     waters = replace(waters, goals=(unread, *waters.goals[1:]))
 
-    assert [(p.goal.id, p.x, p.y, p.radius) for p in goal_discs(waters)] == [
+    assert [(p.goal.id, p.x, p.y, p.radius) for p in waters.goal_discs] == [
         ("g4", -250, 250, 150),
         ("g5", 250, 250, 150),
         ("g6", 250, -250, 150),
@@ -26,7 +26,7 @@ def test_areas_and_points_of_other_tasks_are_places_too():
         Goal("g3", "Visit", ("r1",), Visit(Coordinates(7, 8), 9, 10)),
     )
 
-    places = goal_discs(replace(paper_mission(), goals=goals))
+    places = replace(paper_mission(), goals=goals).goal_discs
 
     assert [(p.x, p.y, p.radius) for p in places] == [(1, 2, 3), (4, 5, 6), (7, 8, 9)]
 

@@ -5,6 +5,7 @@ from mrsfi_runtime.kernel.flight import no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import SimulationLog
 from tests.support.search import paper_mission, pool_of
@@ -17,7 +18,7 @@ def test_the_log_tells_what_is_so_from_the_first_tick_on():
     verdicts.is_true[0] = verdicts.missed[0] = verdicts.is_believed[2] = 1
     stream = StringIO()
 
-    SimulationLog(mission, stream)(world, world, verdicts)
+    SimulationLog(mission, stream, Events(mission))(world, world, verdicts)
 
     events = [line for line in stream.getvalue().splitlines() if "event" in line]
     assert events == [
@@ -37,7 +38,7 @@ def test_the_log_shows_what_is_believed_beside_what_is_so():
     belief.obstacles[4].x, belief.obstacles[4].y = -1.0, 0.125
     stream = StringIO()
 
-    SimulationLog(mission, stream)(world, belief, no_verdicts(len(mission.goals)))
+    SimulationLog(mission, stream, Events(mission))(world, belief, no_verdicts(len(mission.goals)))
 
     robot, obstacle = world.robots[1], world.obstacles[4]
     place = f"{robot.y:g} {robot.z:g}"
@@ -61,7 +62,11 @@ def test_the_log_says_when_a_fault_starts_changes_something_and_ends():
     world = initial_state(mission, 1)
     stream = StringIO()
 
-    log = SimulationLog(mission, stream, named_faults(mission, pool_of(), specification), tallies)
+    log = SimulationLog(
+        mission,
+        stream,
+        Events(mission, named_faults(mission, pool_of(), specification), tallies),
+    )
     for tick in range(8):
         world.mission.tick = tick
         log(world, world, no_verdicts(len(mission.goals)))

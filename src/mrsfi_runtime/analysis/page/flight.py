@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.analysis.tables import goal_discs, working_window
+from mrsfi_runtime.analysis.tables import working_window
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
@@ -71,7 +71,7 @@ def mission_content(mission: Mission) -> dict[str, Any]:
         ],
         "discs": [
             {"goal": disc.goal.id, "x": disc.x, "y": disc.y, "radius": disc.radius}
-            for disc in goal_discs(mission)
+            for disc in mission.goal_discs
         ],
     }
 

@@ -1,0 +1,1 @@
+"""Flights as bags: MCAP files with the messages of ROS 2."""

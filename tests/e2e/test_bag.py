@@ -1,0 +1,43 @@
+"""Bags that commands write."""
+
+import pytest
+
+from tests.support.bags import read_bag
+from tests.support.cli import MISSION, mrsfi, stop_specification
+
+
+def test_simulate_and_replay_write_the_bag_of_a_flight(flown, place, tmp_path):
+    stop = f"models/{MISSION}/stop.xmi"
+    stop_specification(place / stop, [(100, 200)])
+
+    done = mrsfi("simulate", MISSION, "--faults", stop, "--mcap", "b.mcap", cwd=place)
+    mrsfi("replay", flown, "--best", "--mcap", tmp_path / "best.mcap", cwd=tmp_path)
+
+    assert "written    b.mcap" in done.stderr
+    events = [message.msg for _, message in read_bag(place / "b.mcap")["/rosout"]]
+    assert "fault h1 StopRobot on r1 motion: starts (100 … 200)" in events
+    assert "/markers" in read_bag(tmp_path / "best.mcap")
+
+
+@pytest.mark.parametrize("name", ["b.mcap", "page.html"])
+def test_a_flight_that_fails_leaves_no_file_of_it(name, place):
+    options = ("--engine", "rosbridge", "--url", "ws://127.0.0.1:9", "--timeout", "0.1")
+    (place / name).write_text("of before")
+
+    mrsfi("simulate", MISSION, *options, f"--{name.split('.')[1]}", name, cwd=place, expected=8)
+
+    assert (place / name).read_text() == "of before"
+    assert not [*place.glob(".*.new")]
+
+
+def test_a_bag_that_cannot_be_written_is_named(place):
+    done = mrsfi("simulate", MISSION, "--mcap", "nowhere/b.mcap", cwd=place, expected=2)
+
+    assert "nowhere/b.mcap: cannot be written: No such file" in done.stderr
+
+
+def test_what_flies_many_times_writes_no_bag(place):
+    words = ("simulate", MISSION, "--each-fault", "1:2", "--mcap", "b.mcap")
+
+    assert "--mcap" in mrsfi(*words, cwd=place, expected=2).stderr
+    assert not (place / "b.mcap").exists()
