@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeAlias
@@ -18,10 +19,11 @@ from typing import Any, Self, TypeAlias
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A figure to come: the function of ``plots`` that draws it, and what from."""
+    """A figure to come: the module of ``analysis`` and its function that draw it, and what from."""
 
     function: str
     arguments: tuple[Any, ...]
+    module: str = "plots"
 
 
 Drawings: TypeAlias = Sequence[tuple[Drawing, Path]]
@@ -50,11 +52,12 @@ def _draw(drawings: Drawings, ready: Sequence[tuple[Drawing, FigureFiles]]) -> N
 def _drawn(drawing: Drawing) -> FigureFiles:
     from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - matplotlib takes its time
 
-    return plots.rendered(getattr(plots, drawing.function)(*drawing.arguments))
+    module = import_module(f"{plots.__package__}.{drawing.module}")
+    return plots.rendered(getattr(module, drawing.function)(*drawing.arguments))
 
 
 class DrawingProcess:
-    """A process that draws once; it ends with the ``with`` block, or when this process does.
+    """A process that draws what it is asked to; it ends with the ``with`` block, or with this one.
 
     Parameters
     ----------
@@ -83,7 +86,7 @@ class DrawingProcess:
                 self._process.kill()
 
     def draw(self, drawings: Drawings) -> Callable[[], None]:
-        """Begin to draw; what is returned waits until all figures are saved.
+        """Begin to draw; what is returned waits until all figures are saved, in the order of calls.
 
         It raises the ``OSError`` that saving met, and draws here if the process is gone.
         """
@@ -98,30 +101,32 @@ class DrawingProcess:
 
     def _finish(self, drawings: Drawings) -> None:
         assert self._process.stdout is not None
-        answer = self._process.stdout.read()
-        if not answer:
+        try:
+            error = pickle.load(self._process.stdout)
+        except EOFError:
             draw_here(drawings)()
             return
-        error = pickle.loads(answer)
         if error is not None:
             raise error
 
 
 def main() -> None:
-    """Draw what standard input says, as long as it says anything, and tell when it is done."""
+    """Draw what standard input says, as long as it says anything, and tell when each is done."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides how a run ends
     requests = sys.stdin.buffer
     try:
         ready = [(drawing, _drawn(drawing)) for drawing in pickle.load(requests)]
-        drawings = pickle.load(requests)
+        while True:
+            drawings = pickle.load(requests)
+            error = None
+            try:
+                _draw(drawings, ready)
+            except OSError as found:
+                error = found
+            pickle.dump(error, sys.stdout.buffer)
+            sys.stdout.buffer.flush()
     except EOFError:
         return
-    error = None
-    try:
-        _draw(drawings, ready)
-    except OSError as found:
-        error = found
-    pickle.dump(error, sys.stdout.buffer)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from mrsfi_runtime.record.measure import Measure
 _MOST_DRAWN = 10_000  # points of a cloud of which none is left out
 _N_CELLS = 200  # of either axis, for clouds of more
 _NUMBER = r"(\d+(?:\.\d+)?)"
+_NEAR = 1.25  # times a wanted ratio, or as small a part of it, is still near
 _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NUMBER}\s*")
 
 
@@ -215,6 +216,18 @@ class Pick:
     ratio: Ratio
     point: FrontPoint | None
     goals: tuple[str, ...]
+
+    @property
+    def distance_in_words(self) -> str:
+        """Whether the point's own ratio is another by more than a quarter; empty if it is not."""
+        if self.point is None:
+            return ""
+        first, second = (self.point.violations[self.goals.index(goal)] for goal in self.ratio.goals)
+        one, other = first * self.ratio.parts[1], second * self.ratio.parts[0]
+        if max(one, other) <= _NEAR * min(one, other):
+            return ""
+        found = f"{first / second:.3g}:1" if second else f"{first:g}:0"
+        return f", far from it with {found}"
 
 
 def parse_ratio(text: str) -> Ratio:

@@ -35,7 +35,7 @@ def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
         "## Fitness over the generations",
         trend_in_words(summary.trend),
         *_linked(captions, "fitness"),
-        *_findings(summary),
+        *_findings(summary, captions),
         f"## The {len(summary.top)} most critical specifications",
         _top(summary),
         *_faults(summary),
@@ -63,11 +63,10 @@ def trend_in_words(trend: Trend) -> str:
         return f"{len(rows)} finished generations: too few to speak of a trend."
     direction = "rising" if trend.tau > 0 else "falling"
     verdict = f"a {direction} trend" if trend.p_value < _SIGNIFICANT else "no clear trend"
-    p_value = "p < 0.001" if trend.p_value < 0.001 else f"p = {trend.p_value:.3f}"
     return (
         f"Mean fitness goes from {rows[0].mean:,.4g} in generation {rows[0].generation} to "
         f"{rows[-1].mean:,.4g} in generation {rows[-1].generation}, {trend.slope:+.3g} per "
-        f"generation: {verdict} (Kendall's tau {trend.tau:.2f}, {p_value}). "
+        f"generation: {verdict} (Kendall's tau {trend.tau:.2f}, {trend.p_in_words}). "
         f"The best specification of all generations has {max(row.best for row in rows):,.6g}."
     )
 
@@ -83,7 +82,7 @@ def pick_in_words(pick: Pick, measure: Measure) -> str:
     )
     return (
         f"Nearest to {pick.ratio} on the front comes evaluation {pick.point.evaluation} with "
-        f"{found} ({measure}); `mrsfi replay` flies it again."
+        f"{found} ({measure}){pick.distance_in_words}; `mrsfi replay` flies it again."
     )
 
 
@@ -153,7 +152,7 @@ def _violations(measure: Measure, evaluation: Evaluation) -> Iterator[str]:
         yield f"{ticks(measured[goal])}: {words}" if goal in measured else words
 
 
-def _findings(summary: Summary) -> Iterator[str]:
+def _findings(summary: Summary, captions: Mapping[str, str]) -> Iterator[str]:
     """Yield what was found out about causes, if anything was asked."""
     if not summary.causes:
         return
@@ -185,6 +184,7 @@ def _findings(summary: Summary) -> Iterator[str]:
         yield f"### Cause of finding {number}, evaluation {finding.evaluations[0]}"
         yield table(FAULT_COLUMNS, fault_rows(finding.faults, finding.outcome))
         yield "\n".join(f"- {plain(sentence)}" for sentence in finding.cause.sentences)
+        yield from _linked(captions, f"finding_{number:02d}")
         yield "Violations under it in other weather:"
         firm = finding.cause.firmness
         yield table(

@@ -53,6 +53,11 @@ class Trend:
     tau: float
     p_value: float
 
+    @property
+    def p_in_words(self) -> str:
+        """Its p-value to three decimals."""
+        return "p < 0.001" if self.p_value < 0.001 else f"p = {self.p_value:.3f}"
+
 
 def find_trend(generations: Iterable[Generation]) -> Trend:
     """Return the fitness of each generation and the trend of the means.

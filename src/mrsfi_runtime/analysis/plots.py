@@ -1,11 +1,11 @@
-"""Draws figures 5 to 12 of the paper; of the modules that know matplotlib, the one with the style.
+"""Draws figures 6 to 12 of the paper; of the modules that know matplotlib, the one with the style.
 
 Figures are plain objects, never the global state of pyplot. The same input gives the same
 bytes: no dates, no random identifiers, no version numbers in the files.
 
 References
 ----------
-Source paper, section V, figures 5 to 12.
+Source paper, section V, figures 6 to 12.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,14 +19,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
-from mrsfi_runtime.analysis.tables import working_window
-from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.measure import Measure
 
 INK, SOFT, GRID, PAPER = "#1f2933", "#66737f", "#e3e8ec", "#ffffff"
@@ -68,7 +64,6 @@ _STYLE: dict[Any, Any] = {
 _DPI = 150  # of a PNG
 _MANY_POINTS = 4000  # beyond, the cloud of an SVG is a picture inside it
 _MOST_GENERATIONS = 2000  # beyond, a point stands for several
-_MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
 
 
 def rendered(figure: Figure) -> dict[str, bytes]:
@@ -81,50 +76,6 @@ def rendered(figure: Figure) -> dict[str, bytes]:
         vector: Any = FigureCanvasSVG(figure)
         vector.print_svg(svg, metadata={"Date": None, "Creator": None})
     return {".png": png.getvalue(), ".svg": svg.getvalue()}
-
-
-def mission_map(mission: Mission) -> Figure:
-    """Draw the working area of a mission beside its whole mission area (figure 5)."""
-    with drawing((11.0, 7.4)) as figure:
-        grid = figure.add_gridspec(2, 2, width_ratios=(2.3, 1), height_ratios=(1, 1.1))
-        colours = {
-            robot.id: SERIES[index % len(SERIES)] for index, robot in enumerate(mission.robots)
-        }
-        near = figure.add_subplot(grid[:, 0])
-        _draw_mission(near, mission, colours, is_labelled=True)
-        x, y, half = working_window(mission)
-        near.set(
-            xlim=(x - half, x + half),
-            ylim=(y - half, y + half),
-            aspect="equal",
-            anchor="N",
-            xlabel="x (distance units)",
-            ylabel="y (distance units)",
-            title=f"Mission {mission.name}: working area",
-        )
-
-        far = figure.add_subplot(grid[0, 1])
-        _draw_mission(far, mission, colours, is_labelled=False)
-        centre, radius = mission.area.center, mission.area.radius
-        far.add_patch(
-            Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, ec=INK, lw=1.2)
-        )
-        reach = radius * 1.08
-        far.set(
-            xlim=(centre.x - reach, centre.x + reach),
-            ylim=(centre.y - reach, centre.y + reach),
-            aspect="equal",
-            anchor="NW",
-        )
-        far.grid(visible=False)
-        far.set_title("Whole mission area", fontsize=11)
-        far.xaxis.set_major_locator(whole_numbers(4))
-        far.yaxis.set_major_locator(whole_numbers(4))
-
-        key = figure.add_subplot(grid[1, 1])
-        key.set_axis_off()
-        key.legend(handles=_map_legend(mission, colours), loc="upper left", borderaxespad=0)
-    return figure
 
 
 def mean_fitness(trend: Trend, label: str) -> Figure:
@@ -144,7 +95,7 @@ def mean_fitness(trend: Trend, label: str) -> Figure:
         drawn = "mean" if step == 1 else f"mean of one in {step} generations"
         axes.plot(xs, means, color=BLUE, marker="o", ms=4, lw=1.8, label=drawn)
         line = [trend.intercept + trend.slope * x for x in xs]
-        words = f"trend: {trend.slope:+.3g} per generation"
+        words = f"trend: {trend.slope:+.3g} per generation, {trend.p_in_words}"
         axes.plot(xs, line, color=ORANGE, ls=(0, (5, 3)), lw=1.5, label=words)
         legend_below(figure)
     return figure
@@ -216,7 +167,7 @@ def whole_front(
         words = f"non-dominated ({len(front.points)})"
         axes.scatter(xs, ys, s=52, color=BLUE, ec=PAPER, lw=0.7, label=words, zorder=3)
         if pick is not None and pick.point is not None:
-            _draw_pick(axes, pick.ratio, pick.point, front.goals)
+            _draw_pick(axes, pick, pick.ratio, pick.point)
         legend_below(figure, ncols=3)
     return figure
 
@@ -342,88 +293,12 @@ def _staircase(axes: Axes, front: Front, colour: str) -> None:
     axes.step(xs, ys, where="pre", color=colour, lw=1.2, alpha=0.75, zorder=2)
 
 
-def _draw_pick(axes: Axes, ratio: Ratio, point: FrontPoint, goals: Sequence[str]) -> None:
+def _draw_pick(axes: Axes, pick: Pick, ratio: Ratio, point: FrontPoint) -> None:
+    goals = pick.goals
     parts = [ratio.parts[ratio.goals.index(goal)] for goal in goals]
     x, y = point.violations
     scale = min(end / part for end, part in zip((x, y), parts, strict=True) if part)
-    axes.plot(
-        [0, parts[0] * scale], [0, parts[1] * scale], color=ORANGE, ls=(0, (5, 3)), lw=1.3, zorder=2
-    )
-    words = f"nearest to {ratio}: evaluation {point.evaluation}"
+    ends = [[0, part * scale] for part in parts]
+    axes.plot(*ends, color=ORANGE, ls=(0, (5, 3)), lw=1.3, zorder=2, label=str(ratio))
+    words = f"nearest to it: evaluation {point.evaluation}{pick.distance_in_words}"
     axes.scatter([x], [y], s=150, fc="none", ec=ORANGE, lw=2.2, label=words, zorder=4)
-
-
-def _draw_mission(
-    axes: Axes, mission: Mission, colours: Mapping[str, str], *, is_labelled: bool
-) -> None:
-    centre = mission.area.center
-    axes.add_patch(
-        Circle((centre.x, centre.y), mission.area.radius, fc="#f1f6fa", ec=BLUE, lw=1.4, zorder=0)
-    )
-    for disc in mission.goal_discs:
-        colour = colours.get(disc.goal.members[0], SOFT)
-        axes.add_patch(Circle((disc.x, disc.y), disc.radius, fc=colour, alpha=0.14, lw=0, zorder=1))
-        axes.add_patch(
-            Circle((disc.x, disc.y), disc.radius, fill=False, ec=colour, lw=1.2, zorder=1.1)
-        )
-        if is_labelled:
-            words = f"{disc.goal.id} {disc.goal.name}"
-            axes.annotate(
-                words,
-                (disc.x, disc.y + disc.radius),
-                (0, 5),
-                textcoords="offset points",
-                ha="center",
-                color=colour,
-            )
-    for obstacle in mission.obstacles:
-        spot = (obstacle.area.center.x, obstacle.area.center.y)
-        axes.add_patch(Circle(spot, obstacle.area.radius, fc=ROCK, ec=INK, lw=0.8, zorder=2))
-        if is_labelled and len(mission.obstacles) <= _MANY_OBSTACLES:
-            below = (spot[0], spot[1] - obstacle.area.radius)
-            axes.annotate(
-                obstacle.id, below, (0, -13), textcoords="offset points", ha="center", color=SOFT
-            )
-    for robot in mission.robots:
-        spot = (robot.position.x, robot.position.y)
-        axes.scatter(
-            *spot,
-            s=95 if is_labelled else 14,
-            marker="^",
-            color=colours[robot.id],
-            ec=PAPER,
-            lw=0.8 if is_labelled else 0.2,
-            zorder=3,
-        )
-        if is_labelled:
-            axes.annotate(
-                robot.name or robot.id,
-                spot,
-                (0, -18),
-                textcoords="offset points",
-                ha="center",
-                weight="bold",
-                zorder=4,
-            )
-
-
-def _map_legend(mission: Mission, colours: Mapping[str, str]) -> list[Line2D | Patch]:
-    starts: list[Line2D | Patch] = [
-        Line2D(
-            [],
-            [],
-            ls="none",
-            marker="^",
-            ms=9,
-            color=colours[robot.id],
-            label=f"start of {robot.name or robot.id} ({robot.id})",
-        )
-        for robot in mission.robots[:_MANY_OBSTACLES]
-    ]
-    return [
-        *starts,
-        Patch(fc="#e4e9ed", ec=SOFT, label="goal area, in its robot's colour"),
-        Patch(fc=ROCK, ec=INK, label="obstacle"),
-        Patch(fc="#f1f6fa", ec=BLUE, label=f"mission area, radius {mission.area.radius:g}"),
-        Patch(fill=False, ec=INK, label="working area (left)"),
-    ]

@@ -14,12 +14,14 @@ from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.drawing_process import Draw, Drawing, draw_here
+from mrsfi_runtime.analysis.drawing_process import Draw, Drawing, Drawings, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
 from mrsfi_runtime.analysis.markdown import report_text
-from mrsfi_runtime.analysis.page.content import Record, Told, campaign_page, told_of
+from mrsfi_runtime.analysis.page.content import Record, Told, campaign_page, flown_of, told_of
 from mrsfi_runtime.analysis.page.document import document
+from mrsfi_runtime.analysis.page.flight import Flown
 from mrsfi_runtime.analysis.patterns import TypePattern
+from mrsfi_runtime.analysis.story import Story, places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
@@ -98,27 +100,76 @@ def write_report(
         summary, columns = summarise(folder, store, mission, pool, ratio)
         with _writing(folder, "report"):
             shown = tuple(illustrate(summary, mission, columns, store))
-            _emptied(layout.figures, "figure_*.*")
-            finish = draw([(each.drawing, layout.figures / each.name) for each in shown])
+            _emptied(layout.figures, "figure_*.*", "finding_*.*")
+            finish = draw(_to_draw(layout, shown))
             _write_critical(layout, summary, pool, write_specification)
             _write_tables(layout.tables, shown, summary.measure, store)
             content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
             layout.summary.write_text(content + "\n", encoding="utf-8")
             captions = {each.name: each.caption for each in shown}
+            if not isinstance(record, str):
+                for number in range(1, len(summary.findings) + 1):
+                    captions.update(_captions_of(number))
             layout.report.write_text(report_text(summary, captions), encoding="utf-8")
         try:
             show(summary)
         finally:
             try:
                 with _writing(folder, "page"):
-                    page = campaign_page(
-                        summary, mission, store, _told(layout, summary, store), record
-                    )
-                    layout.page.write_text(document(page), encoding="utf-8")
+                    stories = _write_page(layout, summary, mission, store, record)
+                    _write_rows(layout.tables, stories)
             finally:
                 with _writing(folder, "figures"):
                     finish()
+            with _writing(folder, "figures of the findings"):
+                draw(_to_draw(layout, stories))()
     return summary
+
+
+def _write_page(
+    layout: CampaignFolder,
+    summary: Summary,
+    mission: Mission,
+    store: CampaignStore,
+    record: Record | str,
+) -> list[Illustration]:
+    """Write the page, and return the figures of the flights that were flown for it."""
+    findings = _told(layout, summary, store)
+    stories: list[Illustration] = []
+
+    def flown() -> Iterator[tuple[Told, Flown | str]]:
+        for number, told in enumerate(findings, 1):
+            flight = flown_of(told, record)
+            if not isinstance(flight, str):
+                story = story_of(told.title, mission, told.faults, flight.recording)
+                stories.extend(_of_finding(number, story))
+            yield told, flight
+
+    n_flights = sum(1 + len(told.faults) for told in findings)
+    page = campaign_page(summary, mission, store, flown(), n_flights)
+    layout.page.write_text(document(page), encoding="utf-8")
+    return stories
+
+
+def _of_finding(number: int, story: Story) -> Iterator[Illustration]:
+    """Yield the figures of a finding's flight."""
+    for (name, caption), (function, table) in zip(
+        _captions_of(number),
+        (("flight_timeline", timeline_table), ("flight_map", places_table)),
+        strict=True,
+    ):
+        yield Illustration(
+            name, caption, Drawing(function, (story,), "mission_plots"), table(story)
+        )
+
+
+def _captions_of(number: int) -> list[tuple[str, str]]:
+    """Return names and captions of the figures of a finding."""
+    name, finding = f"finding_{number:02d}", f"Finding {number}"
+    return [
+        (f"{name}_timeline", f"{finding}: its faults, and violations of goals, in time"),
+        (f"{name}_map", f"{finding}: where robots were, and were believed to be"),
+    ]
 
 
 def _told(layout: CampaignFolder, summary: Summary, store: CampaignStore) -> list[Told]:
@@ -176,18 +227,27 @@ def _write_tables(
 ) -> None:
     """Write the numbers behind the figures, and what came of each evaluation or each so many-th."""
     _emptied(folder, "*.csv")
-    for each in shown:
-        (folder / f"{each.name}.csv").write_bytes(tables.as_csv(each.rows))
+    _write_rows(folder, shown)
     flown = store.flown(tables.listed_step(store.n_evaluations))
     with (folder / "evaluations.csv").open("w", encoding="utf-8", newline="") as file:
         tables.write_csv(file, tables.evaluations_table(flown, measure))
 
 
-def _emptied(folder: Path, pattern: str) -> None:
+def _write_rows(folder: Path, shown: Iterable[Illustration]) -> None:
+    for each in shown:
+        (folder / f"{each.name}.csv").write_bytes(tables.as_csv(each.rows))
+
+
+def _to_draw(layout: CampaignFolder, shown: Iterable[Illustration]) -> Drawings:
+    return [(each.drawing, layout.figures / each.name) for each in shown]
+
+
+def _emptied(folder: Path, *patterns: str) -> None:
     """Make a folder, or remove from it what an earlier report left."""
     folder.mkdir(exist_ok=True)
-    for file in sorted(folder.glob(pattern)):
-        file.unlink()
+    for pattern in patterns:
+        for file in sorted(folder.glob(pattern)):
+            file.unlink()
 
 
 def illustrate(
@@ -232,7 +292,7 @@ def _types(name: str, where: str, patterns: Sequence[TypePattern]) -> Illustrati
 
 def map_drawing(mission: Mission) -> Drawing:
     """Return the figure of a mission, which needs no evaluation."""
-    return Drawing("mission_map", (mission,))
+    return Drawing("mission_map", (mission,), "mission_plots")
 
 
 def fitness_label(settings: CampaignSettings, measure: Measure) -> str:

@@ -151,4 +151,7 @@ def _picked(campaign: OpenCampaign, pick: Pick, measure: Measure) -> str:
         return f"nearest to {pick.ratio}: none, because no specification violates these goals"
     violations = measure.by_goal(campaign.store.evaluation(pick.point.evaluation))
     found = ", ".join(f"{goal} {ticks(violations[goal])}" for goal in pick.ratio.goals)
-    return f"nearest to {pick.ratio}: evaluation {pick.point.evaluation} with {found} ({measure})"
+    return (
+        f"nearest to {pick.ratio}: evaluation {pick.point.evaluation} with {found} "
+        f"({measure}){pick.distance_in_words}"
+    )

@@ -5,7 +5,7 @@ from tests.support.search import paper_mission
 
 
 def test_another_process_draws_the_same_bytes(tmp_path):
-    drawing = Drawing("mission_map", (paper_mission(),))
+    drawing = Drawing("mission_map", (paper_mission(),), "mission_plots")
     draw_here([(drawing, tmp_path / "here")])()
 
     with DrawingProcess() as drawing_process:
@@ -17,7 +17,9 @@ def test_another_process_draws_the_same_bytes(tmp_path):
 
 
 def test_what_saving_met_is_raised_here(tmp_path):
-    drawings = [(Drawing("mission_map", (paper_mission(),)), tmp_path / "missing" / "map")]
+    drawings = [
+        (Drawing("mission_map", (paper_mission(),), "mission_plots"), tmp_path / "missing" / "map")
+    ]
 
     with DrawingProcess() as drawing_process, pytest.raises(FileNotFoundError, match="missing"):
         drawing_process.draw(drawings)()
@@ -31,7 +33,7 @@ def test_what_cannot_be_drawn_anywhere_is_raised_here(tmp_path, capfd):
 
 
 def test_a_studio_that_is_killed_leaves_the_drawing_to_this_process(tmp_path):
-    drawing = Drawing("mission_map", (paper_mission(),))
+    drawing = Drawing("mission_map", (paper_mission(),), "mission_plots")
     draw_here([(drawing, tmp_path / "here")])()
 
     with DrawingProcess() as drawing_process:
@@ -57,7 +59,7 @@ def test_a_studio_that_never_draws_ends_with_its_block(error):
 
 
 def test_what_was_drawn_ahead_is_the_same(tmp_path):
-    drawing = Drawing("mission_map", (paper_mission(),))
+    drawing = Drawing("mission_map", (paper_mission(),), "mission_plots")
     draw_here([(drawing, tmp_path / "here")])()
 
     with DrawingProcess(drawing) as drawing_process:

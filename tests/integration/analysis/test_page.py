@@ -17,9 +17,9 @@ from mrsfi_runtime.analysis.page.flight import (
     Flown,
     flight_content,
     mission_content,
-    runs,
     stride,
 )
+from mrsfi_runtime.analysis.story import runs
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.record.named_faults import named_faults

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from matplotlib.figure import Figure
 
-from mrsfi_runtime.analysis import plots
+from mrsfi_runtime.analysis import mission_plots, plots
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Ratio
 from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend, find_patterns
 from tests.support.campaigns import random_specification
@@ -35,7 +35,7 @@ def types_figure() -> Figure:
 
 FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
     "map": (
-        lambda: plots.mission_map(paper_mission()),
+        lambda: mission_plots.mission_map(paper_mission()),
         {
             "Mission uuv_sampling: working area",
             "Whole mission area",
@@ -60,7 +60,7 @@ FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
             "fitness (ticks)",
             "mean",
             "± 1 std",
-            "trend: +10 per generation",
+            "trend: +10 per generation, p < 0.001",
         },
     ),
     "best": (
@@ -83,7 +83,8 @@ FIGURES: dict[str, tuple[Callable[[], Figure], set[str]]] = {
             "Non-dominated specifications of the campaign",
             "evaluated",
             "non-dominated (5)",
-            "nearest to g3:g1=2:1: evaluation 4",
+            "g3:g1=2:1",
+            "nearest to it: evaluation 4",
         },
     ),
     "types": (
@@ -144,14 +145,15 @@ def test_a_dollar_in_a_name_is_a_dollar(tmp_path):
     robot = replace(waters.robots[0], name="a$x^2$<&")
 
     _, svg = save(
-        plots.mission_map(replace(waters, robots=(robot, *waters.robots[1:]))), tmp_path / "map"
+        mission_plots.mission_map(replace(waters, robots=(robot, *waters.robots[1:]))),
+        tmp_path / "map",
     )
 
     assert "a$x^2$<&" in texts(svg)
 
 
 def test_the_map_is_true_to_scale():
-    figure = plots.mission_map(paper_mission())
+    figure = mission_plots.mission_map(paper_mission())
 
     assert [axes.get_aspect() for axes in figure.axes[:2]] == [1.0, 1.0]
     near, far = figure.axes[:2]
@@ -204,3 +206,29 @@ def test_a_legend_says_how_many_points_are_not_drawn(tmp_path):
     _, svg = save(plots.whole_front(FRONT, CLOUD, None, 7), tmp_path / "front")
 
     assert "evaluated (7 points not drawn)" in texts(svg)
+
+
+def test_the_pick_says_how_far_from_the_ratio_it_is(tmp_path):
+    far = plots.Pick(PICK.ratio, FRONT.points[1], FRONT.goals)
+
+    _, svg = save(plots.whole_front(FRONT, CLOUD, far), tmp_path / "front")
+
+    assert "nearest to it: evaluation 1, far from it with 8.9:1" in texts(svg)
+    assert "g3:g1=2:1" in texts(svg)
+
+
+@pytest.mark.parametrize(
+    ("violations", "expected"),
+    [
+        ((40, 74), ""),
+        ((40, 100), ""),
+        ((40, 101), ", far from it with 2.52:1"),
+        ((40, 63), ", far from it with 1.57:1"),
+        ((0, 90), ", far from it with 90:0"),
+        ((90, 0), ", far from it with 0:1"),
+    ],
+)
+def test_a_pick_is_far_when_it_is_off_by_more_than_a_quarter(violations, expected):
+    pick = plots.Pick(PICK.ratio, FrontPoint(0, violations), FRONT.goals)
+
+    assert pick.distance_in_words == expected

@@ -98,8 +98,8 @@ def campaign_page(
     summary: Summary,
     mission: Mission,
     store: CampaignStore,
-    findings: Sequence[Told],
-    record: Record | str,
+    findings: Iterable[tuple[Told, Flown | str]],
+    n_flights: int,
 ) -> dict[str, Any]:
     """Return what the page shows of a campaign.
 
@@ -110,16 +110,16 @@ def campaign_page(
     mission, store
         What it ran on, and its record.
     findings
-        What is said of each finding, the most critical first.
-    record
-        Flies, or why nothing can be flown.
+        What is said of each finding, the most critical first, and its flight or why it has none.
+    n_flights
+        How many flights these are at most, those without a fault included.
     """
     step = max(1, -(-summary.n_evaluations // MOST_LISTED))
     header, *rows = evaluations_table(store.flown(step), summary.measure)
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.mission}",
         "mission": mission_content(mission),
-        "findings": list(_findings(mission, findings, record)),
+        "findings": list(_findings(mission, findings, n_flights)),
         "none": "No causes were asked for, or none was found; see the evaluations.",
         "search": {"said": trend_in_words(summary.trend), "charts": list(_charts(summary))},
         "evaluations": {
@@ -158,25 +158,28 @@ def told_of(number: int, finding: Finding, command: Sequence[str], xmi: str) -> 
 
 
 def _findings(
-    mission: Mission, findings: Sequence[Told], record: Record | str
+    mission: Mission, findings: Iterable[tuple[Told, Flown | str]], n_flights: int
 ) -> Iterable[dict[str, Any]]:
-    n_flights = sum(1 + len(told.faults) for told in findings)
-    for told in findings:
+    for told, flown in findings:
         content = _told(mission, told)
-        if isinstance(record, str):
-            content["no_flight"] = record
+        if isinstance(flown, str):
+            content["no_flight"] = flown
         else:
-            try:
-                flown = _flown(told, record)
-            except EvaluationError as error:
-                content["no_flight"] = str(error)
-            else:
-                content["flight"] = flight_content(mission, flown, stride(mission, n_flights))
+            content["flight"] = flight_content(mission, flown, stride(mission, n_flights))
         yield content
 
 
+def flown_of(told: Told, record: Record | str) -> Flown | str:
+    """Fly a specification, and all of it but each of its faults, or say why that cannot be."""
+    if isinstance(record, str):
+        return record
+    try:
+        return _flown(told, record)
+    except EvaluationError as error:
+        return str(error)
+
+
 def _flown(told: Told, record: Record) -> Flown:
-    """Fly a specification, and all of it but each of its faults."""
     faults = told.specification
     places = range(len(faults)) if len(faults) > 1 else ()
     others = {place: record(without(faults, place)) for place in places}

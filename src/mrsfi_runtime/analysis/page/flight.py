@@ -3,21 +3,18 @@
 import zlib
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from math import floor, log10
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.analysis.tables import working_window
+from mrsfi_runtime.analysis.story import judged, seen
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
-
-Window: TypeAlias = tuple[int, int]
-"""First and last tick."""
 
 MOST_VALUES = 6_000_000
 """Numbers of all series of a page, at most; where there were more, ticks between are left out."""
@@ -96,7 +93,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
     flights = [(None, flown.recording), *flown.others.items()]
     return {
         "title": flown.title,
-        "window": _seen(mission, flown.recording),
+        "window": seen(mission, np.stack([world["x"], world["y"]], axis=-1)),
         "faults": [
             {
                 "name": fault.name,
@@ -124,12 +121,6 @@ def stride(mission: Mission, n_flights: int) -> int:
     return max(1, -(-n_values // MOST_VALUES))
 
 
-def runs(flags: npt.NDArray[Any]) -> list[Window]:
-    """Return the windows in which flags, shape ``(n_ticks,)``, are set."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags != 0, [0]))))
-    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
-
-
 def _flight(
     mission: Mission, recording: Recording, steps: dict[str, float], stride: int
 ) -> dict[str, Any]:
@@ -149,14 +140,7 @@ def _flight(
         "steps": steps | {f"believed_{name}": step for name, step in steps.items()},
         "digits": {name: max(0, -floor(log10(step))) for name, step in steps.items()},
         "packed": packed,
-        "goals": [
-            {
-                "believed": runs(recording["is_believed"][:, goal]),
-                "true": runs(recording["is_true"][:, goal]),
-                "missed": _first(recording["missed"][:, goal] > 0),
-            }
-            for goal in range(len(mission.goals))
-        ],
+        "goals": [asdict(said) for said in judged(recording)],
     }
 
 
@@ -180,18 +164,6 @@ def _resolution(steps: dict[str, float], stride: int) -> str:
     ticks = "every tick" if stride == 1 else f"every {stride}th tick and on straight lines between"
     kept = ", ".join(f"{name} to {step / 2:g}" for name, step in steps.items() if name != "y")
     return f"Of {ticks}: {kept.replace('x to', 'positions to')}, in units of the mission."
-
-
-def _first(flags: npt.NDArray[Any]) -> int | None:
-    return int(flags.argmax()) if flags.any() else None
-
-
-def _seen(mission: Mission, recording: Recording) -> tuple[float, float, float]:
-    """Return the square around what the mission is about and where robots truly were."""
-    x, y, half = working_window(mission)
-    robots = recording["world"]["robots"]
-    reach = max(float(np.abs(robots["x"] - x).max()), float(np.abs(robots["y"] - y).max()))
-    return x, y, max(half, reach * 1.05)
 
 
 def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ...]]:
@@ -228,12 +200,11 @@ def _events(mission: Mission, flown: Flown) -> Iterator[tuple[int, str]]:
             first, last = fault.window
             yield first, f"{fault.name} ({fault.fault.type}) starts on {fault.target}"
             yield last, f"{fault.name} ({fault.fault.type}) ends"
-    for k, goal in enumerate(mission.goals):
-        for verdict, word in (("is_believed", "believed"), ("is_true", "truly")):
-            for first, last in runs(flown.recording[verdict][:, k]):
+    for goal, said in zip(mission.goals, judged(flown.recording), strict=True):
+        for windows, word in ((said.believed, "believed"), (said.true, "truly")):
+            for first, last in windows:
                 yield first, f"{goal.id} {word} violated"
                 if last + 1 < mission.duration:
                     yield last + 1, f"{goal.id} no longer {word} violated"
-        missed = _first(flown.recording["missed"][:, k] > 0)
-        if missed is not None:
-            yield missed, f"{goal.id} certain to be missed"
+        if said.missed is not None:
+            yield said.missed, f"{goal.id} certain to be missed"

@@ -1,0 +1,273 @@
+"""Draws a mission (figure 5 of the paper), and a flight in space and in time.
+
+References
+----------
+Source paper, section V, figure 5.
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch, Rectangle
+from matplotlib.text import Annotation
+
+from mrsfi_runtime.analysis.plots import (
+    BLUE,
+    GRID,
+    INK,
+    ORANGE,
+    PAPER,
+    ROCK,
+    SERIES,
+    SOFT,
+    drawing,
+    legend_below,
+    whole_numbers,
+)
+from mrsfi_runtime.analysis.story import Story, seen
+from mrsfi_runtime.analysis.tables import working_window
+from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
+
+Place: TypeAlias = tuple[float, float]
+
+_MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
+_MANY_ROBOTS = 12  # beyond, paths carry no legend
+_MOST_ROUNDS = 60  # of parting labels
+_BELIEVED: Mapping[str, Any] = MappingProxyType({"lw": 0.8, "ls": (0, (1, 2))})
+_TRAJECTORY: Mapping[str, Any] = MappingProxyType(
+    {"lw": 1.4, "ls": (0, (4, 2)), "marker": ".", "ms": 7}
+)
+
+
+def mission_map(mission: Mission) -> Figure:
+    """Draw the working area of a mission beside its whole mission area (figure 5)."""
+    with drawing((11.0, 7.4)) as figure:
+        grid = figure.add_gridspec(2, 2, width_ratios=(2.3, 1), height_ratios=(1, 1.1))
+        colours = _colours(mission)
+        near = figure.add_subplot(grid[:, 0])
+        _draw_mission(near, mission, colours)
+        labels = _labelled(near, mission, colours)
+        x, y, half = working_window(mission)
+        _look_at(near, (x, y, half), f"Mission {mission.name}: working area")
+
+        far = figure.add_subplot(grid[0, 1])
+        _draw_mission(far, mission, colours, is_small=True)
+        centre, radius = mission.area.center, mission.area.radius
+        far.add_patch(
+            Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, ec=INK, lw=1.2)
+        )
+        reach = radius * 1.08
+        far.set(
+            xlim=(centre.x - reach, centre.x + reach),
+            ylim=(centre.y - reach, centre.y + reach),
+            aspect="equal",
+            anchor="NW",
+        )
+        far.grid(visible=False)
+        far.set_title("Whole mission area", fontsize=11)
+        far.xaxis.set_major_locator(whole_numbers(4))
+        far.yaxis.set_major_locator(whole_numbers(4))
+
+        key = figure.add_subplot(grid[1, 1])
+        key.set_axis_off()
+        key.legend(handles=_map_legend(mission, colours), loc="upper left", borderaxespad=0)
+    _parted(figure, labels)
+    return figure
+
+
+def flight_map(story: Story) -> Figure:
+    """Draw where robots were, and where they were believed to be."""
+    mission, colours = story.mission, _colours(story.mission)
+    with drawing((8.2, 8.6)) as figure:
+        axes = figure.add_subplot()
+        _draw_mission(axes, mission, colours)
+        labels = _labelled(axes, mission, colours)
+        _look_at(axes, seen(mission, story.true), story.title)
+        for k, robot in enumerate(mission.robots):
+            colour = colours[robot.id]
+            axes.plot(*story.true[:, k].T, color=colour, lw=1.6, zorder=2.4)
+            axes.plot(*story.believed[:, k].T, color=INK, **_BELIEVED, zorder=2.5)
+            x, y = story.true[-1, k]
+            axes.scatter([x], [y], s=42, color=colour, ec=INK, lw=0.9, zorder=3.1)
+        keys: list[Line2D | Patch] = [
+            Line2D([], [], color=colours[robot.id], lw=2.0, label=f"{robot.id} truly")
+            for robot in mission.robots[:_MANY_ROBOTS]
+        ]
+        keys += [
+            Line2D([], [], color=INK, label="as believed", **_BELIEVED),
+            Line2D([], [], ls="none", marker="^", color=SOFT, label="start"),
+            Line2D([], [], ls="none", marker="o", color=SOFT, mec=INK, label="end"),
+        ]
+        legend_below(figure, ncols=5, handles=keys)
+    _parted(figure, labels)
+    return figure
+
+
+def flight_timeline(story: Story) -> Figure:
+    """Draw when faults were active, and goals violated, on one axis of ticks."""
+    faults = [fault for fault in story.faults if fault.window is not None]
+    names = [f"{fault.name} {fault.fault.type}" for fault in faults]
+    names += [goal.id for goal in story.mission.goals]
+    with drawing((10.4, 1.9 + 0.36 * len(names))) as figure:
+        axes = figure.add_subplot()
+        for row, fault in enumerate(faults):
+            assert fault.window is not None
+            first, last = fault.window
+            axes.barh(row, last - first + 1, left=first, height=0.62, color=INK, alpha=0.75)
+        for row, said in enumerate(story.goals, len(faults)):
+            for windows, place, colour in ((said.believed, -0.2, BLUE), (said.true, 0.2, ORANGE)):
+                bars = [(first, last - first + 1) for first, last in windows]
+                axes.broken_barh(bars, (row + place - 0.19, 0.38), color=colour, lw=0)
+            if said.missed is not None:
+                axes.plot([said.missed] * 2, [row - 0.42, row + 0.42], color=INK, lw=2.2)
+        axes.set(
+            xlim=(0, story.mission.duration),
+            ylim=(len(names) - 0.4, -0.6),
+            xlabel="tick",
+            yticks=range(len(names)),
+            yticklabels=names,
+            title=story.title,
+        )
+        axes.axhline(len(faults) - 0.5, color=GRID, lw=1.4)
+        axes.xaxis.set_major_locator(whole_numbers())
+        axes.tick_params(axis="y", length=0, labelcolor=INK)
+        axes.grid(visible=False, axis="y")
+        keys: list[Line2D | Patch] = [
+            Patch(fc=INK, alpha=0.75, label="fault active"),
+            Patch(fc=BLUE, label="believed violated"),
+            Patch(fc=ORANGE, label="truly violated"),
+            Line2D([], [], ls="none", marker="|", ms=12, mew=2.2, color=INK, label="missed from"),
+        ]
+        legend_below(figure, handles=keys)
+    return figure
+
+
+def _colours(mission: Mission) -> dict[str, str]:
+    return {robot.id: SERIES[index % len(SERIES)] for index, robot in enumerate(mission.robots)}
+
+
+def _look_at(axes: Axes, window: tuple[float, float, float], title: str) -> None:
+    x, y, half = window
+    axes.set(
+        xlim=(x - half, x + half),
+        ylim=(y - half, y + half),
+        aspect="equal",
+        anchor="N",
+        xlabel="x (distance units)",
+        ylabel="y (distance units)",
+        title=title,
+    )
+
+
+def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
+    """Move labels that fall onto each other apart, up and down, until none do or time is up."""
+    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    points = 72.0 / figure.dpi
+    for _ in range(_MOST_ROUNDS):
+        boxes = [label.get_window_extent(renderer) for label in labels]
+        moved = False
+        for first, second in combinations(range(len(labels)), 2):
+            a, b = boxes[first], boxes[second]
+            if not a.overlaps(b):
+                continue
+            upper, lower = (first, second) if a.y0 + a.y1 >= b.y0 + b.y1 else (second, first)
+            by = (boxes[lower].y1 - boxes[upper].y0) / 2 * points + 0.5
+            for place, way in ((upper, by), (lower, -by)):
+                x, y = labels[place].get_position()
+                labels[place].set_position((x, y + way))
+            moved = True
+            break
+        if not moved:
+            return
+
+
+def _draw_mission(
+    axes: Axes, mission: Mission, colours: Mapping[str, str], *, is_small: bool = False
+) -> None:
+    """Draw a mission before anything flies, without words."""
+    _disc(axes, _of(mission.area.center), mission.area.radius, "#f1f6fa", BLUE, 1.4, 0)
+    for disc in mission.goal_discs:
+        colour = colours.get(disc.goal.members[0], SOFT)
+        spot = (disc.x, disc.y)
+        axes.add_patch(Circle(spot, disc.radius, fc=colour, alpha=0.14, lw=0, zorder=1))
+        _disc(axes, spot, disc.radius, "none", colour, 1.2, 1.1)
+    for goal in _trajectories(mission):
+        path = [_of(point) for point in goal.terms.trajectory]
+        colour = colours.get(goal.members[0], SOFT)
+        axes.plot(*zip(*path, strict=True), color=colour, **_TRAJECTORY, zorder=1.5)
+    for obstacle in mission.obstacles:
+        _disc(axes, _of(obstacle.area.center), obstacle.area.radius, ROCK, INK, 0.8, 2)
+    size, edge = (14, 0.2) if is_small else (95, 0.8)
+    for robot in mission.robots:
+        (x, y), colour = _of(robot.position), colours[robot.id]
+        axes.scatter([x], [y], s=size, marker="^", color=colour, ec=PAPER, lw=edge, zorder=3)
+
+
+def _labelled(axes: Axes, mission: Mission, colours: Mapping[str, str]) -> list[Annotation]:
+    """Write the names of goals, obstacles and robots beside them, and return the labels."""
+    labels = []
+
+    def label(words: str, spot: Place, above: float, **style: Any) -> None:
+        labels.append(
+            axes.annotate(words, spot, (0, above), textcoords="offset points", ha="center", **style)
+        )
+
+    for disc in mission.goal_discs:
+        colour = colours.get(disc.goal.members[0], SOFT)
+        label(f"{disc.goal.id} {disc.goal.name}", (disc.x, disc.y + disc.radius), 5, color=colour)
+    for goal in _trajectories(mission):
+        colour = colours.get(goal.members[0], SOFT)
+        label(f"{goal.id} {goal.name}", _of(goal.terms.trajectory[0]), 7, color=colour)
+    if len(mission.obstacles) <= _MANY_OBSTACLES:
+        for obstacle in mission.obstacles:
+            x, y = _of(obstacle.area.center)
+            label(obstacle.id, (x, y - obstacle.area.radius), -13, color=SOFT)
+    for robot in mission.robots:
+        label(robot.name or robot.id, _of(robot.position), -18, weight="bold", zorder=4)
+    return labels
+
+
+def _disc(
+    axes: Axes, spot: Place, radius: float, face: str, edge: str, width: float, order: float
+) -> None:
+    axes.add_patch(Circle(spot, radius, fc=face, ec=edge, lw=width, zorder=order))
+
+
+def _trajectories(mission: Mission) -> list[Goal]:
+    return [goal for goal in mission.goals if goal.terms.trajectory]
+
+
+def _of(point: Coordinates) -> Place:
+    return point.x, point.y
+
+
+def _map_legend(mission: Mission, colours: Mapping[str, str]) -> list[Line2D | Patch]:
+    starts: list[Line2D | Patch] = [
+        Line2D(
+            [],
+            [],
+            ls="none",
+            marker="^",
+            ms=9,
+            color=colours[robot.id],
+            label=f"start of {robot.name or robot.id} ({robot.id})",
+        )
+        for robot in mission.robots[:_MANY_OBSTACLES]
+    ]
+    return [
+        *starts,
+        Patch(fc="#e4e9ed", ec=SOFT, label="goal area, in its robot's colour"),
+        *(
+            Line2D([], [], color=SOFT, label="trajectory of a goal", **_TRAJECTORY)
+            for _ in _trajectories(mission)[:1]
+        ),
+        Patch(fc=ROCK, ec=INK, label="obstacle"),
+        Patch(fc="#f1f6fa", ec=BLUE, label=f"mission area, radius {mission.area.radius:g}"),
+        Patch(fill=False, ec=INK, label="working area (left)"),
+    ]

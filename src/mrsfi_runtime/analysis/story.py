@@ -1,0 +1,130 @@
+"""A flight as a story in space and time: who was where, what was active, what was violated."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from mrsfi_runtime.analysis.tables import Rows, working_window
+from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.named_faults import NamedFault
+
+Window: TypeAlias = tuple[int, int]
+"""First and last tick."""
+
+_MOST_PLACES = 20_000  # rows of a table of places
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """When a goal was violated, as windows, and from which tick on its purpose was missed."""
+
+    believed: Sequence[Window]
+    true: Sequence[Window]
+    missed: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Story:
+    """What figures tell of a flight.
+
+    Attributes
+    ----------
+    title
+        What flew.
+    mission
+        On what mission.
+    faults
+        Its faults.
+    goals
+        When each goal was violated, in model order.
+    true, believed
+        Where robots were, and were believed to be, shape ``(n_ticks, n_robots, 2)``.
+    """
+
+    title: str
+    mission: Mission
+    faults: Sequence[NamedFault]
+    goals: Sequence[Judged]
+    true: npt.NDArray[np.float64]
+    believed: npt.NDArray[np.float64]
+
+
+def story_of(
+    title: str, mission: Mission, faults: Sequence[NamedFault], recording: Recording
+) -> Story:
+    """Return what figures tell of a recorded flight."""
+    true, believed = (
+        np.stack([recording[side]["robots"][axis] for axis in ("x", "y")], axis=-1)
+        for side in ("world", "belief")
+    )
+    return Story(title, mission, tuple(faults), judged(recording), true, believed)
+
+
+def judged(recording: Recording) -> tuple[Judged, ...]:
+    """Return what was said of each goal of a flight, in model order."""
+    return tuple(
+        Judged(
+            runs(recording["is_believed"][:, goal]),
+            runs(recording["is_true"][:, goal]),
+            first(recording["missed"][:, goal] > 0),
+        )
+        for goal in range(recording["is_true"].shape[1])
+    )
+
+
+def runs(flags: npt.NDArray[np.generic]) -> list[Window]:
+    """Return the windows in which flags, shape ``(n_ticks,)``, are set."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags != 0, [0]))))
+    return [(int(start), int(after) - 1) for start, after in edges.reshape(-1, 2)]
+
+
+def first(flags: npt.NDArray[np.bool_]) -> int | None:
+    """Return the first tick at which flags, shape ``(n_ticks,)``, are set."""
+    return int(flags.argmax()) if flags.any() else None
+
+
+def seen(mission: Mission, places: npt.NDArray[np.float64]) -> tuple[float, float, float]:
+    """Return the square around what a mission is about, and around places, shape ``(…, 2)``.
+
+    Returns
+    -------
+    tuple of float
+        Centre x, centre y and half width, in distance units.
+    """
+    x, y, half = working_window(mission)
+    reach = float(np.abs(places - (x, y)).max())
+    return x, y, max(half, reach * 1.05)
+
+
+def timeline_table(story: Story) -> Rows:
+    """Return the windows of a flight: when faults were active, and goals violated."""
+    return [("kind", "name", "what", "first", "last"), *_windows(story)]
+
+
+def _windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
+    for fault in story.faults:
+        if fault.window is not None:
+            yield "fault", fault.name, f"{fault.fault.type} on {fault.target}", *fault.window
+    last = story.mission.duration - 1
+    for goal, said in zip(story.mission.goals, story.goals, strict=True):
+        for what, windows in (("believed violated", said.believed), ("truly violated", said.true)):
+            for window in windows:
+                yield "goal", goal.id, what, *window
+        if said.missed is not None:
+            yield "goal", goal.id, "certain to be missed", said.missed, last
+
+
+def places_table(story: Story) -> Rows:
+    """Return where robots were and were believed to be, at every tick or at each so many-th."""
+    robots = story.mission.robots
+    step = max(1, -(-story.mission.duration * len(robots) // _MOST_PLACES))
+    rows: Rows = [("tick", "robot", "x", "y", "believed_x", "believed_y")]
+    for tick in range(0, story.mission.duration, step):
+        for k, robot in enumerate(robots):
+            places = (*story.true[tick, k], *story.believed[tick, k])
+            rows.append((tick, robot.id, *map(float, places)))
+    return rows

@@ -1,0 +1,129 @@
+"""Flights told as figures and tables: in time, and in space."""
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from mrsfi_runtime.analysis.mission_plots import flight_map, flight_timeline, mission_map
+from mrsfi_runtime.analysis.story import places_table, story_of, timeline_table
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.kernel.goal_tasks.track import Track
+from mrsfi_runtime.model.faults import numbered
+from mrsfi_runtime.model.mission import Coordinates
+from mrsfi_runtime.record.named_faults import named_faults
+from tests.support.drawing import require_inside, save, texts
+from tests.support.search import paper_mission
+from tests.support.world import paper_code, specification
+
+SEED = 2
+
+
+@pytest.fixture(scope="module")
+def flown():
+    """Code, faults and recording of a flight under twelve faults."""
+    code = paper_code(400)
+    chosen = specification(code, 3, 12)
+    names = numbered(timed.fault for timed in chosen)
+    faults = named_faults(code.mission, code.pool, chosen, names)
+    return code, faults, ReferenceEngine(code, SEED).record(chosen)
+
+
+@pytest.fixture(scope="module")
+def story(flown):
+    code, faults, recording = flown
+    return story_of("What happened", code.mission, faults, recording)
+
+
+def test_the_timeline_has_the_windows_of_faults_and_verdicts(flown, story):
+    code, faults, recording = flown
+    header, *rows = timeline_table(story)
+
+    assert header == ("kind", "name", "what", "first", "last")
+    assert [(row[1], row[3:]) for row in rows if row[0] == "fault"] == [
+        (fault.name, fault.window) for fault in faults if fault.window
+    ]
+    for k, goal in enumerate(code.mission.goal_ids):
+        for what, flags in (
+            ("believed violated", recording["is_believed"]),
+            ("truly violated", recording["is_true"]),
+            ("certain to be missed", recording["missed"]),
+        ):
+            windows = [row[3:] for row in rows if row[1:3] == (goal, what)]
+            ticks = [tick for first, last in windows for tick in range(first, last + 1)]
+            assert ticks == np.flatnonzero(flags[:, k]).tolist()
+            assert len(windows) < 2 or what != "certain to be missed"
+    assert {row[2] for row in rows} > {"believed violated", "truly violated"}
+
+
+def test_places_are_those_of_the_flight(flown, story):
+    code, _, recording = flown
+    header, *rows = places_table(story)
+    robots = code.mission.robots
+
+    assert header == ("tick", "robot", "x", "y", "believed_x", "believed_y")
+    assert [row[:2] for row in rows] == [(k, robot.id) for k in range(400) for robot in robots]
+    for place, (side, axis) in enumerate((s, a) for s in ("world", "belief") for a in "xy"):
+        found = np.array([row[2 + place] for row in rows]).reshape(400, len(robots))
+        assert (found == recording[side]["robots"][axis]).all()
+
+
+def test_a_long_flight_lists_each_so_many_th_tick(story):
+    mission = replace(story.mission, duration=20_000)
+    long = [np.zeros((20_000, 3, 2)) for _ in range(2)]
+    _, *rows = places_table(replace(story, mission=mission, true=long[0], believed=long[1]))
+
+    assert [row[0] for row in rows[::3]] == [*range(0, 20_000, 3)]
+
+
+def test_the_map_draws_true_and_believed_paths(story, tmp_path):
+    figure = flight_map(story)
+    lines = [line.get_xydata() for line in figure.axes[0].lines]
+    _, svg = save(figure, tmp_path / "map")
+
+    for k, robot in enumerate(story.mission.robots):
+        assert any(np.array_equal(line, story.true[:, k]) for line in lines)
+        assert any(np.array_equal(line, story.believed[:, k]) for line in lines)
+        assert f"{robot.id} truly" in texts(svg)
+    assert {"What happened", "as believed", "start", "end"} < {*texts(svg)}
+    require_inside(figure)
+
+
+def test_the_timeline_names_faults_and_goals(story, tmp_path):
+    figure = flight_timeline(story)
+    _, svg = save(figure, tmp_path / "timeline")
+
+    assert {f"{fault.name} {fault.fault.type}" for fault in story.faults if fault.window} < {
+        *texts(svg)
+    }
+    assert {*story.mission.goal_ids, "believed violated", "truly violated"} < {*texts(svg)}
+    require_inside(figure)
+
+
+def crowded(n):
+    """Return the paper's mission with goals at one place, and a trajectory through it."""
+    mission = paper_mission()
+    sampling = mission.goals[3]
+    path = (Coordinates(-250, 250), Coordinates(0, 0), Coordinates(300, 100))
+    track = replace(sampling, id="g8", name="Round", task=Track(path, 5.0))
+    others = [replace(sampling, id=f"g{10 + k}", name="GatherSamples") for k in range(n)]
+    return replace(mission, goals=(*mission.goals, *others, track))
+
+
+def test_labels_on_one_another_are_parted():
+    figure = mission_map(crowded(3))
+    axes = figure.axes[0]
+    boxes = [text.get_window_extent() for text in axes.texts]
+
+    assert len(boxes) == 3 + 3 + 1 + 8 + 3
+    assert not [1 for one, other in combinations(boxes, 2) if one.overlaps(other)]
+
+
+def test_trajectories_are_drawn(tmp_path):
+    figure = mission_map(crowded(0))
+    _, svg = save(figure, tmp_path / "map")
+
+    paths = [line.get_xydata().tolist() for line in figure.axes[0].lines]
+    assert [[-250, 250], [0, 0], [300, 100]] in paths
+    assert {"g8 Round", "trajectory of a goal"} < {*texts(svg)}
