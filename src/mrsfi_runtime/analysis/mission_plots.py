@@ -21,6 +21,7 @@ from mrsfi_runtime.analysis.plots import (
     BLUE,
     GRID,
     INK,
+    MANY_POINTS,
     ORANGE,
     PAPER,
     ROCK,
@@ -39,7 +40,7 @@ Place: TypeAlias = tuple[float, float]
 _MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
 _MANY_ROBOTS = 12  # beyond, paths carry no legend
 _MOST_ROUNDS = 60  # of parting labels
-_BELIEVED: Mapping[str, Any] = MappingProxyType({"lw": 0.8, "ls": (0, (1, 2))})
+_BELIEVED: Mapping[str, Any] = MappingProxyType({"s": 5, "alpha": 0.45, "lw": 0, "zorder": 1.8})
 _TRAJECTORY: Mapping[str, Any] = MappingProxyType(
     {"lw": 1.4, "ls": (0, (4, 2)), "marker": ".", "ms": 7}
 )
@@ -82,17 +83,25 @@ def mission_map(mission: Mission) -> Figure:
 
 
 def flight_map(story: Story) -> Figure:
-    """Draw where robots were, and where they were believed to be."""
+    """Draw where robots were, and where they were believed to be at ticks at which that differs.
+
+    The picture holds all places where robots were; what is believed outside it is counted.
+    """
+    wrong = (story.true != story.believed).any(axis=-1)
+    is_many = bool(wrong.sum() > MANY_POINTS)
     mission, colours = story.mission, _colours(story.mission)
     with drawing((8.2, 8.6)) as figure:
         axes = figure.add_subplot()
         _draw_mission(axes, mission, colours)
         labels = _labelled(axes, mission, colours)
-        _look_at(axes, seen(mission, story.true), story.title)
+        x, y, half = seen(mission, story.true)
+        _look_at(axes, (x, y, half), story.title)
+        is_outside = (abs(story.believed - (x, y)) > half).any(axis=-1)
         for k, robot in enumerate(mission.robots):
             colour = colours[robot.id]
             axes.plot(*story.true[:, k].T, color=colour, lw=1.6, zorder=2.4)
-            axes.plot(*story.believed[:, k].T, color=INK, **_BELIEVED, zorder=2.5)
+            spots = story.believed[wrong[:, k], k]
+            axes.scatter(spots[:, 0], spots[:, 1], color=colour, rasterized=is_many, **_BELIEVED)
             x, y = story.true[-1, k]
             axes.scatter([x], [y], s=42, color=colour, ec=INK, lw=0.9, zorder=3.1)
         keys: list[Line2D | Patch] = [
@@ -100,11 +109,15 @@ def flight_map(story: Story) -> Figure:
             for robot in mission.robots[:_MANY_ROBOTS]
         ]
         keys += [
-            Line2D([], [], color=INK, label="as believed", **_BELIEVED),
+            Line2D([], [], ls="none", marker=".", color=SOFT, label="believed instead"),
             Line2D([], [], ls="none", marker="^", color=SOFT, label="start"),
             Line2D([], [], ls="none", marker="o", color=SOFT, mec=INK, label="end"),
         ]
-        legend_below(figure, ncols=5, handles=keys)
+        n_outside = int((wrong & is_outside).sum())
+        if n_outside:
+            words = f"believed outside the picture: {n_outside} robot-ticks"
+            keys.append(Line2D([], [], ls="none", label=words))
+        legend_below(figure, ncols=4, handles=keys)
     _parted(figure, labels)
     return figure
 

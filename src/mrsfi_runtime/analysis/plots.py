@@ -62,7 +62,7 @@ _STYLE: dict[Any, Any] = {
 }
 
 _DPI = 150  # of a PNG
-_MANY_POINTS = 4000  # beyond, the cloud of an SVG is a picture inside it
+MANY_POINTS = 4000  # beyond, the cloud of an SVG is a picture inside it
 _MOST_GENERATIONS = 2000  # beyond, a point stands for several
 
 
@@ -160,7 +160,7 @@ def whole_front(
             alpha=0.6,
             lw=0,
             label=f"evaluated ({n_left_out} points not drawn)" if n_left_out else "evaluated",
-            rasterized=len(points) > _MANY_POINTS,
+            rasterized=len(points) > MANY_POINTS,
         )
         _staircase(axes, front, BLUE)
         xs, ys = zip(*(point.violations for point in front.points), strict=True)

@@ -77,17 +77,30 @@ def test_a_long_flight_lists_each_so_many_th_tick(story):
     assert [row[0] for row in rows[::3]] == [*range(0, 20_000, 3)]
 
 
-def test_the_map_draws_true_and_believed_paths(story, tmp_path):
+def test_the_map_draws_true_paths_and_what_is_believed_instead(story, tmp_path):
     figure = flight_map(story)
     lines = [line.get_xydata() for line in figure.axes[0].lines]
+    clouds = [np.asarray(each.get_offsets()) for each in figure.axes[0].collections]
+    wrong = (story.true != story.believed).any(axis=-1)
     _, svg = save(figure, tmp_path / "map")
 
     for k, robot in enumerate(story.mission.robots):
         assert any(np.array_equal(line, story.true[:, k]) for line in lines)
-        assert any(np.array_equal(line, story.believed[:, k]) for line in lines)
+        assert any(np.array_equal(each, story.believed[wrong[:, k], k]) for each in clouds)
         assert f"{robot.id} truly" in texts(svg)
-    assert {"What happened", "as believed", "start", "end"} < {*texts(svg)}
+    assert {"What happened", "believed instead", "start", "end"} < {*texts(svg)}
     require_inside(figure)
+    assert wrong.any()
+
+
+def test_the_map_counts_what_is_believed_outside_of_it(story, tmp_path):
+    far = story.true.copy()
+    far[10:15, 1] = 1e6
+    _, svg = save(flight_map(replace(story, believed=far)), tmp_path / "far")
+    _, same = save(flight_map(replace(story, believed=story.true)), tmp_path / "same")
+
+    assert "believed outside the picture: 5 robot-ticks" in texts(svg)
+    assert not [text for text in texts(same) if "outside" in text]
 
 
 def test_the_timeline_names_faults_and_goals(story, tmp_path):
