@@ -18,8 +18,10 @@ from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 from tests.support.bags import bagged
 from tests.support.trace import columns, traced
 from tests.support.world import code_of, paper_code, specifications
+from tests.tiers import slow
 
 SEED = 5
+OTHERS = ("tight_margins", "tight_energy")
 PATIENCE = Patience(tick=10.0, handshake=20.0)
 ENGINES = {
     "reference": EngineSettings("reference"),
@@ -94,7 +96,9 @@ def test_a_recording_has_every_field_of_the_reference(engine):
         assert recording == dict(columns(reference.record(specification)))
 
 
-@pytest.mark.parametrize("name", ["uuv_sampling", "tight_margins", "tight_energy"])
+@pytest.mark.parametrize(
+    "name", ["uuv_sampling", *(pytest.param(name, marks=slow) for name in OTHERS)]
+)
 def test_compiled_flights_of_every_mission_have_the_recordings_of_the_reference(name):
     code = code_of(name)
     reference = ReferenceEngine(code, SEED)

@@ -37,6 +37,7 @@ from tests.support.own_metamodels import (
     parameter,
 )
 from tests.support.tree import ROOT
+from tests.tiers import slow
 
 START, FINISH = 30, 60
 MISSION = ROOT / "models" / "uuv_sampling"
@@ -265,6 +266,7 @@ def test_search_evolves_own_types_within_the_bounds_of_their_ranges(code):
     assert all(timed.values[0] % 1 == 0 for timed in drawn if timed.fault == "slip")
 
 
+@slow
 def test_what_does_not_compile_in_a_region_is_named_and_linted_with_its_line(target, tmp_path):
     folder = shutil.copytree(target, tmp_path / "generated")
     end = "    # protected region Held.apply end\n"

@@ -27,6 +27,7 @@ from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from mrsfi_runtime.transport.topics import Service, Topic
 from tests.support.rosbridge import FLIGHT_SEED, code_of, specification
 from tests.support.two_sides import TwoSides
+from tests.tiers import slow
 
 CLIENT = os.environ.get("MRSFI_TEST_CLIENT", "asyncio")
 OTHER = {"asyncio": "twisted", "twisted": "asyncio"}
@@ -353,6 +354,7 @@ def test_one_process_has_one_kind_of_client():
         transport.close()
 
 
+@slow
 @pytest.mark.skipif(CLIENT != "asyncio", reason="the run that this test starts")
 def test_all_of_this_holds_for_the_twisted_client():
     done = subprocess.run(

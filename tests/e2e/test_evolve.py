@@ -10,6 +10,7 @@ from tests.support.cli import (
     mrsfi_json,
     workspace,
 )
+from tests.tiers import slow
 
 
 def test_it_ends_with_the_ten_most_critical_the_front_and_the_folder(place):
@@ -139,6 +140,7 @@ def test_ctrl_c_while_figures_are_drawn_says_that_they_are_missing(flown, tmp_pa
 ONE_GOAL = ("--minimise", "faults", "--violations", "true", "--goals", "depths", "--faults", "4")
 
 
+@slow
 def test_the_smallest_set_that_makes_a_goal_truly_fail_is_one_command(tmp_path):
     quick = workspace(tmp_path, "tight_margins")
     search = ("--algorithm", "guided", *ONE_GOAL, *SMALL, "--out", "out")

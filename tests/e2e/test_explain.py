@@ -11,6 +11,7 @@ import pytest
 from tests.support.cli import MISSION, mrsfi, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME as RENDEZVOUS
 from tests.support.rendezvous import write_rendezvous
+from tests.tiers import slow
 
 FAST = ("--engine", "reference")
 
@@ -93,6 +94,7 @@ def test_what_is_explained_are_those_that_were_asked_for(campaign, place):
     assert Path(second["cause_set"]["file"]).parent == campaign / "causes"
 
 
+@slow
 def test_both_engines_explain_alike(place):
     path = by_hand(place, (100, 500), (501, 900), (950, 951))
     arguments = ("explain", MISSION, "--faults", path)
@@ -121,6 +123,7 @@ def test_a_fault_that_does_it_alone_is_named(place):
     assert [(fault["id"], fault["start"]) for fault in flight["faults"]] == [("h2", 100)]
 
 
+@slow
 def test_chances_of_the_weather_are_those_of_twenty_flights(place):
     path = by_hand(place, (100, 900), (950, 951))
     arguments = ("--faults", path, *FAST, "--seed", "7")

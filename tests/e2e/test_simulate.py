@@ -4,6 +4,7 @@ import pytest
 
 from mrsfi_runtime.model.outcome import TOLD
 from tests.support.cli import MISSION, command_line, edit, mrsfi, mrsfi_json, stop_specification
+from tests.tiers import slow
 
 
 def test_a_hand_written_specification_is_flown(place):
@@ -59,6 +60,7 @@ def test_stale_generated_code_is_not_flown(place):
     assert "mrsfi generate" in mrsfi("simulate", MISSION, cwd=place, expected=4).stderr
 
 
+@slow
 def test_each_fault_is_audited_alone_in_some_seeds_and_written_as_a_page(place):
     window, n_seeds = ("--each-fault", "100:900"), ("--seeds", "2")
 

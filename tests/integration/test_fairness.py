@@ -7,6 +7,7 @@ from mrsfi_runtime.hosting.world import move
 from mrsfi_runtime.kernel.tolerance import excess
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.world import code_of, paper_code, specifications
+from tests.tiers import slow
 
 MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
 
@@ -27,6 +28,7 @@ def counts(outcome):
     return outcome.believed, outcome.true, outcome.missed, outcome.samples
 
 
+@slow
 def test_no_outcome_depends_on_the_order_of_two_subtractions(monkeypatch):
     code = code_of("tight_energy")
     flown = specifications(code, 60)

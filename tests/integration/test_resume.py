@@ -48,7 +48,7 @@ def whole(place: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("n_workers", "n_kills"), [pytest.param(1, 20, marks=slow), (2, 5)])
+@pytest.mark.parametrize(("n_workers", "n_kills"), [pytest.param(1, 20, marks=slow), (2, 3)])
 def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
     place, whole, n_workers, n_kills
 ):

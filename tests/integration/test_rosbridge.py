@@ -77,6 +77,7 @@ def test_both_sides_on_a_server_of_its_own_fly_as_in_process(server, client, is_
     assert flown == reference_digests(SHORT, range(3))
 
 
+@slow
 @pytest.mark.parametrize("client", FEW_CLIENTS)
 def test_jitter_changes_nothing(server, client):
     with Relay(server.url, jitter=0.01) as relay:
