@@ -1,5 +1,6 @@
 """The paper's mission on MuJoCo: somebody else's simulator behind the topics, the CI unchanged."""
 
+import csv
 import importlib
 import importlib.util
 import subprocess
@@ -15,6 +16,7 @@ import pytest
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.mission import load_code
+from tests.support.bags import read_bag
 from tests.support.cli import (
     MISSION,
     ROOT,
@@ -135,6 +137,22 @@ def test_a_stopped_vehicle_misses_its_samples(flight, options, place):
     assert after[:2] == before[:2]
     assert after[2] < before[2]
     assert of_task(stopped, SAMPLES, "true")[2] > 300
+
+
+def test_a_flight_on_it_is_written_as_a_bag(options, place):
+    mrsfi("simulate", MISSION, *options, "--mcap", "m.mcap", "--trace", "m.csv", cwd=place)
+
+    told = read_bag(place / "m.mcap")
+    rows = list(csv.DictReader((place / "m.csv").read_text(encoding="ascii").splitlines()))
+    for robot in ("r1", "r2", "r3"):
+        for prefix, side in (("", "true"), ("/belief", "believed")):
+            for name in ("speed", "energy"):
+                values = [message.data for _, message in told[f"{prefix}/{robot}/{name}"]]
+                assert values == [float(row[f"{robot}.{name}.{side}"]) for row in rows]
+        spots = [message.data[:2].tolist() for _, message in told[f"/truth/{robot}"]]
+        assert spots == [[float(row[f"{robot}.{axis}.true"]) for axis in "xy"] for row in rows]
+        assert len(told[f"/{robot}/command/heading"]) > 1
+    assert len({row["r1.speed.true"] for row in rows}) > 100  # thrusters, not mrsfi's own motion
 
 
 def test_a_campaign_searches_on_it_over_one_connection(options, place):

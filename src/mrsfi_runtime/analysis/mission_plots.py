@@ -10,6 +10,7 @@ from itertools import combinations
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -41,6 +42,9 @@ _MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
 _MANY_ROBOTS = 12  # beyond, paths carry no legend
 _MOST_ROUNDS = 60  # of parting labels
 _BELIEVED: Mapping[str, Any] = MappingProxyType({"s": 5, "alpha": 0.45, "lw": 0, "zorder": 1.8})
+_COLLISION: Mapping[str, Any] = MappingProxyType(
+    {"marker": "x", "s": 60, "lw": 2, "color": INK, "zorder": 3.2}
+)
 _TRAJECTORY: Mapping[str, Any] = MappingProxyType(
     {"lw": 1.4, "ls": (0, (4, 2)), "marker": ".", "ms": 7}
 )
@@ -113,6 +117,10 @@ def flight_map(story: Story) -> Figure:
             Line2D([], [], ls="none", marker="^", color=SOFT, label="start"),
             Line2D([], [], ls="none", marker="o", color=SOFT, mec=INK, label="end"),
         ]
+        if story.collisions:
+            spots = np.array([story.true[each.window[0], each.robot] for each in story.collisions])
+            axes.scatter(*spots.T, **_COLLISION)
+            keys.append(Line2D([], [], ls="none", marker="x", mew=2, color=INK, label="collision"))
         n_outside = int((wrong & is_outside).sum())
         if n_outside:
             words = f"believed outside the picture: {n_outside} robot-ticks"

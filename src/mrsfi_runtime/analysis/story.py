@@ -9,11 +9,14 @@ import numpy.typing as npt
 
 from mrsfi_runtime.analysis.tables import Rows, working_window
 from mrsfi_runtime.engine.recording import Recording
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
 
 Window: TypeAlias = tuple[int, int]
 """First and last tick."""
+
+Places: TypeAlias = npt.NDArray[np.float64]
+"""Points of the plane, in distance units; the last axis has x and y."""
 
 _MOST_PLACES = 20_000  # rows of a table of places
 
@@ -25,6 +28,15 @@ class Judged:
     believed: Sequence[Window]
     true: Sequence[Window]
     missed: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Collision:
+    """Two that overlapped, the first of which is a robot, by its place, and when."""
+
+    names: str
+    robot: int
+    window: Window
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +53,8 @@ class Story:
         Its faults.
     goals
         When each goal was violated, in model order.
+    collisions
+        Who truly collided, and when.
     true, believed
         Where robots were, and were believed to be, shape ``(n_ticks, n_robots, 2)``.
     """
@@ -49,19 +63,36 @@ class Story:
     mission: Mission
     faults: Sequence[NamedFault]
     goals: Sequence[Judged]
-    true: npt.NDArray[np.float64]
-    believed: npt.NDArray[np.float64]
+    collisions: Sequence[Collision]
+    true: Places
+    believed: Places
 
 
 def story_of(
     title: str, mission: Mission, faults: Sequence[NamedFault], recording: Recording
 ) -> Story:
     """Return what figures tell of a recorded flight."""
-    true, believed = (
-        np.stack([recording[side]["robots"][axis] for axis in ("x", "y")], axis=-1)
-        for side in ("world", "belief")
-    )
-    return Story(title, mission, tuple(faults), judged(recording), true, believed)
+    true, believed = (places(recording, side) for side in ("world", "belief"))
+    met = tuple(collisions(mission, true))
+    return Story(title, mission, tuple(faults), judged(recording), met, true, believed)
+
+
+def places(recording: Recording, side: str) -> Places:
+    """Return where robots were in the world, or in belief, shape ``(n_ticks, n_robots, 2)``."""
+    return np.stack([recording[side]["robots"][axis] for axis in ("x", "y")], axis=-1)
+
+
+def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
+    """Yield which robots overlapped each other or an obstacle, as windows."""
+    for k, robot in enumerate(mission.robots):
+        others = [(true[:, i], ROBOT_RADIUS, mission.robots[i].id) for i in range(k)]
+        for obstacle in mission.obstacles:
+            centre = np.array([obstacle.area.center.x, obstacle.area.center.y])
+            others.append((centre, obstacle.area.radius, obstacle.id))
+        for spot, radius, name in others:
+            apart = np.hypot(*(true[:, k] - spot).T)
+            for window in runs(apart < ROBOT_RADIUS + radius):
+                yield Collision(f"{robot.id} and {name}", k, window)
 
 
 def judged(recording: Recording) -> tuple[Judged, ...]:
@@ -87,7 +118,7 @@ def first(flags: npt.NDArray[np.bool_]) -> int | None:
     return int(flags.argmax()) if flags.any() else None
 
 
-def seen(mission: Mission, places: npt.NDArray[np.float64]) -> tuple[float, float, float]:
+def seen(mission: Mission, places: Places) -> tuple[float, float, float]:
     """Return the square around what a mission is about, and around places, shape ``(…, 2)``.
 
     Returns
@@ -101,7 +132,7 @@ def seen(mission: Mission, places: npt.NDArray[np.float64]) -> tuple[float, floa
 
 
 def timeline_table(story: Story) -> Rows:
-    """Return the windows of a flight: when faults were active, and goals violated."""
+    """Return the windows of a flight: of active faults, violated goals and collisions."""
     return [("kind", "name", "what", "first", "last"), *_windows(story)]
 
 
@@ -116,6 +147,8 @@ def _windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
                 yield "goal", goal.id, what, *window
         if said.missed is not None:
             yield "goal", goal.id, "certain to be missed", said.missed, last
+    for each in story.collisions:
+        yield "collision", each.names, "truly", *each.window
 
 
 def places_table(story: Story) -> Rows:

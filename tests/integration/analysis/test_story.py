@@ -1,18 +1,22 @@
 """Flights told as figures and tables: in time, and in space."""
 
+import re
 from dataclasses import replace
+from io import StringIO
 from itertools import combinations
 
 import numpy as np
 import pytest
 
 from mrsfi_runtime.analysis.mission_plots import flight_map, flight_timeline, mission_map
-from mrsfi_runtime.analysis.story import places_table, story_of, timeline_table
+from mrsfi_runtime.analysis.story import Collision, places_table, story_of, timeline_table
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.kernel.goal_tasks.track import Track
 from mrsfi_runtime.model.faults import numbered
 from mrsfi_runtime.model.mission import Coordinates
+from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.observers import SimulationLog
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission
 from tests.support.world import paper_code, specification
@@ -140,3 +144,39 @@ def test_trajectories_are_drawn(tmp_path):
     paths = [line.get_xydata().tolist() for line in figure.axes[0].lines]
     assert [[-250, 250], [0, 0], [300, 100]] in paths
     assert {"g8 Round", "trajectory of a goal"} < {*texts(svg)}
+
+
+def test_collisions_are_those_of_the_log():
+    code, met = paper_code(), 0
+    engine = ReferenceEngine(code, 3)
+    for drawn in (1, 2):
+        chosen, stream = specification(code, drawn), StringIO()
+        log = SimulationLog(code.mission, stream, Events(code.mission))
+        engine.evaluate(chosen, observer=log)
+        told, tick = [], 0
+        for line in stream.getvalue().splitlines():
+            tick = int(line[5:]) if line.startswith("tick ") else tick
+            if found := re.match(r"  event collision of (\S+) and (\S+): (\w+)", line):
+                told.append(({found[1], found[2]}, found[3] == "no", tick))
+        story = story_of("", code.mission, (), engine.record(chosen, 3))
+
+        ended = [each for each in story.collisions if each.window[1] + 1 < code.mission.duration]
+        begun = [each for each in story.collisions if each.window[0] > 0]
+        assert sorted(tick for _, was, tick in told if was) == sorted(e.window[0] for e in begun)
+        assert sorted(tick for _, was, tick in told if not was) == sorted(
+            each.window[1] + 1 for each in ended
+        )
+        assert all(({*e.names.split(" and ")}, True, e.window[0]) in told for e in begun)
+        met += len(begun)
+    assert met > 0
+
+
+def test_a_collision_is_marked_where_it_begins(story, tmp_path):
+    met = replace(story, collisions=[Collision("r1 and o3", 0, (7, 9))])
+    figure = flight_map(met)
+    _, svg = save(figure, tmp_path / "met")
+    *_, crosses = figure.axes[0].collections
+
+    assert crosses.get_offsets().tolist() == [story.true[7, 0].tolist()]
+    assert "collision" in texts(svg)
+    assert timeline_table(met)[-1] == ("collision", "r1 and o3", "truly", 7, 9)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.analysis.story import judged, seen
+from mrsfi_runtime.analysis.story import Window, collisions, judged, places, seen
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
@@ -93,7 +93,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
     flights = [(None, flown.recording), *flown.others.items()]
     return {
         "title": flown.title,
-        "window": seen(mission, np.stack([world["x"], world["y"]], axis=-1)),
+        "window": seen(mission, places(flown.recording, "world")),
         "faults": [
             {
                 "name": fault.name,
@@ -200,11 +200,19 @@ def _events(mission: Mission, flown: Flown) -> Iterator[tuple[int, str]]:
             first, last = fault.window
             yield first, f"{fault.name} ({fault.fault.type}) starts on {fault.target}"
             yield last, f"{fault.name} ({fault.fault.type}) ends"
-    for goal, said in zip(mission.goals, judged(flown.recording), strict=True):
-        for windows, word in ((said.believed, "believed"), (said.true, "truly")):
-            for first, last in windows:
-                yield first, f"{goal.id} {word} violated"
-                if last + 1 < mission.duration:
-                    yield last + 1, f"{goal.id} no longer {word} violated"
+    for subject, what, (first, last) in _spells(mission, flown.recording):
+        yield first, f"{subject} {what}"
+        if last + 1 < mission.duration:
+            yield last + 1, f"{subject} no longer {what}"
+
+
+def _spells(mission: Mission, recording: Recording) -> Iterator[tuple[str, str, Window]]:
+    """Yield what is so for a while: of whom, what, and when."""
+    last = mission.duration - 1
+    for goal, said in zip(mission.goals, judged(recording), strict=True):
+        yield from ((goal.id, "believed violated", window) for window in said.believed)
+        yield from ((goal.id, "truly violated", window) for window in said.true)
         if said.missed is not None:
-            yield said.missed, f"{goal.id} certain to be missed"
+            yield goal.id, "certain to be missed", (said.missed, last)
+    for met in collisions(mission, places(recording, "world")):
+        yield met.names, "colliding", met.window
