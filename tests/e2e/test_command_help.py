@@ -143,6 +143,11 @@ def test_wrong_usage_ends_with_2_and_a_message(arguments, place):
     assert not (place / "runs").exists()
 
 
+def test_a_misspelt_command_is_told_what_may_have_been_meant(tmp_path):
+    assert "Did you mean 'simulate'?" in mrsfi("simulat", "x", cwd=tmp_path, expected=2).stderr
+    assert "Did you mean" not in mrsfi("fly", "x", cwd=tmp_path, expected=2).stderr
+
+
 def test_traceback_is_shown_on_request_only(place):
     done = subprocess.run(
         [sys.executable, "-m", "mrsfi_runtime.cli.main", "--traceback", "validate", "nowhere"],

@@ -1,4 +1,6 @@
+import os
 import subprocess
+import threading
 from pathlib import Path
 
 import pytest
@@ -105,6 +107,19 @@ def test_diff_works_with_git(place):
     assert mrsfi("diff", "old.xmi", "old.xmi", cwd=place).stdout == "no difference\n"
     (change,) = mrsfi_json("diff", "old.xmi", model, cwd=place)["changes"]
     assert (change["element"], change["old"], change["new"]) == ("robot r2", "4.0", "6.0")
+
+
+def test_diff_reads_a_pipe(place):
+    model = place / "models" / MISSION / "mission.xmi"
+    old = model.read_bytes()
+    edit(model, 'name="JEN" speed="4.0"', 'name="JEN" speed="6.0"')
+    pipe = place / "old"
+    os.mkfifo(pipe)
+    writer = threading.Thread(target=pipe.write_bytes, args=(old,), daemon=True)
+    writer.start()
+
+    assert mrsfi("diff", pipe, model, cwd=place).stdout == "robot r2: speed 4.0 → 6.0\n"
+    writer.join(10)
 
 
 def test_diff_of_nothing_ends_with_2_and_of_no_model_with_3(place):

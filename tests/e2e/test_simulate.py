@@ -34,6 +34,15 @@ def test_a_hand_written_specification_is_flown(place):
     assert all(goal["samples"] > 0 for goal in flight["goals"][3:])
 
 
+def test_a_window_that_ends_beyond_the_mission_is_told(place):
+    path = stop_specification(place / "models" / MISSION / "late.xmi", [(100, 200), (900, 1000)])
+
+    told = mrsfi("simulate", MISSION, "--faults", path, cwd=place).stderr
+
+    assert f"{path}: fault 'h2' has the window 900 … 1000, which ends beyond the mission" in told
+    assert "'h1'" not in told
+
+
 @pytest.mark.parametrize(
     "windows", [[(100, 200), (150, 300)], [None]], ids=["overlap", "no window"]
 )

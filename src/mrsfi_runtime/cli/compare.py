@@ -184,7 +184,7 @@ def rank_test_table(comparison: Comparison) -> Table:
             probability(test.ranks.p_value),
             probability(test.holm_p_value),
             f"{test.ranks.a12:.3f}",
-            test.ranks.magnitude,
+            test.effect,
         )
         for measure, tests in groupby(comparison.tests, lambda test: test.measure)
         if measure in telling

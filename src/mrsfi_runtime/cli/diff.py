@@ -2,6 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import click
 
@@ -14,7 +15,8 @@ _MODELS = Path("models")
 
 def diff(old: str, new: str, *, is_json: bool) -> None:
     """Print how a model differs from an older one."""
-    changes = difference(_model(old), _model(new))
+    with TemporaryDirectory(prefix="mrsfi-diff-") as kept:
+        changes = difference(_model(old, Path(kept) / "old"), _model(new, Path(kept) / "new"))
     if is_json:
         print_json({"old": old, "new": new, "changes": [asdict(change) for change in changes]})
         return
@@ -24,9 +26,17 @@ def diff(old: str, new: str, *, is_json: bool) -> None:
         click.echo("no difference")
 
 
-def _model(name: str) -> Path:
-    """Return the path of a model: a file, or a mission folder by path or by name."""
+def _model(name: str, kept: Path) -> Path:
+    """Return the path of a model: a file, or a mission folder by path or by name.
+
+    What comes from a pipe, which can be read once and is no file, is kept in a folder.
+    """
     for path in (Path(name), _MODELS / name):
+        if path.is_fifo():
+            kept.mkdir()
+            file = kept / "pipe.xmi"
+            file.write_bytes(path.read_bytes())
+            return file
         if path.exists():
             return path
     raise UsageError(

@@ -18,6 +18,7 @@ from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
@@ -67,6 +68,7 @@ def simulate(  # noqa: PLR0913 - one parameter per option
             return
         pool = code.pool if faults is None else read_specification(faults)[1]
         specification = () if faults is None else pool.written_specification()
+        _tell_of_late(specification, code.mission, faults)
         flown = "without faults" if faults is None else f"under {faults}"
         title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
         subject = Subject(title, _command(mission, faults, seed), _text(faults))
@@ -78,6 +80,17 @@ def simulate(  # noqa: PLR0913 - one parameter per option
     print_table(title, goal_table(code.mission, outcome))
     if named:
         print_table("Faults", *fault_tables(named, outcome))
+
+
+def _tell_of_late(specification: Specification, mission: Mission, path: Path | None) -> None:
+    """Say which windows end beyond the mission, as one of another mission may."""
+    last = mission.duration - 1
+    for timed in specification:
+        if timed.finish > last:
+            tell(
+                f"{path}: fault '{timed.fault}' has the window {timed.start} … {timed.finish}, "
+                f"which ends beyond the mission; its last tick is {last}"
+            )
 
 
 def _command(mission: str, faults: Path | None, seed: int) -> list[str]:

@@ -27,6 +27,7 @@ SCHEMA = 1
 
 
 _MOST_EXACT = 20_000  # divisions of the pooled values that are enumerated to be exact
+_SIGNIFICANT = 0.05
 _MAGNITUDES = ((0.71, "large"), (0.64, "medium"), (0.56, "small"))
 
 
@@ -153,6 +154,11 @@ class PairTest:
     second: str
     ranks: RankTest
     holm_p_value: float
+
+    @property
+    def effect(self) -> str:
+        """The magnitude in words, where the runs are enough to show one."""
+        return self.ranks.magnitude if self.holm_p_value < _SIGNIFICANT else "not shown"
 
 
 @dataclass(frozen=True, slots=True)

@@ -93,6 +93,19 @@ def test_p_values_are_adjusted_for_the_pairs_of_their_measure():
     )
 
 
+def test_no_effect_is_told_that_the_runs_cannot_show():
+    few = compare(("good", "bad"), [run("good", 1, 9.0), run("bad", 1, 1.0)])
+    many = [
+        run(name, seed, value + seed)
+        for name, value in (("good", 90.0), ("bad", 1.0))
+        for seed in range(9)
+    ]
+
+    (test, *_) = few.tests
+    assert (test.ranks.a12, test.ranks.magnitude, test.effect) == (1.0, "large", "not shown")
+    assert compare(("good", "bad"), many).tests[0].effect == "large"
+
+
 def test_one_algorithm_has_quartiles_and_no_tests():
     found = compare(("good",), [run("good", 1, 5.0)])
 
