@@ -3,7 +3,7 @@
 import pytest
 
 from tests.support.bags import read_bag
-from tests.support.cli import MISSION, mrsfi, stop_specification
+from tests.support.cli import MISSION, edit, mrsfi, stop_specification
 
 
 def test_simulate_and_replay_write_the_bag_of_a_flight(flown, place, tmp_path):
@@ -20,12 +20,17 @@ def test_simulate_and_replay_write_the_bag_of_a_flight(flown, place, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["b.mcap", "page.html"])
-def test_a_flight_that_fails_leaves_no_file_of_it(name, place):
-    options = ("--engine", "rosbridge", "--url", "ws://127.0.0.1:9", "--timeout", "0.1")
+def test_a_flight_that_fails_on_its_way_leaves_the_file_of_before(name, place):
+    begin = "    # protected region g3.check on begin\n"
+    failing = f"{begin}    if ci.mission.tick == 50:\n        raise ValueError('seen')\n"
+    edit(place / "generated" / MISSION / "collective_intelligence.py", begin, failing)
     (place / name).write_text("of before")
+    recorded = (f"--{name.partition('.')[2]}", name, "--trace", "t.csv")
 
-    mrsfi("simulate", MISSION, *options, f"--{name.split('.')[1]}", name, cwd=place, expected=8)
+    done = mrsfi("simulate", MISSION, "--engine", "reference", *recorded, cwd=place, expected=6)
 
+    assert "seen" in done.stderr
+    assert len((place / "t.csv").read_text().splitlines()) > 40  # it flew until then
     assert (place / name).read_text() == "of before"
     assert not [*place.glob(".*.new")]
 

@@ -98,9 +98,9 @@ def flight_map(story: Story) -> Figure:
         axes = figure.add_subplot()
         _draw_mission(axes, mission, colours)
         labels = _labelled(axes, mission, colours)
-        x, y, half = seen(mission, story.true)
-        _look_at(axes, (x, y, half), story.title)
-        is_outside = (abs(story.believed - (x, y)) > half).any(axis=-1)
+        *centre, half = window = seen(mission, story.true)
+        _look_at(axes, window, story.title)
+        is_outside = (abs(story.believed - centre) > half).any(axis=-1)
         for k, robot in enumerate(mission.robots):
             colour = colours[robot.id]
             axes.plot(*story.true[:, k].T, color=colour, lw=1.6, zorder=2.4)
@@ -118,8 +118,8 @@ def flight_map(story: Story) -> Figure:
             Line2D([], [], ls="none", marker="o", color=SOFT, mec=INK, label="end"),
         ]
         if story.collisions:
-            spots = np.array([story.true[each.window[0], each.robot] for each in story.collisions])
-            axes.scatter(*spots.T, **_COLLISION)
+            met = np.array([story.true[each.window[0], each.robot] for each in story.collisions])
+            axes.scatter(*met.T, **_COLLISION)
             keys.append(Line2D([], [], ls="none", marker="x", mew=2, color=INK, label="collision"))
         n_outside = int((wrong & is_outside).sum())
         if n_outside:

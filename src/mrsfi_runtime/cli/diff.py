@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 import click
 
 from m2t.difference import difference
+from m2t.read.nodes import MAX_BYTES
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.errors import UsageError
 
@@ -35,7 +36,8 @@ def _model(name: str, kept: Path) -> Path:
         if path.is_fifo():
             kept.mkdir()
             file = kept / "pipe.xmi"
-            file.write_bytes(path.read_bytes())
+            with path.open("rb") as pipe:
+                file.write_bytes(pipe.read(MAX_BYTES + 1))
             return file
         if path.exists():
             return path

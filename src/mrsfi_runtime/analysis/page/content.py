@@ -8,7 +8,13 @@ from typing import Any, TypeAlias
 
 from mrsfi_runtime.analysis.findings import Finding
 from mrsfi_runtime.analysis.markdown import trend_in_words
-from mrsfi_runtime.analysis.page.flight import Flown, flight_content, mission_content, stride
+from mrsfi_runtime.analysis.page.flight import (
+    Flown,
+    fault_content,
+    flight_content,
+    mission_content,
+    stride,
+)
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.tables import evaluations_table
 from mrsfi_runtime.causes.cause_set import without
@@ -195,14 +201,7 @@ def _told(mission: Mission, told: Told) -> dict[str, Any]:
         "title": told.title,
         "sentence": told.sentence,
         "faults": [
-            {
-                "name": fault.name,
-                "type": fault.fault.type,
-                "target": fault.target,
-                "values": fault.values,
-                "window": fault.window,
-                "sentence": sentence,
-            }
+            fault_content(fault) | {"sentence": sentence}
             for fault, sentence in zip(told.faults, told.sentences, strict=True)
         ],
         "counts_said": _COUNTS,

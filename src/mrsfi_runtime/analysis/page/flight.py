@@ -73,6 +73,17 @@ def mission_content(mission: Mission) -> dict[str, Any]:
     }
 
 
+def fault_content(fault: NamedFault) -> dict[str, Any]:
+    """Return what the page shows of a fault."""
+    return {
+        "name": fault.name,
+        "type": fault.fault.type,
+        "target": fault.target,
+        "values": fault.values,
+        "window": fault.window,
+    }
+
+
 def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any]:
     """Return what the page shows of a flight.
 
@@ -94,16 +105,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
     return {
         "title": flown.title,
         "window": seen(mission, places(flown.recording, "world")),
-        "faults": [
-            {
-                "name": fault.name,
-                "type": fault.fault.type,
-                "target": fault.target,
-                "values": fault.values,
-                "window": fault.window,
-            }
-            for fault in flown.faults
-        ],
+        "faults": [fault_content(fault) for fault in flown.faults],
         "flights": [
             {"without": place, **_flight(mission, recording, steps, stride)}
             for place, recording in flights
