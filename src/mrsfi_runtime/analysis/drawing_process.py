@@ -3,6 +3,7 @@
 matplotlib takes as long to import, and to draw, as a whole search of compiled evaluations.
 """
 
+import os
 import pickle
 import signal
 import subprocess
@@ -113,6 +114,8 @@ class DrawingProcess:
 def main() -> None:
     """Draw what standard input says, as long as it says anything, and tell when each is done."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides how a run ends
+    if hasattr(os, "nice"):
+        os.nice(10)  # what is searched meanwhile comes first
     requests = sys.stdin.buffer
     try:
         ready = [(drawing, _drawn(drawing)) for drawing in pickle.load(requests)]

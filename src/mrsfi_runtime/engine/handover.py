@@ -28,13 +28,20 @@ if TYPE_CHECKING:
 N_TRIED = 2
 """Specifications that new code flies where it is built, and is held to the reference engine by."""
 
+HEAD_START = 4.0
+"""Seconds for which all workers fly what is evaluated first, before one of them compiles.
+
+Who edited a region waits for the first generation.
+"""
+
 _COMPILED = EngineSettings(COMPILED)
 
 
 class HandoverEngine(Engine):
     """Flies on the reference engine, and on the compiled one as soon as that is built.
 
-    Building begins with what is evaluated first, because a compiled plan has a size.
+    Building begins after a head start with what is evaluated first, because a compiled plan has a
+    size.
 
     Parameters
     ----------
@@ -55,8 +62,7 @@ class HandoverEngine(Engine):
         self.engine = self
         self._n_workers = n_workers
         self._tell = tell
-        self._n_before = max(1, n_workers - 1)
-        self._before = WorkerPool(code, seed, self._n_before)
+        self._before = WorkerPool(code, seed, n_workers)
         self._reference = ReferenceEngine(code, seed)
         self._build: Build | None = None
         self._is_decided = False
@@ -79,13 +85,19 @@ class HandoverEngine(Engine):
             If a worker process died.
         """
         seed = self.seed if seed is None else seed
-        for first in range(0, len(specifications), self._n_before):
-            compiled = self._taken_over(specifications)
-            if compiled is not None:
-                yield from compiled.evaluate_many(specifications[first:], seed)
-                return
-            few = specifications[first : first + self._n_before]
-            yield from self._before.evaluate_many(few, seed)
+        ends = monotonic() + HEAD_START
+        first = 0
+        while first < len(specifications):
+            n = self._n_workers
+            if self._build is not None or monotonic() > ends:
+                n = max(1, n - 1)
+                compiled = self._taken_over(specifications)
+                if compiled is not None:
+                    yield from compiled.evaluate_many(specifications[first:], seed)
+                    return
+            yield from self._before.evaluate_many(specifications[first : first + n], seed)
+            first += n
+        self._begun(specifications)
 
     def _evaluate(
         self,
@@ -105,17 +117,21 @@ class HandoverEngine(Engine):
 
     def _taken_over(self, specifications: Sequence[Specification]) -> Engine | None:
         """Return the compiled engine if it is built; what is to be flown begins to build it."""
-        if self._build is None:
-            self._build = Build(self.code, self.seed, specifications[:N_TRIED])
-        if self._is_decided or (told := self._build.told()) is None:
+        build = self._begun(specifications)
+        if self._is_decided or (told := build.told()) is None:
             return self._compiled
         self._is_decided = True
         if told:
             self._tell(f"not compiled: {told}; {ON_REFERENCE}")
         else:
             self._compiled = _COMPILED.open(self.code, self.seed, self._n_workers)
-            self._tell(f"compiled in {self._build.seconds:.1f} s; the compiled engine goes on")
+            self._tell(f"compiled in {build.seconds:.1f} s; the compiled engine goes on")
         return self._compiled
+
+    def _begun(self, specifications: Sequence[Specification]) -> "Build":
+        if self._build is None:
+            self._build = Build(self.code, self.seed, specifications[:N_TRIED])
+        return self._build
 
 
 class Build:

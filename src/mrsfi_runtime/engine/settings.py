@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Self
 
 from mrsfi_runtime.errors import EvaluationError, UsageError
@@ -85,7 +86,7 @@ class EngineSettings:
         engine: Engine | None = None
         if self.name in (AUTO, COMPILED):
             try:
-                if waits or self.name == COMPILED or _compiled_engine().is_built(code, seed):
+                if waits or self.name == COMPILED or _is_built(code, seed):
                     engine = _compiled_engine()(code, seed, 1)
                     settings = replace(self, name=COMPILED)
             except (UsageError, EvaluationError) as error:
@@ -157,13 +158,22 @@ def _reference(code: "MissionCode", seed: int) -> "Engine":
     return ReferenceEngine(code, seed)
 
 
+def _is_built(code: "MissionCode", seed: int) -> bool:
+    _require_numba()
+    from mrsfi_runtime.engine.compiled.driver import is_compiled  # noqa: PLC0415 - not for others
+
+    return is_compiled(code, seed)
+
+
 def _compiled_engine() -> "type[CompiledEngine]":
-    try:
-        from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - optional
-    except ImportError as error:
-        if error.name != "numba":
-            raise
+    _require_numba()
+    from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - optional
+
+    return CompiledEngine
+
+
+def _require_numba() -> None:
+    if find_spec("numba") is None:
         raise UsageError(
             "--engine compiled needs numba; install it with: pip install 'mrsfi[fast]'"
-        ) from error
-    return CompiledEngine
+        )

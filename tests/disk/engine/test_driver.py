@@ -5,7 +5,7 @@ import os
 import pytest
 
 from mrsfi_runtime.engine.compiled import driver
-from mrsfi_runtime.engine.compiled.driver import N_KEPT, load_driver
+from mrsfi_runtime.engine.compiled.driver import N_KEPT, Stub, load_driver
 
 
 @pytest.mark.parametrize("n_before", [0, 1, N_KEPT // 2 + 3, N_KEPT - 1, N_KEPT, N_KEPT + 5])
@@ -14,7 +14,7 @@ def test_a_new_mission_takes_the_place_of_the_oldest_only_where_the_cache_is_ful
 ):
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
     monkeypatch.setattr(driver, "load_module", lambda _, path: path)
-    made = load_driver("ci", "own", ["first"])
+    made = load_driver(Stub("", "first"))
     cache = made.parents[1]
     os.utime(made, (0, 0))
     for k in range(n_before):
@@ -23,7 +23,7 @@ def test_a_new_mission_takes_the_place_of_the_oldest_only_where_the_cache_is_ful
         path.touch()
         os.utime(path, (k + 1, k + 1))
 
-    new = load_driver("ci", "own", ["last"])
+    new = load_driver(Stub("", "last"))
 
     before = [made.parent.name, *(f"mission_{k}" for k in range(n_before))]
     kept = {path.name for path in cache.iterdir()}

@@ -1,6 +1,5 @@
 """Makes the kernel and the regions of a mission known to numba, and compiles its flight."""
 
-import sys
 from functools import lru_cache
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -9,12 +8,16 @@ from typing import Any
 import numba
 from numba.extending import register_jitable
 
-from mrsfi_runtime.engine.compiled import batch_flight
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
 from mrsfi_runtime.engine.compiled.compilation_errors import CompilationError, explain
-from mrsfi_runtime.engine.compiled.driver import load_driver, only_compiler
+from mrsfi_runtime.engine.compiled.driver import (
+    compiled_modules,
+    load_driver,
+    only_compiler,
+    stub_of,
+)
 from mrsfi_runtime.engine.compiled.inlining import Inlined, bind
-from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
+from mrsfi_runtime.engine.compiled.reach import kernel_functions
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.mission import MissionCode
 
@@ -45,11 +48,6 @@ class CompiledFlight:
     def folder(self) -> Path:
         """Where the compiled code is cached."""
         return Path(str(self._driver.__file__)).parent
-
-    @property
-    def is_cached(self) -> bool:
-        """Whether it was compiled before, for some size of plans."""
-        return any(self.folder.glob("__pycache__/*.nbc"))
 
     def __call__(self, arrays: Arrays, first: int, last: int) -> None:
         """Fly the specifications ``first … last - 1``.
@@ -94,14 +92,9 @@ def _require_one_file(code: MissionCode) -> None:
 @lru_cache(maxsize=16)
 def _driver(functions: MissionFunctions, state_type: Any) -> ModuleType:
     """Return the driver of a mission's functions, the same for all of its engines."""
-    collective = sys.modules[functions.check.__module__]
-    effects = sys.modules[functions.apply.__module__]
-    parts = [repr(state_type)]
-    for module in (batch_flight, collective, effects):
+    for module in compiled_modules(functions):
         register(module)
-        parts += [path.read_text(encoding="utf-8") for path in sources(module)]
-        parts += constants(module)
-    return load_driver(collective.__name__, effects.__name__, parts)
+    return load_driver(stub_of(functions, state_type))
 
 
 def register(module: ModuleType) -> None:

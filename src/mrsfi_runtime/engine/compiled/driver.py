@@ -10,13 +10,20 @@ import fcntl
 import os
 import shutil
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
+from typing import Any, NamedTuple
 
-from mrsfi_runtime.mission import load_module
+from mrsfi_runtime.engine.compiled import batch_flight
+from mrsfi_runtime.engine.compiled.layout import state_type
+from mrsfi_runtime.engine.compiled.reach import constants, sources
+from mrsfi_runtime.kernel.flight import MissionFunctions
+from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.mission import MissionCode, load_module
 
 N_KEPT = 64
 """Compiled missions that the cache keeps; one takes about 2 MB."""
@@ -27,6 +34,7 @@ import {collective} as ci
 import {effects} as own
 from mrsfi_runtime.engine.compiled import batch_flight
 from mrsfi_runtime.kernel.flight import MissionFunctions
+from mrsfi_runtime.kernel.initial import initial_state
 from numba import njit
 
 
@@ -37,27 +45,57 @@ def fly_many(arrays, first, last):
 '''
 
 
-def load_driver(collective: str, effects: str, parts: Sequence[str]) -> ModuleType:
-    """Return the stub of a mission, written to the cache folder before if need be.
+class Stub(NamedTuple):
+    """Text of the stub of a mission, and a hash of all that decides what is compiled."""
 
-    Parameters
-    ----------
-    collective, effects
-        Names under which its collective intelligence and its fault effects can be imported.
-    parts
-        All else that decides what is compiled, as texts.
+    text: str
+    key: str
+
+    @property
+    def path(self) -> Path:
+        """Its file; beside it numba keeps what it compiled."""
+        return _cache_folder() / self.key / "flight.py"
+
+
+@lru_cache(maxsize=16)
+def stub_of(functions: MissionFunctions, layout: Any) -> Stub:
+    """Return the stub of a mission, by its functions and the layout of its states."""
+    modules = compiled_modules(functions)
+    _, collective, effects = modules
+    text = _TEXT.format(collective=collective.__name__, effects=effects.__name__)
+    parts = [sys.version, text, repr(layout)]
+    for module in modules:
+        parts += [path.read_text(encoding="utf-8") for path in sources(module)]
+        parts += constants(module)
+    return Stub(text, sha256("\0".join(parts).encode()).hexdigest()[:24])
+
+
+def is_compiled(code: MissionCode, seed: int) -> bool:
+    """Return whether a mission is compiled already, for some size of plans.
+
+    Who only asks does not wait for numba to load.
     """
-    text = _TEXT.format(collective=collective, effects=effects)
-    key = sha256("\0".join((sys.version, text, *parts)).encode()).hexdigest()[:24]
-    name = f"mrsfi_compiled_{key}"
+    stub = stub_of(code.functions, state_type(initial_state(code.mission, seed)))
+    return any(stub.path.parent.glob("__pycache__/*.nbc"))
+
+
+def compiled_modules(functions: MissionFunctions) -> tuple[ModuleType, ...]:
+    """Return the modules from which a mission is compiled; the last two are its own."""
+    own = (functions.check.__module__, functions.apply.__module__)
+    return (batch_flight, *(sys.modules[name] for name in own))
+
+
+def load_driver(stub: Stub) -> ModuleType:
+    """Load a stub, written to the cache folder before if need be."""
+    name = f"mrsfi_compiled_{stub.key}"
     if name in sys.modules:  # with what it has compiled
         return sys.modules[name]
-    path = _cache_folder() / key / "flight.py"
+    path = stub.path
     if not path.is_file():
         _make_room(path.parent.parent)
         path.parent.mkdir(parents=True, exist_ok=True)
         staged = path.with_suffix(f".{os.getpid()}.tmp")
-        staged.write_text(text, encoding="utf-8")
+        staged.write_text(stub.text, encoding="utf-8")
         staged.replace(path)
     return load_module(name, path)
 

@@ -87,11 +87,6 @@ class CompiledEngine(Engine):
         self._fly(self._batch([()], code.pool), self._fresh(seed), 0, 1)
         self._is_checked = self._self_check.is_known(SAME)
 
-    @staticmethod
-    def is_built(code: MissionCode, seed: int) -> bool:
-        """Return whether a mission is compiled already."""
-        return CompiledFlight(code, state_type(initial_state(code.mission, seed))).is_cached
-
     def close(self) -> None:
         """End the threads."""
         self._threads.shutdown()
