@@ -13,6 +13,8 @@ from tests.support.tree import ROOT
 from tests.tiers import FILELESS, TIERS
 from tests.timing import Timing
 
+# Hundreds of processes begin in the tests; each would compile every module that it imports.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ.setdefault("MRSFI_CACHE", str(ROOT / ".pytest_cache" / "mrsfi"))
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in a shell's background, and inherited

@@ -19,7 +19,7 @@ from tests.support.modules import old_modules  # noqa: F401 - a fixture
 from tests.support.trace import traced
 from tests.support.tree import ROOT
 from tests.support.world import paper_code, specifications
-from tests.tiers import slow
+from tests.tiers import seeds, slow
 
 SEED = 3
 N_SPECIFICATIONS = 1000
@@ -73,6 +73,7 @@ def edited(folder, body, imports=""):
     return load_code(path.parent)
 
 
+@slow
 def test_a_region_may_use_lists_sorting_and_nested_loops(tmp_path):
     body = (
         "xs = sorted([robot.x for robot in ci.robots])\n"
@@ -184,6 +185,7 @@ IMPORTED = {
 }
 
 
+@slow
 @pytest.mark.parametrize("modules", IMPORTED.values(), ids=IMPORTED)
 def test_what_was_edited_compiles_anew(tmp_path, monkeypatch, modules):
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -313,7 +315,8 @@ def test_a_region_that_fails_only_where_it_is_not_compiled_stops_the_search(tmp_
 
 
 @pytest.mark.parametrize(
-    "written", ["ci.directions[0].x = 2.0", "ci.chances[0] = 7", "ci.mapped[0].gap = -9.0"]
+    "written",
+    seeds(["ci.directions[0].x = 2.0", "ci.chances[0] = 7", "ci.mapped[0].gap = -9.0"], 1),
 )
 def test_a_region_that_writes_to_a_table_fails_with_its_line_on_both_engines(tmp_path, written):
     code = edited(tmp_path, f"{written}\nreturn False")

@@ -132,14 +132,13 @@ def fly_alike(folders, of, longest, n_missions):
     return coverage
 
 
-@pytest.mark.parametrize(
-    ("name", "n_missions"), [("three robots", 1), pytest.param("fifty robots", 1, marks=slow)]
-)
-def test_some_drawn_missions_fly_alike(tmp_path_factory, name, n_missions):
+@slow
+@pytest.mark.parametrize("name", ["three robots", "fifty robots"])
+def test_some_drawn_missions_fly_alike(tmp_path_factory, name):
     """What they cover depends on the draw; each task and type has tests of its own."""
     of, longest, _ = (FEW | MANY)[name]
 
-    fly_alike(tmp_path_factory, of, longest, n_missions)
+    fly_alike(tmp_path_factory, of, longest, n_missions=1)
 
 
 @slow

@@ -43,7 +43,7 @@ def test_every_bit_of_belief_and_truth_is_that_of_the_reference(engine):
         assert traced(engine, specification) == traced(reference, specification)
 
 
-@pytest.mark.parametrize("name", ["compiled", "rosbridge"])
+@pytest.mark.parametrize("name", [pytest.param("compiled", marks=slow), "rosbridge"])
 def test_a_mission_in_which_every_fault_matters_flies_alike(name):
     code = code_of("tight_margins")
     reference = ReferenceEngine(code, 1)

@@ -207,6 +207,7 @@ SPECIFICATIONS = [
 ]
 
 
+@slow
 def test_both_engines_agree_also_after_other_specifications(code):
     reference = ReferenceEngine(code, 3)
     expected = [reference.evaluate(specification) for specification in SPECIFICATIONS]

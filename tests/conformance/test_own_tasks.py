@@ -17,6 +17,7 @@ from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.loiter import BODIES, CONSTANTS, fill, write_loiter
 from tests.support.trace import TraceDigest
+from tests.tiers import slow
 
 STRAY = Fault("stray", FAULT_TYPES["FixedRobotCoordinates"], "from_a", (500.0, 500.0, 0.0))
 POOL = FaultPool("one", (STRAY,))
@@ -81,7 +82,7 @@ def test_what_only_memory_tells_apart_changes_digests(generated):
     assert other[1] != usual[1]
 
 
-@pytest.mark.parametrize("name", ["compiled", "rosbridge"])
+@pytest.mark.parametrize("name", [pytest.param("compiled", marks=slow), "rosbridge"])
 def test_it_flies_alike_on_every_engine(generated, name):
     fill(generated)
     code = load_code(generated)

@@ -1,6 +1,7 @@
 """What the lint of regions says was measured: it differs, does not compile, or is alike."""
 
 import sys
+from operator import attrgetter
 
 import pytest
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
@@ -9,6 +10,7 @@ from mrsfi_runtime.engine.region_names import NAMES
 from tests.conformance.regions import outcomes
 from tests.support import lint_cases
 from tests.support.lint_cases import named, written
+from tests.tiers import seeds
 
 DIFFERENT = lint_cases.DIFFERENT + [
     case for case in lint_cases.CALLS if NAMES[case.name].does_compile
@@ -25,7 +27,7 @@ def _is_different(folder):
     return any(python != compiled for python, compiled in outcomes(folder))
 
 
-@pytest.mark.parametrize("case", **named(DIFFERENT))
+@pytest.mark.parametrize("case", seeds(DIFFERENT, 1), ids=attrgetter("name"))
 def test_what_is_warned_of_compiles_and_differs(tmp_path, case):
     written(tmp_path, case)
 

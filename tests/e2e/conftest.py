@@ -1,10 +1,26 @@
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from mrsfi_runtime.analysis import drawing_process
+from mrsfi_runtime.cli import evolve
 from tests.support.cli import MISSION, SMALL, mrsfi, workspace
 from tests.support.mutilation import installed  # noqa: F401 - a fixture
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
+
+
+@pytest.fixture(autouse=True)
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave figures empty where nobody looks at them: drawing takes longer than most tests here.
+
+    Fixtures of a session have them drawn, and so have processes of their own.
+    """
+    empty = {".png": b"", ".svg": b""}
+    process = nullcontext(SimpleNamespace(draw=drawing_process.draw_here))
+    monkeypatch.setattr(drawing_process, "_drawn", lambda _: empty)
+    monkeypatch.setattr(evolve, "DrawingProcess", lambda *_: process)
 
 
 @pytest.fixture

@@ -4,8 +4,10 @@ import pytest
 
 from tests.support.bags import read_bag
 from tests.support.cli import MISSION, edit, mrsfi, stop_specification
+from tests.tiers import slow
 
 
+@slow
 def test_simulate_and_replay_write_the_bag_of_a_flight(flown, place, tmp_path):
     stop = f"models/{MISSION}/stop.xmi"
     stop_specification(place / stop, [(100, 200)])

@@ -7,6 +7,7 @@ import pytest
 from m2t.load import load_mission_folder
 from tests.support.cli import MISSION, mrsfi, stop_specification
 from tests.support.models.published import published
+from tests.tiers import slow
 
 COMMANDS = (
     "validate",
@@ -39,6 +40,15 @@ BUS = {"cbor2", "importlib.metadata", "roslibpy", "websockets"}
 
 TINY = ("--population", "4", "--generations", "0")
 REFERENCE = ("--engine", "reference", "--workers", "1")
+LONG = [
+    (("simulate", MISSION, "--engine", "rosbridge"), {*FLIGHT, *BUS, "rich"}),
+    (("evolve", MISSION, *TINY, *REFERENCE, "--no-explain"), {*FLIGHT, *SEARCH, "rich"}),
+    (
+        ("explain", MISSION, "--faults", f"models/{MISSION}/stop.xmi", *REFERENCE),
+        {*FLIGHT, "numpy", "rich"},
+    ),
+    (("report", "FLOWN"), {*FRESH, "matplotlib", "numpy", "rich"}),
+]
 IMPORTED = [
     (("--help",), set()),
     *(((command, "--help"), set()) for command in COMMANDS),
@@ -48,14 +58,8 @@ IMPORTED = [
     (("diff", MISSION, MISSION), MODELS),
     (("import", "published.xmi"), MODELS),
     (("simulate", MISSION), {*FLIGHT, "rich"}),
-    (("simulate", MISSION, "--engine", "rosbridge"), {*FLIGHT, *BUS, "rich"}),
-    (("evolve", MISSION, *TINY, *REFERENCE, "--no-explain"), {*FLIGHT, *SEARCH, "rich"}),
-    (
-        ("explain", MISSION, "--faults", f"models/{MISSION}/stop.xmi", *REFERENCE),
-        {*FLIGHT, "numpy", "rich"},
-    ),
     (("replay", "FLOWN"), {*FRESH, "numpy", "rich"}),
-    (("report", "FLOWN"), {*FRESH, "matplotlib", "numpy", "rich"}),
+    *(pytest.param(*case, marks=slow) for case in LONG),
 ]
 """Which of the heavy ones a command imports."""
 

@@ -129,6 +129,7 @@ def test_runs_of_another_number_of_evaluations_or_mission_are_not_mixed(place):
     assert "mission.xmi: the comparison's own copy differs" in changed.stderr
 
 
+@slow
 def test_replications_of_a_campaign_file_are_flown_too(place):
     file = place / "models" / MISSION / "case_a.toml"
     edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")

@@ -51,6 +51,7 @@ def test_a_found_specification_validates_and_flies_again(flown):
     assert flight["digest"] == replayed["digest"]
 
 
+@slow
 def test_same_seed_same_digest_with_two_workers_and_another_with_another_seed(flown, place):
     small = ("evolve", MISSION, "--case", "b", "--population", "4", "--generations", "2")
     one = mrsfi_json("replay", flown, "--all", cwd=place)
@@ -123,6 +124,7 @@ def test_ctrl_c_ends_with_130_and_leaves_a_campaign_that_can_be_reported(place):
     mrsfi("replay", "runs/stopped", cwd=place)
 
 
+@slow
 def test_ctrl_c_while_figures_are_drawn_says_that_they_are_missing(flown, tmp_path):
     folder = shutil.copytree(flown, tmp_path / "run")
 

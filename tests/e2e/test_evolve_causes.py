@@ -231,6 +231,7 @@ def test_too_few_flights_for_any_leave_the_ten_most_critical(place):
     assert not [*(place / "out" / "critical").glob("*-cause.xmi")]
 
 
+@slow
 def test_no_explain_leaves_it_out_and_resume_goes_on_with_it(ended, place):
     run, done = ended
     evolve = write_planted(place, [*PLANTED, *harmless(N_SEARCHED - len(PLANTED))])
@@ -247,7 +248,8 @@ def test_no_explain_leaves_it_out_and_resume_goes_on_with_it(ended, place):
     assert is_equal(place / "runs" / "it", run)
 
 
-@pytest.mark.parametrize("sign", seeds(["SIGKILL", "SIGINT"], 1))
+@slow
+@pytest.mark.parametrize("sign", ["SIGKILL", "SIGINT"])
 def test_a_run_that_is_ended_while_it_explains_goes_on_to_the_same(ended, place, sign):
     run, done = ended
     evolve = write_planted(place, [*PLANTED, *harmless(N_SEARCHED - len(PLANTED))])

@@ -17,6 +17,7 @@ from tests.support.own_metamodels import (
     meaning,
     parameter,
 )
+from tests.tiers import slow
 
 
 @pytest.fixture
@@ -122,6 +123,7 @@ def test_team_adds_parts_of_its_own(project):
     _require_flight(project)
 
 
+@slow
 def test_team_writes_an_effect_of_its_own_in_two_files(project):
     content = meaning(mode="OWN", property="SPEED") + parameter("OFFSET", range="SPEED")
     add_fault_type(project / "metamodels" / FAULTS_FILE, "StuckSpeed", "RobotFault", content)

@@ -74,6 +74,7 @@ def killed(seconds: float, *arguments: str | Path, cwd: Path) -> None:
             process.send_signal(SIGKILL)
 
 
+@slow
 def test_ctrl_c_says_how_to_go_on_and_the_result_is_that_of_one_run(place, whole):
     out = place / "runs" / "stopped"
 

@@ -76,6 +76,7 @@ def test_a_flight_over_rosbridge_prints_what_the_reference_does(place):
     assert flown == mrsfi_json(*arguments, cwd=place)
 
 
+@slow
 def test_logs_traces_and_bags_are_the_same(place):
     faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
     for name, options in (("local", ()), ("bus", ROSBRIDGE)):
@@ -90,6 +91,7 @@ def test_logs_traces_and_bags_are_the_same(place):
     assert events == ["starts (9 … 99)", "first changes something", "ends"]
 
 
+@slow
 def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_how(quick):
     digests = []
     for name, options in (("local", REFERENCE), ("bus", (*ROSBRIDGE, "--client", "twisted"))):

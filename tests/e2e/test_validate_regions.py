@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
+from tests.tiers import slow
 
 BODY = "return goal_tasks.avoid_collision.violated(ci, G1)"
 OWN = "return ci.robots[R1].speed ** 2 > 9000.0"
@@ -93,6 +94,7 @@ def test_a_region_that_fails_is_an_error_of_every_command_before_anything_flies(
     assert not (place / "runs").exists()
 
 
+@slow
 def test_what_does_not_compile_is_named_in_generated_and_leaves_no_folder(place):
     _, line = _edited(place, "return {1: ci} == {}")
 

@@ -175,7 +175,7 @@ def test_drawn_missions_fly_alike(tmp_path, name, seed):
         twins.fly((whole,), rng.getrandbits(40))
 
 
-@pytest.mark.parametrize("n_robots", seeds([25, 30, 12, 24, 45, 70], 1))
+@pytest.mark.parametrize("n_robots", seeds([12, 25, 30, 24, 45, 70], 1))
 @pytest.mark.parametrize("room", [15.0, 60.0])
 def test_crowds_fly_alike(tmp_path, n_robots, room):
     rng = Random(n_robots)

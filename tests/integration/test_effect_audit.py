@@ -6,7 +6,7 @@ from mrsfi_runtime.analysis.effects import audit
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.world import code_of, paper_code
-from tests.tiers import seeds
+from tests.tiers import seeds, slow
 
 
 @pytest.fixture(scope="module")
@@ -19,6 +19,7 @@ def tight():
     return audit(ReferenceEngine(code_of("tight_margins"), 1), 60, 180)
 
 
+@slow
 def test_every_fault_type_is_applied(paper, tight):
     for rows in (paper, tight):
         assert {row.fault.type for row in rows} == set(FAULT_TYPES)

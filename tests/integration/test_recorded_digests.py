@@ -16,6 +16,7 @@ from mrsfi_runtime.search.campaign import run_campaign
 from tests.golden.flights import EFFECTS, effects
 from tests.golden.frozen import outcome_digest
 from tests.support.tree import ROOT
+from tests.tiers import slow
 
 MISSION = "uuv_sampling"
 DIGESTS = {
@@ -24,6 +25,7 @@ DIGESTS = {
 }
 
 
+@slow
 def test_every_fault_of_the_effects_pages_does_alone_what_was_recorded():
     assert dict(effects()) == json.loads(EFFECTS.read_text(encoding="utf-8"))
 

@@ -249,6 +249,7 @@ def test_a_simulation_that_is_killed_on_a_server_of_its_own_times_out(server):
             opened.evaluate((), observer=observe)
 
 
+@slow
 def test_a_stopped_simulation_times_out():
     def observe(world, belief, verdicts):
         if world.mission.tick == 20:

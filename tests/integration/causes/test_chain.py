@@ -14,7 +14,7 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import TraceTable
 from tests.support.world import code_of, paper_code, specification
-from tests.tiers import seeds
+from tests.tiers import seeds, slow
 
 
 def linked(code, drawn):
@@ -129,6 +129,7 @@ def test_chains_are_the_first_differences_of_two_traces(case):
                 assert expected is None or (first is not None and first.tick < expected)
 
 
+@slow
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_chains_are_the_same_compiled(case):
     code = code_of(case[0])

@@ -23,6 +23,7 @@ from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import columns_of, evaluation, store_of
 from tests.support.measures import FLOWN_TWICE, GOALS, HIDING, MASKED, MEANS
 from tests.support.search import paper_mission, pool_of
+from tests.tiers import slow
 
 MISSION = paper_mission()
 MEASURE = Measure.of(CampaignSettings(), MISSION)
@@ -133,6 +134,7 @@ def peak(work: Callable[[], object]) -> int:
     return most
 
 
+@slow
 def test_memory_grows_by_some_hundred_bytes_an_evaluation():
     sizes = (2_000, 10_000)
     peaks = []
