@@ -15,7 +15,8 @@
     │   ├── TransportTimeout
     │   ├── TransportClosed
     │   └── ProtocolError
-    └── RecordError             9  a campaign folder that cannot be read, written or flown
+    ├── RecordError             9  a campaign folder that cannot be read, written or flown
+    └── LimitExceeded          10  a kept finding came back
 
 Programming mistakes stay ``TypeError`` and ``ValueError``.
 """
@@ -103,3 +104,9 @@ class RecordError(MrsfiError):
     """A campaign folder cannot be read or written, or not be flown by this mrsfi."""
 
     exit_code = 9
+
+
+class LimitExceeded(MrsfiError):
+    """A goal has more violations under a kept finding than its limit allows."""
+
+    exit_code = 10

@@ -70,6 +70,12 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
     )
 
 
+def missions() -> Iterator[MissionFolders]:
+    """Yield the missions in ``models``, by name."""
+    for path in sorted(_MODELS.glob(f"*/{_MISSION_FILE}")):
+        yield find_mission(path.parent.name)
+
+
 def is_mission(mission: str) -> bool:
     """Return whether ``find_mission`` would find it."""
     return next(_places(mission), None) is not None

@@ -1,0 +1,59 @@
+"""What ``mrsfi keep`` takes."""
+
+from typing import Any
+
+import click
+
+from mrsfi_runtime.cli.engines import engine_options
+from mrsfi_runtime.engine.settings import AUTO
+from mrsfi_runtime.record.manifest import BOTH, CI
+
+_HELP = """Keep a finding of CAMPAIGN, so that mrsfi check tells when it comes back.
+
+Its cause set goes into models/NAME/regressions/ as XMI, and beside it the limits: how many ticks
+of violations each goal may have at most, as many as the campaign recorded unless --max says
+otherwise. Both are files to be reviewed and committed.
+
+After a change that is wanted, --update takes over what is counted today, and prints the
+difference.
+
+\b
+Examples:
+  mrsfi keep runs/uuv_sampling-a-1 --finding 1
+  mrsfi keep runs/uuv_sampling-a-1 --finding 2 --name surfacing --max g2=0,g4=10
+  mrsfi keep uuv_sampling --update
+  mrsfi keep uuv_sampling --update --name surfacing
+"""
+
+
+def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str, int] | None:
+    if text is None:
+        return None
+    limits = {}
+    for part in text.split(","):
+        goal, _equals, ticks = part.strip().partition("=")
+        if not goal or not ticks.isdecimal():
+            message = f"found '{part.strip()}'; expected GOAL=TICKS, such as g2=0"
+            raise click.BadParameter(message)
+        limits[goal] = int(ticks)
+    return limits
+
+
+@click.command(name="keep", help=_HELP)
+@click.argument("target", metavar="CAMPAIGN|MISSION")
+@click.option("--finding", type=click.IntRange(1), metavar="N", help="Finding N of the campaign.")
+@click.option("--name", metavar="NAME", help="Name of its files [default: CAMPAIGN-finding-N].")
+@click.option(
+    "--max",
+    "limits",
+    metavar="G=N,…",
+    callback=_limits,
+    help="Limit these goals alone, to so many ticks each.",
+)
+@click.option("--update", is_flag=True, help="Take over what is counted today of MISSION's.")
+@engine_options(BOTH, CI, default=AUTO)
+def command(**given: Any) -> None:
+    """Keep a finding of a campaign."""
+    from mrsfi_runtime.cli.keep import keep
+
+    keep(**given)

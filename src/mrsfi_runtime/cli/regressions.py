@@ -1,0 +1,155 @@
+"""Flies what is kept of a mission's findings against today's models and code."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from time import monotonic
+
+from mrsfi_runtime.causes.cause import find_cause
+from mrsfi_runtime.causes.cause_set import KEEP
+from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.recorded import sentences
+from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.engines import opened
+from mrsfi_runtime.cli.folders import MissionFolders
+from mrsfi_runtime.cli.loading import load_fresh, read_specification
+from mrsfi_runtime.engine.flights import Engine, require_effects
+from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
+from mrsfi_runtime.errors import MrsfiError, UsageError
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.regressions import Regression, kept
+from mrsfi_runtime.record.settings import CampaignSettings, following
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """What became of a kept finding.
+
+    Attributes
+    ----------
+    regression
+        The finding.
+    counts
+        What each goal that has a limit had at most, over the mission seeds, by its ID; empty if
+        it could not be flown.
+    error
+        Why it could not, if so.
+    gone
+        Faults of it that the pool of today does not have; it carries copies of them.
+    why
+        Of one that came back, what each fault of its cause did, in words.
+    seconds
+        How long it took.
+    """
+
+    regression: Regression
+    counts: dict[str, int]
+    error: MrsfiError | None
+    gone: tuple[str, ...]
+    why: tuple[str, ...]
+    seconds: float
+
+    @property
+    def exceeded(self) -> tuple[str, ...]:
+        """IDs of the goals that have more than is kept."""
+        return self.regression.exceeded(self.counts)
+
+    @property
+    def excess(self) -> str:
+        """What exceeds its limit, in words."""
+        limits, kind = self.regression.limits, self.regression.violations
+        found = (f"{goal} {self.counts[goal]}, kept {limits[goal]}" for goal in self.exceeded)
+        return f"{self.regression.name}: {kind} {'; '.join(found)}"
+
+
+def check_all(
+    folders: MissionFolders, engine: EngineSettings, n_seeds: int | None = None
+) -> Iterator[Checked]:
+    """Fly everything that is kept of a mission, and yield what became of each, by name.
+
+    Parameters
+    ----------
+    folders
+        The mission.
+    engine
+        Which engine flies; auto is compiled if that is built, and else reference.
+    n_seeds
+        Number of mission seeds, from the first of each on, in place of its own.
+
+    Raises
+    ------
+    UsageError
+        If nothing is kept, or limits cannot be read.
+    MrsfiError
+        If the mission cannot be flown at all.
+    """
+    regressions = kept(folders.models)
+    if not regressions:
+        raise UsageError(
+            f"{folders.models}: nothing is kept; expected at least one finding in regressions/; "
+            "keep one with: mrsfi keep CAMPAIGN --finding 1"
+        )
+    code = load_fresh(folders)
+    if engine.name == AUTO:
+        engine = engine.tried(code, regressions[0].mission_seeds[0], tell, waits=False)
+        engine = replace(engine, name=REFERENCE) if engine.name == AUTO else engine
+    for regression in regressions:
+        if n_seeds is not None:
+            seeds = following(regression.mission_seeds[0], n_seeds)
+            regression = replace(regression, mission_seeds=seeds)  # noqa: PLW2901
+        yield _checked(regression, code, engine)
+
+
+def _checked(regression: Regression, code: MissionCode, settings: EngineSettings) -> Checked:
+    began = monotonic()
+    counts: dict[str, int] = {}
+    gone: tuple[str, ...] = ()
+    why: tuple[str, ...] = ()
+    failure = None
+    try:
+        _, pool = read_specification(regression.specification)
+        require_effects(code.pool, pool)
+        gone = tuple(
+            fault.id for fault in pool if fault.id.rpartition(".")[0] not in code.pool.by_id
+        )
+        flown = replace(code, pool=pool)
+        with opened(flown, regression.mission_seeds[0], settings) as engine:
+            counts, worst = _worst(regression, engine, pool.written_specification())
+            if back := regression.exceeded(counts):
+                why = _why(regression, engine, back, worst)
+    except MrsfiError as error:
+        failure = error
+    return Checked(regression, counts, failure, gone, why, monotonic() - began)
+
+
+def _worst(
+    regression: Regression, engine: Engine, specification: Specification
+) -> tuple[dict[str, int], int]:
+    """Return the most that each goal has in any weather, and the seed of the worst weather."""
+    goals = engine.code.mission.goal_ids
+    found = {
+        seed: regression.counts(goals, engine.evaluate(specification, seed))
+        for seed in regression.mission_seeds
+    }
+    limits = regression.limits
+    return (
+        {goal: max(counts[goal] for counts in found.values()) for goal in limits},
+        max(found, key=lambda seed: sum(found[seed][goal] - limits[goal] for goal in limits)),
+    )
+
+
+def _why(
+    regression: Regression, engine: Engine, goals: tuple[str, ...], seed: int
+) -> tuple[str, ...]:
+    """Return what each fault did without which goals would have less, in words."""
+    mission = engine.code.mission
+    specification = engine.code.pool.written_specification()
+    settings = CampaignSettings(violations=regression.violations, goals=goals)
+    flights = Flights(engine.evaluate_many, Measure.of(settings, mission), (seed,))
+    cause = find_cause(flights, engine, specification, KEEP)
+    if cause is None or not cause.places:
+        return ("without any of its faults, the violations are there as well",)
+    names = [fault.id for fault in engine.code.pool]
+    return sentences(cause, named_faults(mission, engine.code.pool, specification, names))

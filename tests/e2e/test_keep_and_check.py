@@ -1,0 +1,204 @@
+"""What was found is kept beside the models, and a build server is told when it comes back."""
+
+import json
+import shutil
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from tests.support.cli import edit, mrsfi, mrsfi_json
+from tests.support.edited import COLLECTIVE, indented, write_body
+from tests.support.rendezvous import NAME, PLANTED, harmless, write_planted, write_rendezvous
+
+REFERENCE = ("--engine", "reference")
+WORSE = "return ci.mission.tick > 20"
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """Folder of the mission, with a campaign in runs/it that has three findings."""
+    folder = tmp_path_factory.mktemp("found")
+    write_rendezvous(folder)
+    evolve = write_planted(folder, [*PLANTED, *harmless(130 - len(PLANTED))])
+    mrsfi(*evolve, "--workers", "1", "--out", "runs/it", cwd=folder)
+    return folder
+
+
+@pytest.fixture
+def place(found, tmp_path):
+    """Copy of it, in which nothing is kept."""
+    return shutil.copytree(found, tmp_path, dirs_exist_ok=True)
+
+
+@pytest.fixture
+def kept(place):
+    """That folder, in which finding 3 is kept: robot a is stopped twice, and comes too late."""
+    mrsfi("keep", "runs/it", "--finding", "3", cwd=place)
+    return place
+
+
+def regressions(place):
+    return place / "models" / NAME / "regressions"
+
+
+def limits(place, name="it-finding-3"):
+    return regressions(place) / f"{name}.toml"
+
+
+def worsen(place):
+    """Let the check of goal g1 find it violated earlier; return what mends it."""
+    path = place / "generated" / NAME / COLLECTIVE
+    before = path.read_bytes()
+    write_body(path, "g1.check", indented(WORSE))
+    return lambda: path.write_bytes(before)
+
+
+def test_nothing_kept_is_no_pass(place):
+    for words in (("check",), ("check", NAME)):
+        done = mrsfi(*words, cwd=place, expected=2)
+        assert "kept" in done.stderr
+        assert "mrsfi keep CAMPAIGN --finding 1" in done.stderr
+
+
+def test_what_is_kept_is_the_cause_set_with_what_was_recorded(kept, found):
+    summary = json.loads((found / "runs" / "it" / "summary.json").read_text(encoding="utf-8"))
+    finding = summary["causes"]["findings"][2]
+
+    (checked,) = mrsfi_json("check", NAME, *REFERENCE, cwd=kept)[NAME]
+    flown = mrsfi_json(
+        "simulate", NAME, "--faults", regressions(kept) / "it-finding-3.xmi", cwd=kept
+    )
+
+    assert checked["state"] == "holds"
+    assert checked["max"] == checked["now"] == finding["believed"]
+    assert checked["max"]["g1"] > 0
+    assert checked["found"] == f"runs/it, finding 3: {finding['sentence']}"
+    assert {goal["id"]: goal["believed"] for goal in flown["goals"]} == finding["believed"]
+    assert [fault["id"] for fault in flown["faults"]] == ["stop_a.1", "stop_a.2"]
+
+
+@pytest.mark.parametrize("engine", ["auto", "reference", "rosbridge"])
+def test_a_changed_region_that_brings_it_back_fails_and_mended_it_passes(kept, engine):
+    words = ("check", "--engine", engine, "--junit", "found.xml")
+    most = mrsfi_json("check", *REFERENCE, cwd=kept)[NAME][0]["max"]["g1"]
+
+    mend = worsen(kept)
+    failed = mrsfi(*words, cwd=kept, expected=10)
+    junit = ET.parse(kept / "found.xml").getroot()
+    mend()
+    passed = mrsfi(*words, cwd=kept)
+
+    assert f"came back: it-finding-3: believed g1 99, kept {most}" in failed.stderr
+    assert "it-finding-3 came back. Found in runs/it, finding 3: stop_a" in failed.stdout
+    (suite,) = junit.iter("testsuite")
+    assert suite.attrib | {"time": ""} == {
+        "name": NAME,
+        "tests": "1",
+        "failures": "1",
+        "errors": "0",
+        "time": "",
+    }
+    (failure,) = junit.iter("failure")
+    assert failure.attrib["message"] == f"it-finding-3: believed g1 99, kept {most}"
+    assert f"{NAME}: 1 of 1 hold" in passed.stdout
+    assert not [*ET.parse(kept / "found.xml").getroot().iter("failure")]
+
+
+def test_a_limit_of_ones_own_says_which_faults_exceed_it(place):
+    mrsfi("keep", "runs/it", "--finding", "1", "--max", "g2=0", "--name", "late", cwd=place)
+
+    done = mrsfi("check", *REFERENCE, cwd=place, expected=10)
+
+    assert "[max]\ng2 = 0\n" in limits(place, "late").read_text(encoding="utf-8")
+    assert "late came back" in done.stdout
+    assert "  stop_b.1 (StopRobot)" in done.stdout
+    assert "  stop_a.1 (StopRobot)" not in done.stdout  # has nothing to do with g2
+
+
+def test_new_limits_are_taken_over_with_a_difference(kept):
+    most = mrsfi_json("check", *REFERENCE, cwd=kept)[NAME][0]["max"]["g1"]
+    worsen(kept)
+
+    new = mrsfi("keep", NAME, "--update", *REFERENCE, cwd=kept)
+    again = mrsfi("keep", NAME, "--update", *REFERENCE, cwd=kept)
+
+    assert new.stdout == f"it-finding-3\n  g1: {most} → 99\n"
+    assert again.stdout == "no difference\n"
+    mrsfi("check", *REFERENCE, cwd=kept)
+
+
+def test_more_mission_seeds_are_flown_if_asked(kept):
+    (checked,) = mrsfi_json("check", "--seeds", "3", *REFERENCE, cwd=kept)[NAME]
+
+    assert checked["mission_seeds"] == [1, 2, 3]
+
+
+def test_a_target_that_is_gone_is_an_error_and_the_others_are_flown(kept):
+    mrsfi("keep", "runs/it", "--finding", "2", cwd=kept)
+    edit(regressions(kept) / "it-finding-2.xmi", "mission.xmi#a", "mission.xmi#gone")
+
+    done = mrsfi("check", *REFERENCE, "--junit", "found.xml", cwd=kept, expected=3)
+
+    assert "it-finding-2.xmi" in done.stderr
+    assert "gone" in done.stderr
+    assert f"{NAME}: 1 of 2 hold" in done.stdout
+    (error,) = ET.parse(kept / "found.xml").getroot().iter("error")
+    assert "gone" in error.attrib["message"]
+
+
+def test_a_fault_that_left_the_pool_is_named_and_flown(kept):
+    pool = kept / "models" / NAME / "faults.xmi"
+    edit(pool, 'ID="stop_a"', 'ID="halt_a"')
+    mrsfi("generate", NAME, cwd=kept)
+
+    done = mrsfi("check", *REFERENCE, cwd=kept)
+
+    assert "no longer in the pool: stop_a.1, stop_a.2 (flown as kept)" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--finding", "4"), "found --finding 4; expected 1 … 3"),
+        (("--finding", "3"), "is kept already"),
+        (("--finding", "1", "--max", "g9=0"), "found goal 'g9'; expected goals of the mission: g1"),
+        (("--finding", "1", "--max", "g1"), "found 'g1'; expected GOAL=TICKS"),
+        ((), "--finding N is missing"),
+        (("--finding", "1", "--update"), "--update is about all that is kept"),
+    ],
+)
+def test_what_cannot_be_kept_is_refused_and_nothing_is_written(kept, words, told):
+    before = sorted(regressions(kept).iterdir())
+
+    done = mrsfi("keep", "runs/it", *words, cwd=kept, expected=2)
+
+    assert told in done.stderr
+    assert sorted(regressions(kept).iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("text", "replaced", "told"),
+    [
+        ("[max]", "[most]", "found unknown key 'most'; expected found, violations"),
+        ("mission_seeds = [1]", "mission_seeds = []", "mission_seeds: found []; expected a list"),
+        ('"believed"', '"guessed"', "violations: found 'guessed'; expected one of believed, true"),
+        ("g1 = ", "g1 = -", "max: found {'g1': -"),
+        ("g1 = ", "g7 = 0\ng1 = ", "max: found goal 'g7'; expected goals of the mission: g1"),
+        ("[max]", "[max", "cannot be read ("),
+    ],
+)
+def test_limits_that_make_no_sense_are_named(kept, text, replaced, told):
+    edit(limits(kept), text, replaced)
+
+    done = mrsfi("check", *REFERENCE, cwd=kept, expected=2)
+
+    assert "it-finding-3.toml" in done.stderr
+    assert told in done.stderr
+
+
+def test_a_specification_without_limits_is_named(kept):
+    limits(kept).unlink()
+
+    done = mrsfi("check", NAME, cwd=kept, expected=2)
+
+    assert "it-finding-3.xmi: found no limits; expected it-finding-3.toml beside it" in done.stderr
