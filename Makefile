@@ -35,7 +35,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report quick test test-all interop check docs clean
+.PHONY: help install generate validate simulate evolve report regressions quick test test-all interop check docs clean
 
 help: ## print this list
 	@echo "Targets:"
@@ -64,6 +64,9 @@ evolve: generate ## search critical fault specifications of MISSION; ends with w
 
 report: $(BASE) ## write the report of campaign folder OUT anew (default: the latest of runs/)
 	$(BIN)/mrsfi report $(if $(OUT),"$(OUT)")
+
+regressions: generate ## fly the kept findings of MISSION; fails where one came back
+	$(BIN)/mrsfi check "$(mission)" $(engine)
 
 quick: $(DEV) ## run the units and laws of the tests, in less than a minute
 	$(PYTEST) --tier quick

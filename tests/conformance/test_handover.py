@@ -81,7 +81,8 @@ def test_the_compiled_engine_goes_on_once_it_is_built_and_finds_the_same(code):
     assert auto(code) == "compiled"
 
 
-@pytest.mark.parametrize("n_workers", [1, pytest.param(3, marks=slow)])
+@slow
+@pytest.mark.parametrize("n_workers", [1, 3])
 def test_it_may_be_built_after_any_flight(monkeypatch, n_workers):
     code = code_of("tight_margins")
     drawn = specifications(code, 4)

@@ -9,6 +9,7 @@ import pytest
 from tests.support.cli import edit, mrsfi, mrsfi_json
 from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.rendezvous import NAME, PLANTED, harmless, write_planted, write_rendezvous
+from tests.support.tree import ROOT
 
 REFERENCE = ("--engine", "reference")
 WORSE = "return ci.mission.tick > 20"
@@ -58,6 +59,12 @@ def test_nothing_kept_is_no_pass(place):
         done = mrsfi(*words, cwd=place, expected=2)
         assert "kept" in done.stderr
         assert "mrsfi keep CAMPAIGN --finding 1" in done.stderr
+
+
+def test_what_this_project_keeps_holds():
+    done = mrsfi("check", cwd=ROOT)
+
+    assert "uuv_sampling: 1 of 1 hold" in done.stdout
 
 
 def test_what_is_kept_is_the_cause_set_with_what_was_recorded(kept, found):

@@ -26,6 +26,7 @@ def test_every_fault_type_is_applied(paper, tight):
         assert all(row.outcome.applied[0] > 0 for row in rows)
 
 
+@slow
 def test_on_the_paper_mission_a_type_that_changes_no_goal_has_a_reason(paper):
     assert all(any((*row.outcome.believed, *row.outcome.true)) != bool(row.reason) for row in paper)
 

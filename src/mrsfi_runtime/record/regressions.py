@@ -86,7 +86,7 @@ class Regression:
         """Return what ``load`` reads."""
         limits = "".join(f"{_key(goal)} = {most}\n" for goal, most in self.limits.items())
         return (
-            f"found = {json.dumps(self.found, ensure_ascii=False)}\n"
+            f"found = {_quoted(self.found)}\n"
             f"violations = {json.dumps(self.violations)}\n"
             f"mission_seeds = {list(self.mission_seeds)}\n"
             f"\n[max]\n{limits}"
@@ -140,7 +140,12 @@ def folder_of(models: Path) -> Path:
 
 
 def _key(name: str) -> str:
-    return name if _BARE.fullmatch(name) else json.dumps(name, ensure_ascii=False)
+    return name if _BARE.fullmatch(name) else _quoted(name)
+
+
+def _quoted(text: str) -> str:
+    """Return a text as TOML writes it: as JSON does, but for one character."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 
 def _is_count(value: Any) -> bool:
