@@ -88,13 +88,13 @@ class HandoverEngine(Engine):
         ends = monotonic() + HEAD_START
         first = 0
         while first < len(specifications):
-            n = self._n_workers
             if self._build is not None or monotonic() > ends:
-                n = max(1, n - 1)
                 compiled = self._taken_over(specifications)
                 if compiled is not None:
                     yield from compiled.evaluate_many(specifications[first:], seed)
                     return
+            is_building = self._build is not None and not self._is_decided
+            n = max(1, self._n_workers - is_building)
             yield from self._before.evaluate_many(specifications[first : first + n], seed)
             first += n
         self._begun(specifications)

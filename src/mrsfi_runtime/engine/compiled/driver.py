@@ -34,7 +34,6 @@ import {collective} as ci
 import {effects} as own
 from mrsfi_runtime.engine.compiled import batch_flight
 from mrsfi_runtime.kernel.flight import MissionFunctions
-from mrsfi_runtime.kernel.initial import initial_state
 from numba import njit
 
 
