@@ -54,9 +54,19 @@ class ProtectedRegionError(GenerationError):
 
 
 class SpecificationError(MrsfiError):
-    """A fault specification cannot be flown on its mission."""
+    """A fault specification cannot be flown on its mission.
+
+    Attributes
+    ----------
+    faults
+        IDs of the faults that it is about, if it is about some.
+    """
 
     exit_code = 5
+
+    def __init__(self, message: str, faults: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.faults = faults
 
 
 class EvaluationError(MrsfiError):

@@ -160,7 +160,7 @@ def test_a_fault_that_left_the_pool_is_named_and_flown(kept):
 
     done = mrsfi("check", *REFERENCE, cwd=kept)
 
-    assert "no longer in the pool: stop_a.1, stop_a.2 (flown as kept)" in done.stdout
+    assert "not in the pool: stop_a.1, stop_a.2 (flown as kept)" in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -43,15 +43,33 @@ def test_a_window_that_ends_beyond_the_mission_is_told(place):
     assert "'h1'" not in told
 
 
+def test_faults_that_are_in_no_pool_are_told(place):
+    path = stop_specification(place / "models" / MISSION / "own.xmi", [(100, 200), (300, 400)])
+    edit(path, 'ID="h2"', 'ID="f30.2"')
+
+    told = mrsfi("simulate", MISSION, "--faults", path, cwd=place).stderr
+
+    assert told == f"{path}: not in the pool, flown as written: h1\n"
+
+
+@pytest.mark.parametrize("command", ["simulate", "explain"])
 @pytest.mark.parametrize(
-    "windows", [[(100, 200), (150, 300)], [None]], ids=["overlap", "no window"]
+    ("windows", "told"),
+    [
+        (
+            [(100, 200), (150, 300)],
+            "3, 8: faults 'h1' (100 … 200) and 'h2' (150 … 300) overlap and both touch r1 motion",
+        ),
+        ([None], "3: fault 'h1' of 'byhand' has no start and finish"),
+    ],
+    ids=["overlap", "no window"],
 )
-def test_a_specification_that_cannot_be_flown_ends_with_5(windows, place):
+def test_a_specification_that_cannot_be_flown_ends_with_5(windows, told, command, place):
     path = stop_specification(place / "models" / MISSION / "bad.xmi", windows)
 
-    error = mrsfi("simulate", MISSION, "--faults", path, cwd=place, expected=5).stderr
+    error = mrsfi(command, MISSION, "--faults", path, cwd=place, expected=5).stderr
 
-    assert "h1" in error
+    assert f"{path}:{told}" in error
 
 
 def test_log_and_trace_have_every_tick(place):

@@ -77,7 +77,7 @@ def _print(name: str, checked: Sequence[Checked]) -> None:
     for each in checked:
         if each.gone:
             gone = ", ".join(each.gone)
-            click.echo(f"{each.regression.name}: no longer in the pool: {gone} (flown as kept)\n")
+            click.echo(f"{each.regression.name}: not in the pool: {gone} (flown as kept)\n")
         if each.error is not None:
             click.echo(f"{each.regression.name}: {each.error}\n")
         if each.exceeded:

@@ -32,11 +32,11 @@ from mrsfi_runtime.cli.explained import (
     print_explanation,
 )
 from mrsfi_runtime.cli.folders import MissionFolders, find_mission, is_mission
-from mrsfi_runtime.cli.loading import load_fresh, read_specification
+from mrsfi_runtime.cli.loading import load_fresh, read_specification, tell_of
 from mrsfi_runtime.cli.progress import tell_of_fitness
 from mrsfi_runtime.cli.replay import find_evaluation, require_same
 from mrsfi_runtime.cli.tables import print_findings
-from mrsfi_runtime.engine.flights import Engine, Evaluator, require_effects
+from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
 from mrsfi_runtime.mission import MissionCode
@@ -149,18 +149,20 @@ def _of_file(
 ) -> tuple[Case, Subject]:
     """Return a written specification, and what it is explained with."""
     code = load_fresh(folders)
-    models, pool = read_specification(path)
-    require_effects(code.pool, pool)
-    specification = pool.written_specification()
+    written = read_specification(path, code)
+    tell_of(path, written, code.mission)
+    pool = written.pool
     case = Case(
         code=replace(code, pool=pool),
         measure=Measure.of(CampaignSettings(violations=kind or VIOLATIONS[0]), code.mission),
         mission_seeds=(1 if seed is None else seed,),
-        models=lambda: models,
+        models=lambda: written.models,
         folder=path.parent if out is None else out,
         source=path,
     )
-    return case, Subject(path.stem, str(path), named_faults(code.mission, pool, specification))
+    return case, Subject(
+        path.stem, str(path), named_faults(code.mission, pool, written.specification)
+    )
 
 
 def _run(target: str) -> Path:

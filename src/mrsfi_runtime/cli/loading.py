@@ -1,14 +1,19 @@
 """What flies: the code of missions, and fault specifications in files."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from m2t.generate import fault_loader_text
 from m2t.load import LoadedModels, load_specification
+from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.folders import MissionFolders
+from mrsfi_runtime.engine.flights import require_effects
 from mrsfi_runtime.engine.region_lint import require_sound_regions
-from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.mission import MissionCode, load_code, pool_from_text
-from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.targets import require_no_overlap
 
 
 def load_fresh(folders: MissionFolders) -> MissionCode:
@@ -26,8 +31,33 @@ def load_fresh(folders: MissionFolders) -> MissionCode:
     return load_code(folders.generated)
 
 
-def read_specification(path: Path) -> tuple[LoadedModels, FaultPool]:
-    """Return a written fault specification, and its faults with windows and values.
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A fault specification in a file.
+
+    Attributes
+    ----------
+    models
+        The specification as it was loaded, with its mission.
+    pool
+        Its faults.
+    specification
+        The same, with windows and values.
+    unknown
+        Those of them that the pool of the mission does not have, by ID.
+    late
+        Those that end beyond the mission.
+    """
+
+    models: LoadedModels
+    pool: FaultPool
+    specification: Specification
+    unknown: tuple[str, ...]
+    late: Specification
+
+
+def read_specification(path: Path, code: MissionCode) -> Written:
+    """Return a written fault specification, which must be one that can be flown.
 
     Raises
     ------
@@ -35,8 +65,43 @@ def read_specification(path: Path) -> tuple[LoadedModels, FaultPool]:
         If there is no such file.
     ModelError
         If it cannot be used.
+    SpecificationError
+        If faults have no window, overlap though they conflict, or have effects that the mission's
+        code has not; with the lines of these faults.
     """
     if not path.is_file():
         raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
     models = load_specification(path)
-    return models, pool_from_text(fault_loader_text(models))
+    pool = pool_from_text(fault_loader_text(models))
+    try:
+        require_effects(code.pool, pool)
+        specification = pool.written_specification()
+        require_no_overlap(code.mission, pool, specification)
+    except SpecificationError as error:
+        lines = {each.ID: models.nodes[each].line for each in models.pool}
+        named = ", ".join(str(lines[fault]) for fault in error.faults if fault in lines)
+        where = f"{path}:{named}" if named else path
+        raise SpecificationError(f"{where}: {error}", error.faults) from error
+    return Written(
+        models,
+        pool,
+        specification,
+        unknown=tuple(each.id for each in pool if not _is_known(each.id, code.pool)),
+        late=tuple(timed for timed in specification if timed.finish >= code.mission.duration),
+    )
+
+
+def tell_of(path: Path, written: Written, mission: Mission) -> None:
+    """Tell what is odd about a written specification: it may be one of another mission."""
+    if written.unknown:
+        tell(f"{path}: not in the pool, flown as written: {', '.join(written.unknown)}")
+    for timed in written.late:
+        tell(
+            f"{path}: fault '{timed.fault}' has the window {timed.start} … {timed.finish}, "
+            f"which ends beyond the mission; its last tick is {mission.duration - 1}"
+        )
+
+
+def _is_known(fault: str, pool: FaultPool) -> bool:
+    """Return whether a pool has a fault, which a search may have numbered: ``f9.1``."""
+    return fault in pool.by_id or fault.rpartition(".")[0] in pool.by_id

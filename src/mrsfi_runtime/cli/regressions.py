@@ -12,7 +12,7 @@ from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import opened
 from mrsfi_runtime.cli.folders import MissionFolders
 from mrsfi_runtime.cli.loading import load_fresh, read_specification
-from mrsfi_runtime.engine.flights import Engine, require_effects
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import MrsfiError, UsageError
 from mrsfi_runtime.mission import MissionCode
@@ -109,14 +109,11 @@ def _checked(regression: Regression, code: MissionCode, settings: EngineSettings
     why: tuple[str, ...] = ()
     failure = None
     try:
-        _, pool = read_specification(regression.specification)
-        require_effects(code.pool, pool)
-        gone = tuple(
-            fault.id for fault in pool if fault.id.rpartition(".")[0] not in code.pool.by_id
-        )
-        flown = replace(code, pool=pool)
+        written = read_specification(regression.specification, code)
+        gone = written.unknown
+        flown = replace(code, pool=written.pool)
         with opened(flown, regression.mission_seeds[0], settings) as engine:
-            counts, worst = _worst(regression, engine, pool.written_specification())
+            counts, worst = _worst(regression, engine, written.specification)
             if back := regression.exceeded(counts):
                 why = _why(regression, engine, back, worst)
     except MrsfiError as error:

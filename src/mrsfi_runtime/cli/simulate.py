@@ -10,7 +10,7 @@ import click
 from mrsfi_runtime.cli.console import print_json, tell, written_file
 from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions, FlightFiles, opened
 from mrsfi_runtime.cli.folders import find_mission
-from mrsfi_runtime.cli.loading import load_fresh, read_specification
+from mrsfi_runtime.cli.loading import load_fresh, read_specification, tell_of
 from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.cli.terminal import print_table
@@ -18,7 +18,7 @@ from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
@@ -66,9 +66,7 @@ def simulate(  # noqa: PLR0913 - one parameter per option
             effects = _effects(folders.name, flown_by, window, n_seeds, tries_values=tries_values)
             _tell_effects(effects, markdown, is_json=is_json)
             return
-        pool = code.pool if faults is None else read_specification(faults)[1]
-        specification = () if faults is None else pool.written_specification()
-        _tell_of_late(specification, code.mission, faults)
+        pool, specification = _flown(faults, code)
         flown = "without faults" if faults is None else f"under {faults}"
         title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
         subject = Subject(title, _command(mission, faults, seed), _text(faults))
@@ -82,15 +80,12 @@ def simulate(  # noqa: PLR0913 - one parameter per option
         print_table("Faults", *fault_tables(named, outcome))
 
 
-def _tell_of_late(specification: Specification, mission: Mission, path: Path | None) -> None:
-    """Say which windows end beyond the mission, as one of another mission may."""
-    last = mission.duration - 1
-    for timed in specification:
-        if timed.finish > last:
-            tell(
-                f"{path}: fault '{timed.fault}' has the window {timed.start} … {timed.finish}, "
-                f"which ends beyond the mission; its last tick is {last}"
-            )
+def _flown(path: Path | None, code: MissionCode) -> tuple[FaultPool, Specification]:
+    if path is None:
+        return code.pool, ()
+    written = read_specification(path, code)
+    tell_of(path, written, code.mission)
+    return written.pool, written.specification
 
 
 def _command(mission: str, faults: Path | None, seed: int) -> list[str]:

@@ -137,7 +137,8 @@ class FaultPool:
             if fault.start is None or fault.finish is None:
                 raise SpecificationError(
                     f"fault '{fault.id}' of '{self.id}' has no start and finish; "
-                    "a specification that is to be flown needs both"
+                    "a specification that is to be flown needs both",
+                    (fault.id,),
                 )
             timed.append(TimedFault(fault.id, fault.start, fault.finish, fault.values))
         return tuple(timed)

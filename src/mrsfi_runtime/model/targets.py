@@ -186,21 +186,23 @@ class Exclusion(dict[str, tuple[int, tuple[Target | str, ...]]]):
             if not 0 <= start <= finish or len(values) != n_values:
                 raise SpecificationError(
                     f"fault '{fault}' has window {start} … {finish} and {len(values)} values; "
-                    f"expected 0 <= start <= finish and {n_values} values"
+                    f"expected 0 <= start <= finish and {n_values} values",
+                    (fault,),
                 )
             for key in keys:
                 before = newest.get(key)
                 if before is not None and before.finish >= start:
-                    raise SpecificationError(self._overlap(before, timed))
+                    raise self._overlap(before, timed)
                 newest[key] = timed
 
-    def _overlap(self, first: TimedFault, second: TimedFault) -> str:
-        """Return the message about two conflicting faults that overlap."""
-        shared = {*self[first.fault][1]} & {*self[second.fault][1]}
-        fields = (key[0] for key in shared if not isinstance(key, str))
-        what = ", ".join(sorted(affected.name.lower() for affected in fields)) or "nothing"
-        return (
+    def _overlap(self, first: TimedFault, second: TimedFault) -> SpecificationError:
+        """Return the error that two conflicting faults overlap."""
+        others = {*self[second.fault][1]}
+        shared = (key for key in self[first.fault][1] if key in others and not isinstance(key, str))
+        what = ", ".join(describe(self._mission, key) for key in shared) or "nothing"
+        return SpecificationError(
             f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
             f"({second.start} … {second.finish}) overlap and both touch {what}; "
-            "conflicting faults must not be active at the same tick"
+            "conflicting faults must not be active at the same tick",
+            (first.fault, second.fault),
         )

@@ -70,7 +70,7 @@ def test_a_target_that_the_mission_lacks_is_refused_by_name(type_name, target):
 @pytest.mark.parametrize(
     ("specification", "message"),
     [
-        ((TimedFault("f4", 0, 9, (1.0,)), TimedFault("f27", 9, 12)), "both touch energy"),
+        ((TimedFault("f4", 0, 9, (1.0,)), TimedFault("f27", 9, 12)), "both touch r. energy"),
         ((TimedFault("f1", 0, 9), TimedFault("f1", 5, 12)), "'f1' .5 … 12. overlap"),
         ((TimedFault("f1", 9, 8),), "0 <= start <= finish"),
         ((TimedFault("f1", -1, 8),), "0 <= start <= finish"),
