@@ -107,7 +107,7 @@ def _difference(
     for file in draft.files:
         if file.path in new:
             before, after = (
-                versions[file.path].decode(file.encoding, "replace").splitlines()
+                versions[file.path].decode(file.spelling.encoding, "replace").splitlines()
                 for versions in (old, new)
             )
             yield from unified_difference(before, after, str(file.path), str(file.path), "")

@@ -15,7 +15,7 @@ from m2t.metamodels import load_metamodels
 from m2t.objects import ModelLoader
 from m2t.read.addresses import local_path
 from m2t.read.model_files import ModelFiles
-from m2t.read.nodes import Node
+from m2t.read.nodes import Node, Spelling
 from mrsfi_runtime.errors import ModelError
 
 MISSION_XMI = "mission.xmi"
@@ -30,7 +30,7 @@ class LoadedFile:
     """
 
     path: Path
-    encoding: str
+    spelling: Spelling
     roots: tuple[Any, ...]
 
 
@@ -256,7 +256,7 @@ class _Loading:
             faults_path=None if faults is None else faults.path,
             nodes=self._loader.nodes,
             files=tuple(
-                LoadedFile(file.path, file.encoding, tuple(map(objects.get, file.roots)))
+                LoadedFile(file.path, file.spelling, tuple(map(objects.get, file.roots)))
                 for file in self._files
             ),
         )

@@ -41,8 +41,9 @@ def saved(models: LoadedModels) -> dict[Path, bytes]:
     Parameters
     ----------
     models
-        The models, changed or not. Every file keeps its encoding, its roots and the xmi:ids of
-        its elements; new elements get none. Comments are dropped, as Eclipse does.
+        The models, changed or not. Every file keeps its encoding, its line ends, its
+        xsi:schemaLocation, its roots and the xmi:ids of its elements; new elements get none.
+        Comments are dropped, as Eclipse does.
 
     Returns
     -------
@@ -58,7 +59,7 @@ def saved(models: LoadedModels) -> dict[Path, bytes]:
     return {
         file.path: dumps_file(
             file.roots,
-            file.encoding,
+            file.spelling,
             hrefs=addresses(models, file.path.parent, without=file),
             xmi_ids=xmi_ids,
         )

@@ -13,7 +13,7 @@ from typing import Any
 from m2t.diagnostics import Defect, Report, shown
 from m2t.namespaces import XMI, XSI
 from m2t.read.addresses import resolved_path
-from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS, Node, at, follow, read_xml
+from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS, Node, Spelling, at, follow, read_xml
 
 MAX_FILES = 1_000
 
@@ -31,8 +31,8 @@ class ModelFile:
     ----------
     path
         The file, as messages name it.
-    encoding
-        Encoding that it declares.
+    spelling
+        What saving keeps of it beside its content.
     roots
         Its root elements in order; more than one in an ``xmi:XMI`` element.
     by_id, by_xmi_id
@@ -44,7 +44,7 @@ class ModelFile:
     """
 
     path: Path
-    encoding: str
+    spelling: Spelling
     roots: tuple[Node, ...]
     by_id: dict[str, Node] = field(default_factory=dict, repr=False)
     by_xmi_id: dict[str, Node] = field(default_factory=dict, repr=False)
@@ -137,7 +137,7 @@ class ModelFiles:
                 ),
             )
             return None
-        file = ModelFile(path, xml.encoding, self._roots(xml.root), owners=owners)
+        file = ModelFile(path, xml.spelling, self._roots(xml.root), owners=owners)
         self._by_name[path] = file
         return file
 

@@ -107,18 +107,35 @@ def at(nodes: Sequence[Node], position: str) -> Node | None:
     return nodes[int(position)] if is_number and int(position) < len(nodes) else None
 
 
-class XmlFile:
-    """A file being read: handlers of the parser build its nodes and enforce the limits.
+@dataclass(frozen=True, slots=True)
+class Spelling:
+    """What saving keeps of a file beside its content.
 
-    Without a declared ``encoding``, its byte order mark tells it.
+    Attributes
+    ----------
+    encoding
+        Encoding that it declares; without one, its byte order mark tells it.
+    schema_location
+        Value of xsi:schemaLocation; Epsilon writes one. ``None`` if there is none.
+    line_end
+        How its first line ends.
     """
+
+    encoding: str
+    schema_location: str | None = None
+    line_end: str = "\n"
+
+
+class XmlFile:
+    """A file being read: handlers of the parser build its nodes and enforce the limits."""
 
     def __init__(self, path: Path) -> None:
         self.root: Node
-        self.encoding = ""
+        self.spelling: Spelling
         self.n_bytes = 0
         self.n_elements = 0
         self._path = path
+        self._encoding = ""
         self._open: list[Node] = []
         self._prefixes: Mapping[str, str] = _NO_PREFIXES
         self._parser = expat.ParserCreate(namespace_separator=" ")
@@ -140,10 +157,15 @@ class XmlFile:
         self._parser.Parse(content, True)
         self.n_bytes = len(content)
         is_wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
-        self.encoding = self.encoding or ("UTF-16" if is_wide else "UTF-8")
+        is_crlf = content[:4096].replace(b"\0", b"").partition(b"\n")[0].endswith(b"\r")
+        self.spelling = Spelling(
+            self._encoding or ("UTF-16" if is_wide else "UTF-8"),
+            self.root.qualified.get((XSI, "schemaLocation")),
+            "\r\n" if is_crlf else "\n",
+        )
 
     def _declaration(self, _: str, encoding: str | None, __: int) -> None:
-        self.encoding = (encoding or "").upper()  # as Eclipse writes it back
+        self._encoding = (encoding or "").upper()  # as Eclipse writes it back
 
     def _doctype(self, *_: object) -> None:
         raise Defect(

@@ -18,6 +18,7 @@ from pyecore.ecore import EEnum
 from m2t.elements import values
 from m2t.metaclasses import Slot, slots
 from m2t.namespaces import XMI, XSI
+from m2t.read.nodes import Spelling
 from mrsfi_runtime.errors import ModelError
 
 _NOTHING: Mapping[Any, str] = MappingProxyType({})
@@ -66,24 +67,25 @@ def dumps(
     References inside the file and across files name elements by xmi:id, else by ID; without
     either, or with an ID that holds a space, by path.
     """
-    return dumps_file((root,), encoding, hrefs=hrefs, xmi_ids=xmi_ids)
+    return dumps_file((root,), Spelling(encoding), hrefs=hrefs, xmi_ids=xmi_ids)
 
 
 def dumps_file(
     roots: Sequence[Any],
-    encoding: str,
+    spelling: Spelling,
     *,
     hrefs: Mapping[Any, str] = _NOTHING,
     xmi_ids: Mapping[Any, str] = _NOTHING,
 ) -> bytes:
     """Return a file with any number of roots as ``dumps`` does; several stand in ``xmi:XMI``."""
-    return document(_Writer(roots, hrefs, xmi_ids).lines(), encoding)
+    writer = _Writer(roots, hrefs, xmi_ids, spelling.schema_location)
+    return document(writer.lines(), spelling.encoding, spelling.line_end)
 
 
-def document(lines: Iterable[str], encoding: str) -> bytes:
+def document(lines: Iterable[str], encoding: str, line_end: str = "\n") -> bytes:
     """Return the bytes of an XML file with the lines of its root element."""
-    body = "\n".join(lines)
-    return _encoded(f'<?xml version="1.0" encoding="{encoding}"?>\n{body}\n', encoding)
+    whole = (f'<?xml version="1.0" encoding="{encoding}"?>', *lines, "")
+    return _encoded(line_end.join(whole), encoding)
 
 
 def _encoded(text: str, encoding: str) -> bytes:
@@ -143,12 +145,17 @@ class _Writer:
     """Writes one file; remembers which namespaces it needed for xsi:type."""
 
     def __init__(
-        self, roots: Sequence[Any], hrefs: Mapping[Any, str], xmi_ids: Mapping[Any, str]
+        self,
+        roots: Sequence[Any],
+        hrefs: Mapping[Any, str],
+        xmi_ids: Mapping[Any, str],
+        schema_location: str | None,
     ) -> None:
         self._roots = roots
+        self._schema_location = schema_location
         self._addresses: dict[Any, str] = {**dict.fromkeys(roots, ""), **hrefs}
         self._xmi_ids = xmi_ids
-        self._uses_xsi = False
+        self._uses_xsi = schema_location is not None
         self._namespaces = {
             root.eClass.ePackage.nsPrefix: root.eClass.ePackage.nsURI for root in roots
         }
@@ -171,7 +178,9 @@ class _Writer:
         namespaces = "".join(
             f' xmlns:{prefix}="{uri}"' for prefix, uri in sorted(self._namespaces.items())
         )
-        return f' xmi:version="2.0" xmlns:xmi="{XMI}"{xsi}{namespaces}'
+        location = self._schema_location
+        schemas = "" if location is None else attribute("xsi:schemaLocation", location)
+        return f' xmi:version="2.0" xmlns:xmi="{XMI}"{xsi}{namespaces}{schemas}'
 
     def _identity(self, element: Any) -> str:
         """Return the attribute xmi:id of an element that has one."""

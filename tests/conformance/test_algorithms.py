@@ -16,6 +16,7 @@ from mrsfi_runtime.search.campaign import run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.cli import workspace
 from tests.support.interrupted import MISSION, SEARCH, begin, digest, evaluations, killed_after
+from tests.tiers import slow
 
 N_EVALUATIONS = 40
 
@@ -96,6 +97,7 @@ def test_every_generation_keeps_statistics_of_a_recorded_population(whole):
         assert generation.statistics["min"] == min(fitness)
 
 
+@slow
 def test_killed_and_resumed_it_ends_as_one_that_never_was(place, whole):
     path = begin_search(place, "killed", *search_of(whole))
 

@@ -35,6 +35,7 @@ def flown_counts(flight, columns):
     return [goals[column["goal"]][column["kind"]] for column in columns]
 
 
+@slow
 def test_a_cause_set_flown_again_has_the_counts_that_were_printed(campaign, place):
     (found,) = explained(campaign, cwd=place)
 

@@ -53,7 +53,7 @@ def expected(specifications: Sequence[Specification]) -> list[object]:
         return list(pool.evaluate_many(specifications))
 
 
-@pytest.mark.parametrize("name", [REFERENCE, COMPILED])
+@pytest.mark.parametrize("name", [REFERENCE, pytest.param(COMPILED, marks=slow)])
 def test_results_are_those_of_this_process_in_order(two_workers, specifications, expected, name):
     with Cluster(two_workers.address) as cluster:
         pool = ClusterPool(cluster, load_code(GENERATED), 1, EngineSettings(name))

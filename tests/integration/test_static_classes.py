@@ -17,6 +17,7 @@ from m2t.classes.__main__ import main
 from m2t.classes.generator import class_files, write_classes
 from m2t.load import LoadedFile, LoadedModels, load_mission_folder
 from m2t.metamodels import load_metamodels
+from m2t.read.nodes import Spelling
 from m2t.saving import save, saved
 from m2t.typed import with_classes
 from m2t.write.xmi import dumps
@@ -137,8 +138,8 @@ def test_random_models_of_static_objects_have_the_same_bytes():
     for seed in range(25):
         drawn = draw(seed)
         files = (
-            LoadedFile(Path("mission.xmi"), "UTF-8", (drawn.mission,)),
-            LoadedFile(Path("faults.xmi"), "UTF-8", (drawn.faults,)),
+            LoadedFile(Path("mission.xmi"), Spelling("UTF-8"), (drawn.mission,)),
+            LoadedFile(Path("faults.xmi"), Spelling("UTF-8"), (drawn.faults,)),
         )
         models = LoadedModels(
             drawn.mission, drawn.faults, files[0].path, files[1].path, nodes={}, files=files

@@ -172,6 +172,36 @@ def test_a_fix_keeps_the_encoding_of_the_file(folder):
     assert _mended(folder).contents[path] == before
 
 
+@pytest.mark.parametrize("encoding", ["ASCII", "UTF-16"])
+def test_a_fix_keeps_the_line_ends_of_the_file(folder, encoding):
+    path = folder / MISSION
+    text = path.read_text(encoding="ascii").replace("ASCII", encoding).replace("\n", "\r\n")
+    head = b"\xfe\xff" if encoding == "UTF-16" else b""
+    before, broken = (
+        head + each.encode("UTF-16-BE" if head else encoding)
+        for each in (text, text.replace('ID="g2"', 'ID="g2" dependentGoals="g2"'))
+    )
+    path.write_bytes(broken)
+
+    mending = _mended(folder)
+
+    assert mending.contents[path] == before
+    assert len(mending.difference) < 20
+
+
+def test_a_fix_keeps_where_the_schemas_are(folder):
+    path = folder / MISSION
+    location = 'xsi:schemaLocation="http://mrsfi.org/mission/1.0 ../../metamodels/mission.ecore"'
+    edit(path, ' name="', f' {location} name="')
+    before = path.read_bytes()
+    edit(path, 'ID="g2"', 'ID="g2" dependentGoals="g2"')
+
+    mending = _mended(folder)
+
+    assert location.encode() in before
+    assert mending.contents[path] == before
+
+
 def test_a_fix_changes_another_part_of_the_mission_than_the_one_that_has_the_defect(folder):
     edit(folder / MISSION, 'Collision" members="r2 r3 r1"', 'Collision" members="r2 r3"')
     models = load_mission_folder(folder)

@@ -12,6 +12,7 @@ from m2t.load import (
     load_mission_folder,
     load_specification,
 )
+from m2t.read.nodes import Spelling
 from m2t.saving import save, saved
 from m2t.specification import write_specification
 from mrsfi_runtime.errors import ModelError
@@ -22,7 +23,9 @@ from tests.support.models.split import PARTS, split_folder
 def whole(models: LoadedModels) -> list[bytes]:
     """Return a mission and its faults as they would stand in one file each."""
     roots = ((models.mission_path, models.mission), (models.faults_path, models.faults))
-    files = tuple(LoadedFile(path, "ASCII", (root,)) for path, root in roots if path is not None)
+    files = tuple(
+        LoadedFile(path, Spelling("ASCII"), (root,)) for path, root in roots if path is not None
+    )
     return list(saved(dataclasses.replace(models, files=files)).values())
 
 
@@ -142,7 +145,7 @@ def test_mission_and_faults_in_one_file(tmp_path):
     original = load_mission_folder(copy_models(tmp_path / "two"))
     folder = copy_models(tmp_path / "one")
     models = load_mission_folder(folder)
-    both = LoadedFile(folder / MISSION, "ASCII", (models.mission, models.faults))
+    both = LoadedFile(folder / MISSION, Spelling("ASCII"), (models.mission, models.faults))
     (content,) = saved(dataclasses.replace(models, files=(both,))).values()
     (folder / MISSION).write_bytes(content)
     (folder / FAULTS).unlink()
@@ -159,7 +162,7 @@ def test_mission_and_faults_in_one_file(tmp_path):
 @pytest.mark.parametrize("target", ["/0/@goals.1/@messages.0", "m4", "#/0/@goals.1/@messages.0"])
 def test_references_between_two_roots_of_a_file(folder, target):
     models = load_mission_folder(folder)
-    both = LoadedFile(folder / MISSION, "ASCII", (models.mission, models.faults))
+    both = LoadedFile(folder / MISSION, Spelling("ASCII"), (models.mission, models.faults))
     (content,) = saved(dataclasses.replace(models, files=(both,))).values()
     (folder / MISSION).write_bytes(content)
     (folder / FAULTS).unlink()
@@ -173,7 +176,7 @@ def test_references_between_two_roots_of_a_file(folder, target):
 
 def test_faults_beside_those_in_the_mission_file_are_an_error(folder):
     models = load_mission_folder(folder)
-    both = LoadedFile(folder / MISSION, "ASCII", (models.mission, models.faults))
+    both = LoadedFile(folder / MISSION, Spelling("ASCII"), (models.mission, models.faults))
     (content,) = saved(dataclasses.replace(models, files=(both,))).values()
     (folder / MISSION).write_bytes(content)
 

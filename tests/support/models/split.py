@@ -7,6 +7,7 @@ from typing import Any
 
 from m2t.constraints.faults import fault_types
 from m2t.load import LoadedFile, LoadedModels, load_mission_folder
+from m2t.read.nodes import Spelling
 from m2t.saving import saved
 from tests.support.models.copies import copy_models
 
@@ -37,7 +38,7 @@ PARTS: dict[str, Parts] = {
 
 def write_split(folder: Path, models: LoadedModels, parts: Mapping[str, tuple[Any, ...]]) -> None:
     """Write loaded models with some of their elements in files of their own."""
-    files = [LoadedFile(folder / name, "ASCII", roots) for name, roots in parts.items()]
+    files = [LoadedFile(folder / name, Spelling("ASCII"), roots) for name, roots in parts.items()]
     split = dataclasses.replace(models, files=(*models.files, *files))
     for path, content in saved(split).items():
         path.parent.mkdir(parents=True, exist_ok=True)
