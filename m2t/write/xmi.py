@@ -200,6 +200,7 @@ class _Writer:
             if slot.is_contained:
                 lines.extend(self._contained(slot, held, indent))
             elif slot.is_reference:
+                self._require_addresses(element, slot, held)
                 self._refer(slot, held, indent, attributes, lines)
             elif slot.many:
                 texts = (_escaped(_text(slot, value), _TEXT_ESCAPES) for value in held)
@@ -245,15 +246,22 @@ class _Writer:
         self._namespaces[package.nsPrefix] = package.nsURI
         return f' xsi:type="{package.nsPrefix}:{value.eClass.name}"'
 
+    def _require_addresses(self, element: Any, slot: Slot, held: list[Any]) -> None:
+        """Refuse a reference to an object that stands in no known file, as a deleted one does."""
+        for value in held:
+            top = self._top(value)
+            if top not in self._addresses:
+                where = "no model" if top is value else f"another {top.eClass.name}"
+                raise ModelError(
+                    f"{element.eClass.name} '{self._fragment(element)}' refers by {slot.name} to "
+                    f"{value.eClass.name} '{self._fragment(value)}', which is part of {where}; "
+                    "expected one of the model's files; take the reference out if it was deleted, "
+                    "or give the address of its file"
+                )
+
     def _address(self, value: Any) -> str:
         """Return the address of the file that an object stands in, empty for this one."""
-        top = self._top(value)
-        if top not in self._addresses:
-            raise ModelError(
-                f"{self._roots[0].eClass.name} refers to '{self._fragment(value)}' of another "
-                f"{top.eClass.name}; expected one whose file is known; give its address"
-            )
-        return self._addresses[top]
+        return self._addresses[self._top(value)]
 
     def _top(self, value: Any) -> Any:
         """Return the root, in its file, of an object."""

@@ -91,7 +91,10 @@ def test_id_with_a_space_is_referred_to_by_path(folder):
 def test_reference_to_an_unknown_file_is_an_error():
     models = load_mission_folder(MODELS)
 
-    with pytest.raises(ModelError, match="refers to 's2' of another Mission"):
+    with pytest.raises(
+        ModelError,
+        match="refers by affectedSensor to Sensor 's2', which is part of another Mission",
+    ):
         dumps(models.faults)
 
 
@@ -204,3 +207,17 @@ def test_element_that_an_earlier_one_refers_to_is_written_in_place(folder):
     )
 
     assert save(load_mission_folder(folder)) == ()
+
+
+def test_who_refers_to_what_was_deleted_is_named(folder):
+    models = load_mission_folder(folder)
+    before = (folder / MISSION).read_bytes()
+    models.mission.robots.remove(models.mission.robots[0])
+
+    with pytest.raises(
+        ModelError, match="refers by members to Robot 'r1', which is part of no model"
+    ) as told:
+        save(models)
+
+    assert str(told.value).startswith("Goal 'g1' refers")
+    assert (folder / MISSION).read_bytes() == before
