@@ -134,6 +134,35 @@ def test_new_limits_are_taken_over_with_a_difference(kept):
     mrsfi("check", *REFERENCE, cwd=kept)
 
 
+def test_limits_of_one_alone_are_taken_over(kept):
+    mrsfi("keep", "runs/it", "--finding", "1", "--max", "g2=0", "--name", "late", cwd=kept)
+    before = limits(kept).read_bytes()
+    worsen(kept)
+
+    new = mrsfi("keep", NAME, "--update", "--name", "late", *REFERENCE, cwd=kept)
+    unknown = mrsfi("keep", NAME, "--update", "--name", "no", *REFERENCE, cwd=kept, expected=2)
+
+    assert new.stdout.startswith("late\n  g2: 0 → ")
+    assert limits(kept).read_bytes() == before
+    assert "found --name no; expected one that is kept: it-finding-3, late" in unknown.stderr
+
+
+def test_what_came_back_is_told_though_it_cannot_be_explained(kept):
+    edit(limits(kept), "g1 = ", "g1 = 0 # ")
+    body = (
+        "if ci.mission.tick == 60 and ci.robots[0].x > -9.0:\n"
+        "    raise ValueError('as without faults')\n"
+        "return ci.mission.tick > 20"
+    )
+    write_body(kept / "generated" / NAME / COLLECTIVE, "g1.check", indented(body))
+
+    done = mrsfi("check", *REFERENCE, cwd=kept, expected=10)
+
+    assert "it-finding-3   believed   g1           0    99   came back" in done.stdout
+    assert "  why is not known: " in done.stdout
+    assert "as without faults" in done.stdout
+
+
 def test_more_mission_seeds_are_flown_if_asked(kept):
     (checked,) = mrsfi_json("check", "--seeds", "3", *REFERENCE, cwd=kept)[NAME]
 
@@ -171,6 +200,8 @@ def test_a_fault_that_left_the_pool_is_named_and_flown(kept):
         (("--finding", "1", "--max", "g9=0"), "found goal 'g9'; expected goals of the mission: g1"),
         (("--finding", "1", "--max", "g1"), "found 'g1'; expected GOAL=TICKS"),
         ((), "--finding N is missing"),
+        (("--finding", "1", "--name", "../out"), "expected the name of a file"),
+        (("--finding", "1", "--name", ""), "expected the name of a file"),
         (("--finding", "1", "--update"), "--update is about all that is kept"),
     ],
 )

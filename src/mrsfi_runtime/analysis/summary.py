@@ -1,6 +1,6 @@
 """What a campaign found, as one value and as JSON."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -90,6 +90,12 @@ class Summary:
         return tuple(cause for cause in self.causes if cause.reason)
 
 
+def explained(store: CampaignStore, tops: Iterable[int]) -> tuple[RecordedCause, ...]:
+    """Return what is recorded of the causes of evaluations, by their indexes and in that order."""
+    known = {cause.index: cause for cause in store.causes()}
+    return tuple(known[index] for index in tops if index in known)
+
+
 def summarise(
     folder: Path,
     store: CampaignStore,
@@ -114,8 +120,7 @@ def summarise(
     best = tuple(map(store.evaluation, columns.top(N_TOP)))
     tops = {each.index: each.specification for each in best}
     trend = find_trend(store.generations())
-    known = {cause.index: cause for cause in store.causes()}
-    causes = tuple(known[index] for index in tops if index in known)
+    causes = explained(store, tops)
     sets = [chosen(tops[cause.index], cause.places) for cause in causes]
     summary = Summary(
         folder=folder,

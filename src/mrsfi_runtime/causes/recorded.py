@@ -70,7 +70,7 @@ def record_causes(
 
 _SPENT = "it would take more flights than the search did"
 _NOTHING = "it violates no goal that is counted"
-_NO_FAULT = "without any of its faults, the violations are there as well"
+NO_FAULT = "without any of its faults, the violations are there as well"
 
 
 def _found(flights: Flights, engine: Engine, evaluation: Evaluation) -> RecordedCause:
@@ -88,7 +88,7 @@ def _found(flights: Flights, engine: Engine, evaluation: Evaluation) -> Recorded
     if cause is None:
         return because(_NOTHING)
     if not cause.places:
-        return because(_NO_FAULT)
+        return because(NO_FAULT)
     names = numbered(timed.fault for timed in evaluation.specification)
     mission, pool = engine.code.mission, engine.code.pool
     faults = named_faults(mission, pool, evaluation.specification, names)

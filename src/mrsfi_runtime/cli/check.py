@@ -32,6 +32,8 @@ def check(
     is_json: bool,
 ) -> None:
     """Fly everything that is kept, and say what came back."""
+    if mission is None and generated is not None:
+        raise click.UsageError("--generated needs MISSION")
     settings = engine.settings(default=AUTO)
     names = [mission] if mission is not None else _with_findings()
     found = {}

@@ -10,7 +10,7 @@ from m2t.specification import write_specification
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.findings import Finding, find_findings
 from mrsfi_runtime.analysis.report import specification_rows
-from mrsfi_runtime.analysis.summary import N_TOP
+from mrsfi_runtime.analysis.summary import N_TOP, explained
 from mrsfi_runtime.cli.campaigns import OpenCampaign, open_campaign
 from mrsfi_runtime.cli.console import tell, whole_file
 from mrsfi_runtime.cli.engines import EngineOptions
@@ -52,7 +52,9 @@ def _keep(
     settings = campaign.store.settings
     folders = find_mission(campaign.store.manifest.mission)
     folder = folder_of(folders.models)
-    stem = name or f"{path.resolve().name}-finding-{number}"
+    stem = f"{path.resolve().name}-finding-{number}" if name is None else name
+    if not stem or stem != Path(stem).name:
+        raise UsageError(f"--name: found '{stem}'; expected the name of a file, without a folder")
     regression = Regression(
         folder / f"{stem}.toml",
         f"{path}, finding {number}: {found.sentence}",
@@ -90,9 +92,7 @@ def _finding(campaign: OpenCampaign, number: int) -> Finding:
     store = campaign.store
     measure = Measure.of(store.settings, campaign.mission)
     tops = {each.index: each.specification for each in top(store, measure, N_TOP)}
-    known = {cause.index: cause for cause in store.causes()}
-    causes = [known[index] for index in tops if index in known]
-    findings = find_findings(campaign.mission, campaign.pool, causes, tops)
+    findings = find_findings(campaign.mission, campaign.pool, explained(store, tops), tops)
     if not 1 <= number <= len(findings):
         has = f"1 … {len(findings)}" if findings else "a campaign that has findings; it has none"
         raise UsageError(f"{campaign.folder.path}: found --finding {number}; expected {has}")
@@ -102,14 +102,14 @@ def _finding(campaign: OpenCampaign, number: int) -> Finding:
 def _update(mission: str, name: str | None, engine: EngineOptions) -> None:
     """Take over what is counted today, and print what changed."""
     folders = find_mission(mission)
-    checked = [*check_all(folders, engine.settings(default=AUTO))]
+    checked = [*check_all(folders, engine.settings(default=AUTO), name=name)]
     failures = [each.error for each in checked if each.error is not None]
     if failures:
         raise failures[0]
     n_changed = 0
     for each in checked:
         before = each.regression.limits
-        if name not in {None, each.regression.name} or each.counts == before:
+        if each.counts == before:
             continue
         n_changed += 1
         _write(replace(each.regression, limits=each.counts))

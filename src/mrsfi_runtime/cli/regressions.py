@@ -7,14 +7,14 @@ from time import monotonic
 from mrsfi_runtime.causes.cause import find_cause
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.counts import Flights
-from mrsfi_runtime.causes.recorded import sentences
+from mrsfi_runtime.causes.recorded import NO_FAULT, sentences
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import opened
 from mrsfi_runtime.cli.folders import MissionFolders
 from mrsfi_runtime.cli.loading import load_fresh, read_specification
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
-from mrsfi_runtime.errors import MrsfiError, UsageError
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.measure import Measure
@@ -65,7 +65,10 @@ class Checked:
 
 
 def check_all(
-    folders: MissionFolders, engine: EngineSettings, n_seeds: int | None = None
+    folders: MissionFolders,
+    engine: EngineSettings,
+    n_seeds: int | None = None,
+    name: str | None = None,
 ) -> Iterator[Checked]:
     """Fly everything that is kept of a mission, and yield what became of each, by name.
 
@@ -77,11 +80,13 @@ def check_all(
         Which engine flies; auto is compiled if that is built, and else reference.
     n_seeds
         Number of mission seeds, from the first of each on, in place of its own.
+    name
+        The only one that is flown, if it is one.
 
     Raises
     ------
     UsageError
-        If nothing is kept, or limits cannot be read.
+        If nothing is kept, or nothing of that name, or limits cannot be read.
     MrsfiError
         If the mission cannot be flown at all.
     """
@@ -91,11 +96,17 @@ def check_all(
             f"{folders.models}: nothing is kept; expected at least one finding in regressions/; "
             "keep one with: mrsfi keep CAMPAIGN --finding 1"
         )
+    chosen = [each for each in regressions if name in {None, each.name}]
+    if not chosen:
+        names = ", ".join(each.name for each in regressions)
+        raise UsageError(
+            f"{folders.models}: found --name {name}; expected one that is kept: {names}"
+        )
     code = load_fresh(folders)
     if engine.name == AUTO:
         engine = engine.tried(code, regressions[0].mission_seeds[0], tell, waits=False)
         engine = replace(engine, name=REFERENCE) if engine.name == AUTO else engine
-    for regression in regressions:
+    for regression in chosen:
         if n_seeds is not None:
             seeds = following(regression.mission_seeds[0], n_seeds)
             regression = replace(regression, mission_seeds=seeds)  # noqa: PLW2901
@@ -145,8 +156,11 @@ def _why(
     specification = engine.code.pool.written_specification()
     settings = CampaignSettings(violations=regression.violations, goals=goals)
     flights = Flights(engine.evaluate_many, Measure.of(settings, mission), (seed,))
-    cause = find_cause(flights, engine, specification, KEEP)
+    try:
+        cause = find_cause(flights, engine, specification, KEEP)
+    except EvaluationError as error:  # under a part of the faults: it came back all the same
+        return (f"why is not known: {error}",)
     if cause is None or not cause.places:
-        return ("without any of its faults, the violations are there as well",)
+        return (NO_FAULT,)
     names = [fault.id for fault in engine.code.pool]
     return sentences(cause, named_faults(mission, engine.code.pool, specification, names))
