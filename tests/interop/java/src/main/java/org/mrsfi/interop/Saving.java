@@ -3,6 +3,7 @@ package org.mrsfi.interop;
 import com.google.gson.JsonObject;
 import java.io.ByteArrayOutputStream;
 import java.io.IOException;
+import java.io.OutputStream;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
@@ -10,11 +11,16 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import org.eclipse.emf.common.util.Diagnostic;
+import org.eclipse.emf.common.util.URI;
 import org.eclipse.emf.common.util.WrappedException;
 import org.eclipse.emf.ecore.EObject;
 import org.eclipse.emf.ecore.resource.Resource;
+import org.eclipse.emf.ecore.resource.ResourceSet;
+import org.eclipse.emf.ecore.resource.URIConverter;
+import org.eclipse.emf.ecore.resource.impl.ExtensibleURIConverterImpl;
 import org.eclipse.emf.ecore.util.Diagnostician;
 import org.eclipse.emf.ecore.util.EcoreUtil;
+import org.eclipse.emf.ecore.xmi.impl.XMLContentHandlerImpl;
 
 /** Loads files, says what EMF finds wrong with them, and saves them as Eclipse would. */
 final class Saving {
@@ -96,14 +102,33 @@ final class Saving {
     }
 
     /**
-     * Returns what Eclipse's editors write: the resource's own defaults and the encoding that it
-     * was loaded with. The address of the resource stays, and with it its relative references.
+     * Returns what Eclipse's editors write: the resource's own defaults, the encoding that it was
+     * loaded with, and the line ends of its file. EMF asks for these only where it opens the
+     * stream itself, so the converter hands it over, and reads them by a content handler: in
+     * Eclipse that of the platform, here that of XML. The address of the resource stays, and with
+     * it its relative references.
      */
     static byte[] bytes(Resource resource) throws IOException {
         ByteArrayOutputStream stream = new ByteArrayOutputStream();
-        resource.save(
-                stream,
-                Map.of(Resource.OPTION_LINE_DELIMITER, Resource.OPTION_LINE_DELIMITER_UNSPECIFIED));
+        ResourceSet models = resource.getResourceSet();
+        URIConverter files = models.getURIConverter();
+        URIConverter ours =
+                new ExtensibleURIConverterImpl() {
+                    @Override
+                    public OutputStream createOutputStream(URI address, Map<?, ?> options) {
+                        return stream;
+                    }
+                };
+        ours.getContentHandlers().add(new XMLContentHandlerImpl());
+        models.setURIConverter(ours);
+        try {
+            resource.save(
+                    Map.of(
+                            Resource.OPTION_LINE_DELIMITER,
+                            Resource.OPTION_LINE_DELIMITER_UNSPECIFIED));
+        } finally {
+            models.setURIConverter(files);
+        }
         return stream.toByteArray();
     }
 }
