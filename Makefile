@@ -16,7 +16,8 @@ BIN := $(VENV)/bin
 BASE := $(VENV)/.installed
 DEV := $(VENV)/.installed-dev
 SETUP := pyproject.toml constraints.txt
-PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist worksteal --ignore=tests/interop
+PYTEST := $(BIN)/python -m pytest --numprocesses auto
+OURS := --dist worksteal --ignore=tests/interop
 
 mission = $(or $(MISSION),uuv_sampling)
 pythons = $(or $(PYTHON),python3 python3.13 python3.12 python3.11)
@@ -69,17 +70,17 @@ regressions: generate ## fly the kept findings of MISSION; fails where one came 
 	$(BIN)/mrsfi check "$(mission)" $(engine)
 
 quick: $(DEV) ## run the units and laws of the tests, in less than a minute
-	$(PYTEST) --tier quick
+	$(PYTEST) $(OURS) --tier quick
 
 test: $(DEV) generate ## run the tests, in some minutes
-	$(PYTEST) --tier test
+	$(PYTEST) $(OURS) --tier test
 
 test-all: $(DEV) generate ## run what make test leaves out: more seeds, kills, thousands of sockets
-	$(PYTEST) --tier rest
+	$(PYTEST) $(OURS) --tier rest
 
 interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, Chromium
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples]"
-	$(BIN)/python -m pytest --tier all tests/interop
+	$(PYTEST) --dist loadfile --tier all tests/interop
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
 	$(BIN)/ruff format --check .

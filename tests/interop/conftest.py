@@ -1,32 +1,37 @@
 """Figures of the conformance suite, printed at the end of its run."""
 
+from collections.abc import Callable
+from itertools import chain
+
 import pytest
 
 from tests.interop.eclipse import Note, missing
 
-_LINES = pytest.StashKey[list[str]]()
+_COMPARED = "compared"
+"""Name under which a test reports its figures, from whichever process it runs in."""
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    config.stash[_LINES] = []
-
-
-@pytest.fixture(scope="session")
-def note(pytestconfig: pytest.Config) -> Note:
+@pytest.fixture
+def note(record_property: Callable[[str, object], None]) -> Note:
     """Keep figures until the end of the run."""
 
     def add(part: str, **counts: int) -> None:
         figures = ", ".join(f"{count:,} {name.replace('_', ' ')}" for name, count in counts.items())
-        pytestconfig.stash[_LINES].append(f"{part}: {figures}")
+        record_property(_COMPARED, f"{part}: {figures}")
 
     return add
 
 
-def pytest_terminal_summary(
-    terminalreporter: pytest.TerminalReporter, config: pytest.Config
-) -> None:
-    lines = sorted(config.stash[_LINES])
-    if not lines and missing():
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    reports = [
+        report
+        for reports in terminalreporter.stats.values()
+        for report in reports
+        if isinstance(report, pytest.TestReport) and report.when == "call"
+    ]
+    properties = chain.from_iterable(report.user_properties for report in reports)
+    lines = sorted(str(line) for name, line in properties if name == _COMPARED)
+    if reports and not lines and missing():
         lines = [f"nothing was compared: {missing()}"]
     if lines:
         terminalreporter.section("Compared with the real thing")

@@ -1,5 +1,6 @@
 """Real Eclipse EMF and Epsilon for tests: one Java program, built once, one start per call."""
 
+import fcntl
 import json
 import os
 import shutil
@@ -41,7 +42,8 @@ def harness(command: str, request: dict[str, Any]) -> dict[str, Any]:
         the folders in ``projects`` open by their names;
         ``evl`` checks every list of files in ``models`` by ``program``, and fixes what it
         offers to fix, in memory; ``eol`` and ``egl`` run ``program`` over the files of
-        ``models`` together, ``egl`` into ``target``.
+        ``models`` together, ``egl`` into ``target``; ``configured`` runs ``program``, EOL or EVL,
+        as a run configuration of Eclipse does, each file a model by itself that is stored.
     request
         What the command needs; paths are texts; ``metamodels`` may be left out.
 
@@ -49,7 +51,8 @@ def harness(command: str, request: dict[str, Any]) -> dict[str, Any]:
     -------
     dict
         ``models`` for ``resave`` and ``evl``, in the order of the request; ``printed`` for
-        ``eol``; ``written`` for ``egl``.
+        ``eol``; ``written`` for ``egl``; ``printed``, ``warned`` and, of EVL, ``unsatisfied`` for
+        ``configured``.
     """
     require_harness()
     path = os.pathsep.join((str(_TARGET / "classes"), str(_TARGET / "dependency" / "*")))
@@ -88,6 +91,12 @@ def missing() -> str:
     """Build the program if its sources are newer; return what is missing, or an empty text."""
     if shutil.which("java") is None:
         return "Java is missing; install Java 17 or newer"
+    with (_PROJECT / "pom.xml").open() as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # several workers ask at once
+        return _build()
+
+
+def _build() -> str:
     if _is_fresh():
         return ""
     if shutil.which("mvn") is None:

@@ -67,6 +67,7 @@ class Judged:
         }
 
 
+_SCHEMAS = re.compile(rb' xsi:schemaLocation="[^"]*"')
 _DROPPED = re.compile(r" refers to '[^'#/]*:[^'#/]*' as ")
 
 
@@ -144,7 +145,7 @@ def require_same_fixes(models: Sequence[Judged], note: Note) -> set[str]:
             continue
         mending = mend(inspection)
         contents = {} if mending is None else mending.contents
-        written = {path.resolve(): content for path, content in contents.items()}
+        written = {path.resolve(): _as_an_editor(content) for path, content in contents.items()}
         assert set(written) <= set(model.fixed_by_epsilon), model.path
         for path, (before, after) in model.fixed_by_epsilon.items():
             expected = written.get(path, before)
@@ -154,6 +155,11 @@ def require_same_fixes(models: Sequence[Judged], note: Note) -> set[str]:
         counts["files_written"] += len(written)
     note("(c) fixes", fixes=fixed.total(), constraints=len(fixed), **counts, differences=0)
     return set(fixed)
+
+
+def _as_an_editor(content: bytes) -> bytes:
+    """Return a file without the schema locations that Epsilon stores and Eclipse's editors drop."""
+    return _SCHEMAS.sub(b"", content)
 
 
 def offered_fixes(models: Iterable[Judged]) -> set[tuple[str, str]]:

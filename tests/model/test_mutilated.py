@@ -66,7 +66,6 @@ def _mutilate(kind: str, files: Sequence[Path], n_wanted: int, validate: Callabl
     for _ in range(MAX_DRAWS):
         path = draw.choice(files)
         path.write_bytes(MUTILATIONS[kind](originals[path], draw))
-        load_metamodels.cache_clear()
         n_broken += validate() == ModelError.exit_code
         path.write_bytes(originals[path])
         if n_broken == n_wanted:
@@ -79,7 +78,6 @@ def _mutilate(kind: str, files: Sequence[Path], n_wanted: int, validate: Callabl
 def test_mutilated_model_ends_with_exit_code_3_and_its_place(
     tmp_path, folder, capsys, kind, n_wanted
 ):
-
     files = [folder / MISSION, folder / FAULTS]
     _mutilate(kind, files, n_wanted, lambda: _validate(folder, tmp_path, capsys))
 
@@ -90,6 +88,10 @@ def test_mutilated_metamodel_ends_with_exit_code_3_and_its_place(
     tmp_path, installed, capsys, kind, n_wanted
 ):
     models = copy_models(tmp_path)
-
     files = [installed / MISSION_FILE, installed / FAULTS_FILE]
-    _mutilate(kind, files, n_wanted, lambda: _validate(models, tmp_path, capsys))
+
+    def validate() -> int:
+        load_metamodels.cache_clear()
+        return _validate(models, tmp_path, capsys)
+
+    _mutilate(kind, files, n_wanted, validate)

@@ -23,7 +23,7 @@ public final class Main {
     /**
      * Runs the command that the first argument names.
      *
-     * @param arguments resave, evl, eol or egl
+     * @param arguments resave, evl, eol, egl or configured
      * @throws Exception if the request cannot be carried out at all
      */
     public static void main(String[] arguments) throws Exception {
@@ -45,9 +45,10 @@ public final class Main {
             case "resave" -> Saving.resave(request);
             case "evl" -> Validation.validate(request);
             case "eol" -> Programs.query(request);
+            case "configured" -> Configuration.run(request);
             case "egl" -> Programs.generate(request);
             default -> throw new IllegalArgumentException(
-                    "command is '" + command + "'; expected resave, evl, eol or egl");
+                    "command is '" + command + "'; expected resave, evl, eol, egl or configured");
         };
     }
 }

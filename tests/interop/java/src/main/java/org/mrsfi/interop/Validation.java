@@ -117,7 +117,7 @@ final class Validation {
         return contents;
     }
 
-    private static Map<String, Object> description(UnsatisfiedConstraint unsatisfied) {
+    static Map<String, Object> description(UnsatisfiedConstraint unsatisfied) {
         EObject element = (EObject) unsatisfied.getInstance();
         Map<String, Object> answer = new LinkedHashMap<>();
         answer.put("constraint", unsatisfied.getConstraint().getName());
