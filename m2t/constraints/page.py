@@ -14,9 +14,10 @@ python -c "import m2t.constraints.page as p; print(p.constraints_page(), end='')
 
 `mrsfi validate MISSION` checks all of them. Those with a file in the last column are stated
 in EVL as well, beside the metamodels, with the same name, severity and message: an error is a
-`constraint`, a warning a `critique`. In Eclipse, run `metamodels/faults.evl` with Epsilon on
-the fault model together with its mission, or `metamodels/mission.evl` on a mission alone; the
-first imports the second, and both import what stands in `metamodels/constraints/`.
+`constraint`, a warning a `critique`. In Eclipse, run `metamodels/faults.evl` with
+[Epsilon](epsilon.md) on the fault model, which brings its mission, or `metamodels/mission.evl`
+on a mission alone; the first imports the second, and both import what stands in
+`metamodels/constraints/`.
 `tests/interop` compares both sides, constraint by constraint.
 
 Structure is checked before sense: what a constraint would say about missing parts helps nobody.

@@ -1,5 +1,6 @@
 """Programs of Epsilon set up as docs/epsilon.md says: models by their files, and stored."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from tests.support.models.copies import FAULTS, MISSION, copy_models, edit
 
 PROGRAMS = Path(__file__).parent / "epsilon"
 EVL = ROOT / "metamodels"
+PAGE = ROOT / "docs" / "epsilon.md"
 
 
 def _run(program: Path, *models: Path) -> dict[str, Any]:
@@ -40,6 +42,18 @@ def test_constraints_over_the_fault_model_alone_judge_the_mission_too_and_warn_o
 
     assert answer["warned"] == []
     assert [found["constraint"] for found in answer["unsatisfied"]] == ["GoalDependsOnOthers"]
+
+
+def test_the_query_of_the_page_prints_what_the_page_says(tmp_path):
+    page = PAGE.read_text(encoding="utf-8")
+    (query, printed) = re.findall(r"```(?:eol|text)\n(.*?)```", page, re.DOTALL)
+    program = tmp_path / "query.eol"
+    program.write_text(query, encoding="utf-8")
+
+    answer = _run(program, copy_models(tmp_path) / FAULTS)
+
+    assert answer["warned"] == []
+    assert answer["printed"] == printed.splitlines()
 
 
 def test_constraints_over_two_models_warn_that_types_are_ambiguous(tmp_path):
