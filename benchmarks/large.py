@@ -22,8 +22,8 @@ from pathlib import Path
 from random import Random
 
 from benchmarks.measuring import MEBI, Aims, Run, drawn, run_in
-from mrsfi_runtime.cli.campaigns import manifest_of
-from mrsfi_runtime.cli.folders import campaign_file, find_mission
+from mrsfi.campaigns import manifest_of
+from mrsfi.folders import campaign_file, find_mission
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.faults import fault_ticks

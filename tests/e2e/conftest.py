@@ -9,6 +9,7 @@ from mrsfi_runtime.cli import evolve
 from tests.support.cli import MISSION, SMALL, mrsfi, workspace
 from tests.support.mutilation import installed  # noqa: F401 - a fixture
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
+from tests.support.rendezvous import PLANTED, harmless, write_planted, write_rendezvous
 
 
 @pytest.fixture(autouse=True)
@@ -35,3 +36,13 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = workspace(tmp_path_factory.mktemp("flown"))
     mrsfi("evolve", MISSION, "--case", "b", *SMALL, "--out", "runs/small", cwd=folder)
     return folder / "runs" / "small"
+
+
+@pytest.fixture(scope="session")
+def found(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a small mission, with a campaign in runs/it of three findings; only to be read."""
+    folder = tmp_path_factory.mktemp("found")
+    write_rendezvous(folder)
+    evolve = write_planted(folder, [*PLANTED, *harmless(130 - len(PLANTED))])
+    mrsfi(*evolve, "--workers", "1", "--out", "runs/it", cwd=folder)
+    return folder

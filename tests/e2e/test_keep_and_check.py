@@ -8,21 +8,11 @@ import pytest
 
 from tests.support.cli import edit, mrsfi, mrsfi_json
 from tests.support.edited import COLLECTIVE, indented, write_body
-from tests.support.rendezvous import NAME, PLANTED, harmless, write_planted, write_rendezvous
+from tests.support.rendezvous import NAME
 from tests.support.tree import ROOT
 
 REFERENCE = ("--engine", "reference")
 WORSE = "return ci.mission.tick > 20"
-
-
-@pytest.fixture(scope="module")
-def found(tmp_path_factory):
-    """Folder of the mission, with a campaign in runs/it that has three findings."""
-    folder = tmp_path_factory.mktemp("found")
-    write_rendezvous(folder)
-    evolve = write_planted(folder, [*PLANTED, *harmless(130 - len(PLANTED))])
-    mrsfi(*evolve, "--workers", "1", "--out", "runs/it", cwd=folder)
-    return folder
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.cli.folders import find_mission
+from mrsfi.folders import find_mission
 from mrsfi_runtime.errors import UsageError
 from tests.support.cli import MISSION
 

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
 
+from mrsfi.folders import find_mission
 from mrsfi_runtime.cli.evolve import begun
-from mrsfi_runtime.cli.folders import find_mission
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.settings import CampaignSettings

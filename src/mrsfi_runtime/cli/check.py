@@ -8,10 +8,11 @@ from xml.etree import ElementTree as ET
 import click
 from rich.table import Table
 
-from mrsfi_runtime.cli.console import print_json, tell, whole_file
+from mrsfi.files import whole_file
+from mrsfi.folders import find_mission, missions
+from mrsfi.regressions import Checked, check_all
+from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions
-from mrsfi_runtime.cli.folders import find_mission, missions
-from mrsfi_runtime.cli.regressions import Checked, check_all
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.settings import AUTO
@@ -39,7 +40,7 @@ def check(
     found = {}
     for name in names:
         folders = find_mission(name, generated)
-        found[folders.name] = [*check_all(folders, settings, n_seeds)]
+        found[folders.name] = [*check_all(folders, settings, tell, n_seeds)]
     if junit is not None:
         with whole_file(junit) as file:
             file.write(_junit(found))

@@ -11,24 +11,22 @@ from time import monotonic
 import click
 from rich.table import Table
 
-from mrsfi_runtime.cli.campaigns import RUNS
-from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
-from mrsfi_runtime.cli.folders import (
+from mrsfi.campaigns import RUNS
+from mrsfi.evolving import require_searchable
+from mrsfi.folders import (
     campaign_file,
     find_mission,
 )
-from mrsfi_runtime.cli.loading import load_fresh
+from mrsfi.loading import load_fresh
+from mrsfi_runtime.cli.console import print_json, tell
+from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
-from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import require_settings
-from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.study.comparison import Comparison, as_json, compare
 from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.run_results import MOST_OBJECTIVES, RunResult
@@ -57,8 +55,7 @@ def compare_algorithms(  # noqa: PLR0913 - one for each option
     workers.require_sense(flown_by)
     folders = find_mission(mission, generated)
     code = load_fresh(folders)
-    settings = _settings(campaign_file(folders, case), code.mission, algorithms, evaluations)
-    SearchSpace.of(code.mission, code.pool)  # refuses a pool that cannot be searched
+    settings = _settings(campaign_file(folders, case), code, algorithms, evaluations)
     tried = workers.tried(code, next(iter(settings.values())).mission_seed, flown_by)
     path = RUNS / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
     with only_comparison(path, folders.models, folders.generated) as folder:
@@ -78,7 +75,7 @@ def compare_algorithms(  # noqa: PLR0913 - one for each option
 
 
 def _settings(
-    file: Path, mission: Mission, algorithms: str, evaluations: int
+    file: Path, code: MissionCode, algorithms: str, evaluations: int
 ) -> dict[str, CampaignSettings]:
     """Return the settings of each algorithm, or refuse what cannot be searched."""
     names = [name.strip() for name in algorithms.split(",")]
@@ -89,7 +86,7 @@ def _settings(
     settings = {}
     for name in names:
         one = CampaignSettings.load(file, algorithm=name, seed=1, evaluations=evaluations)
-        require_settings(one, mission)
+        require_searchable(code, one)
         settings[name] = one
     return settings
 

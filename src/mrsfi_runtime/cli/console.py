@@ -1,14 +1,9 @@
 """Where text goes: results to standard output, progress to standard error."""
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
-from typing import IO, Any, TextIO
+from typing import Any
 
 import click
-
-from mrsfi_runtime.errors import UsageError
 
 
 def print_json(value: Any) -> None:
@@ -24,50 +19,3 @@ def counted(number: int, nouns: str) -> str:
 def tell(message: str) -> None:
     """Print one line of progress."""
     click.echo(message, err=True)
-
-
-@contextmanager
-def written_file(path: Path) -> Iterator[TextIO]:
-    """Open a file that the user asked for.
-
-    Raises
-    ------
-    UsageError
-        If it cannot be written.
-    """
-    with _telling(path), path.open("w", encoding="utf-8", newline="\n") as file:
-        yield file
-
-
-@contextmanager
-def whole_file(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file that the user asked for, which is there when the body ends well, or not at all.
-
-    Raises
-    ------
-    UsageError
-        If it cannot be written.
-    """
-    if path.exists() and not path.is_file():  # a device or a pipe
-        with _telling(path), path.open("wb") as file:
-            yield file
-        return
-    new = path.with_name(f".{path.name}.new")
-    try:
-        with _telling(path):
-            with new.open("wb") as file:
-                yield file
-            new.replace(path)
-    finally:
-        new.unlink(missing_ok=True)
-
-
-@contextmanager
-def _telling(path: Path) -> Iterator[None]:
-    """Say of a file that it cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        raise UsageError(
-            f"{path}: cannot be written: {error.strerror}; name another file"
-        ) from error

@@ -6,8 +6,7 @@ from tempfile import TemporaryDirectory
 
 import click
 
-from m2t.difference import difference
-from m2t.read.nodes import MAX_BYTES
+from mrsfi.models import MAX_BYTES, difference
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.errors import UsageError
 

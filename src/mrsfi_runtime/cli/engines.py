@@ -1,8 +1,6 @@
 """The options of flights: engine, how its two sides meet, processes or a cluster, what is kept."""
 
-import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, fields
 from functools import wraps
 from pathlib import Path
@@ -10,21 +8,23 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import click
 
+from mrsfi.engines import evaluator
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
-from mrsfi_runtime.engine.settings import AUTO, ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
+from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
-from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
+from mrsfi_runtime.transport.server_address import CLIENTS, Client
 
 if TYPE_CHECKING:
-    from mrsfi_runtime.engine.flights import Engine, Evaluator
+    from contextlib import AbstractContextManager
+
+    from mrsfi_runtime.engine.flights import Evaluator
     from mrsfi_runtime.mission import MissionCode
 
 SIMULATION = "simulation"
 BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
-_N_PROCESSORS = os.cpu_count() or 1
 
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -117,19 +117,6 @@ class EngineOptions:
             )
 
 
-def recorded_engine(settings: EngineSettings) -> EngineRecord:
-    """Return what a campaign records of its engine."""
-    if settings.name != ROSBRIDGE:
-        return EngineRecord(settings.name)
-    return EngineRecord(
-        settings.name,
-        url=None if settings.url is None else without_token(settings.url),
-        client=settings.client,
-        side=BOTH if settings.has_simulation else CI,
-        is_bundled=settings.is_bundled,
-    )
-
-
 def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
     """Give a command the options of the engine; it receives them as ``engine``.
 
@@ -216,15 +203,14 @@ class WorkerOptions:
         """
         return engine.tried(code, seed, tell, waits=self.dask is not None)
 
-    @contextmanager
     def evaluator(
         self,
         code: "MissionCode",
         seed: int,
         engine: EngineSettings,
         on_reached: Callable[[str], None] = lambda _: None,
-    ) -> "Iterator[Evaluator]":
-        """Yield what evaluates specifications of a mission, as long as the body runs.
+    ) -> "AbstractContextManager[Evaluator]":
+        """Return what evaluates specifications of a mission, as long as a body runs.
 
         Parameters
         ----------
@@ -240,45 +226,7 @@ class WorkerOptions:
         MrsfiError
             If the engine cannot be opened.
         """
-        if self.dask is None:
-            n_workers = self.workers or (1 if engine.url else _N_PROCESSORS)
-            on_reached(f"{n_workers} workers")
-            if engine.name == AUTO:
-                with opened(code, seed, engine, n_workers) as own:
-                    yield own
-                return
-            from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - not for --help
-
-            with WorkerPool(code, seed, n_workers, engine) as pool:
-                yield pool
-            return
-        from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
-        from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
-
-        with Cluster(self.dask, self.workers or _N_PROCESSORS) as cluster:
-            on_reached(f"{cluster.n_workers()} workers of {cluster.address}")
-            yield ClusterPool(cluster, code, seed, engine)
-
-
-def opened(code: "MissionCode", seed: int, engine: EngineSettings, n_workers: int = 1) -> "Engine":
-    """Return an engine of this process; auto is compiled as soon as that is built, and says so."""
-    if engine.name != AUTO:
-        return engine.open(code, seed, n_workers)
-    from mrsfi_runtime.engine.handover import HandoverEngine  # noqa: PLC0415 - not for --help
-
-    return HandoverEngine(code, seed, n_workers, tell)
-
-
-@contextmanager
-def own_engine(
-    evaluator: "Evaluator", code: "MissionCode", seed: int, settings: EngineSettings
-) -> "Iterator[Engine]":
-    """Yield an engine of this process: that of an evaluator, or else another one like it."""
-    if evaluator.engine is not None:
-        yield evaluator.engine
-        return
-    with settings.open(code, seed) as engine:
-        yield engine
+        return evaluator(code, seed, engine, self.workers, self.dask, tell, on_reached)
 
 
 worker_options = options_as(

@@ -4,32 +4,29 @@ import platform
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import fields
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 from click.core import ParameterSource
 
-from mrsfi_runtime.analysis.columns import top
+from mrsfi.campaigns import FlyableCampaign, free_folder, open_to_fly
+from mrsfi.engines import own_engine
+from mrsfi.evolving import begun, find_causes, require_searchable, search
+from mrsfi.folders import campaign_file, find_mission
+from mrsfi.loading import load_fresh
+from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.drawing_process import DrawingProcess
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.analysis.report import map_drawing
 from mrsfi_runtime.analysis.summary import N_TOP
-from mrsfi_runtime.causes.recorded import record_causes
-from mrsfi_runtime.cli.campaigns import FlyableCampaign, free_folder, manifest_of, open_to_fly
 from mrsfi_runtime.cli.console import counted, tell
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
     WorkerOptions,
-    own_engine,
-    recorded_engine,
 )
-from mrsfi_runtime.cli.folders import MissionFolders, campaign_file, find_mission
-from mrsfi_runtime.cli.loading import load_fresh
 from mrsfi_runtime.cli.progress import search_progress, share, tell_of_fitness
 from mrsfi_runtime.cli.report import report
-from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import RecordError, TransportError, UsageError, WorkerLost
@@ -39,37 +36,12 @@ from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.folder import CampaignFolder, hashes, only_writer
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import require_settings, run_campaign
-from mrsfi_runtime.search.space import SearchSpace
 
 _FREE = frozenset(
     {"resume", "ratio", "no_explain", "is_json"}
     | {option.name for options in (EngineOptions, WorkerOptions) for option in fields(options)}
 )
 """Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
-
-
-@contextmanager
-def begun(
-    path: Path,
-    folders: MissionFolders,
-    settings: CampaignSettings,
-    case: str,
-    engine: EngineSettings,
-) -> Iterator[None]:
-    """Make a campaign without evaluations and be its writer while the body runs.
-
-    Raises
-    ------
-    RecordError
-        If the folder is in use, or cannot be written.
-    """
-    folder = CampaignFolder.reserve(path)
-    with only_writer(folder):
-        folder.fill(folders.models, folders.generated)
-        manifest = manifest_of(folders, case, recorded_engine(engine))
-        CampaignStore.create(path, settings, manifest).close()
-        yield
 
 
 @contextmanager
@@ -193,8 +165,7 @@ def _new_campaign(
     folders = find_mission(mission, generated)
     settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
     code = load_fresh(folders)
-    require_settings(settings, code.mission)
-    SearchSpace.of(code.mission, code.pool)  # refuses a pool that cannot be searched
+    require_searchable(code, settings)
     _require_ratio(settings, code.mission, ratio)
     tried = workers.tried(code, settings.mission_seed, engine)
     path = free_folder(folders.name, Path(case).stem) if out is None else out
@@ -221,12 +192,12 @@ def _search(
 ) -> None:
     """Search, and then find out causes."""
     path, store = campaign.folder.path, campaign.store
-    search = store.settings
+    chosen = store.settings
 
     def tell_who(who: str) -> None:
-        tell(f"campaign {path}: {search.algorithm}, seed {search.seed}, {settings.words}, {who}")
+        tell(f"campaign {path}: {chosen.algorithm}, seed {chosen.seed}, {settings.words}, {who}")
 
-    seed = search.mission_seed
+    seed = chosen.mission_seed
     try:
         with workers.evaluator(campaign.code, seed, settings, tell_who) as evaluator:
             n_generations = store.n_generations
@@ -244,38 +215,23 @@ def _search(
 
 
 def _run(campaign: FlyableCampaign, evaluator: Evaluator) -> None:
-    """Run the search to its end."""
+    """Run the search to its end, and show how far it is."""
     store = campaign.store
-    settings = store.settings
-    recorded = share(settings, store.n_generations, store.n_evaluations + store.n_failures)
-    evaluate_many, *replicas = (
-        partial(evaluator.evaluate_many, seed=seed) for seed in settings.mission_seeds
-    )
-    with search_progress(settings, recorded) as progress:
-        run_campaign(
-            settings,
-            campaign.code.mission,
-            campaign.code.pool,
-            evaluate_many,
-            store,
-            progress,
-            replicas=replicas,
-        )
+    n_flown = store.n_evaluations + store.n_failures
+    recorded = share(store.settings, store.n_generations, n_flown)
+    with search_progress(store.settings, recorded) as progress:
+        search(campaign, evaluator, progress)
 
 
 def _explain(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine) -> bool:
     """Find out the causes of the most critical, and tell; return whether any was not known."""
     store = campaign.store
-    measure = Measure.of(store.settings, campaign.mission)
-    best = top(store, measure, N_TOP)
-    n_recorded = len(store.causes())
-    tell_of_fitness(store.settings, measure)
+    tell_of_fitness(store.settings, Measure.of(store.settings, campaign.mission))
 
-    def tell_of(cause: RecordedCause) -> None:
+    def tell_of(cause: RecordedCause, n_wanted: int) -> None:
         faults = counted(len(store.evaluation(cause.index).specification), "faults")
         found = cause.reason or f"cause set {len(cause.places)} of {faults}"
-        place = f"{len(store.causes()):>{len(str(N_TOP))}}/{len(best)}"
+        place = f"{len(store.causes()):>{len(str(N_TOP))}}/{n_wanted}"
         tell(f"cause {place}  evaluation {cause.index}  {found}")
 
-    record_causes(store, measure, best, evaluator.evaluate_many, engine, tell_of)
-    return len(store.causes()) > n_recorded
+    return find_causes(campaign, evaluator, engine, tell_of)

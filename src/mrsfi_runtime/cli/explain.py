@@ -1,27 +1,26 @@
 """The command ``mrsfi explain``: which faults of a specification break which goal, and why."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
 from pathlib import Path
 
 import click
 
-from m2t.load import LoadedModels, load_mission_folder
-from m2t.specification import write_specification
+from mrsfi.campaigns import FlyableCampaign, open_to_fly
+from mrsfi.engines import own_engine
+from mrsfi.folders import MissionFolders, find_mission, is_mission
+from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.findings import find_findings
-from mrsfi_runtime.analysis.report import specification_rows
+from mrsfi_runtime.analysis.report import SpecificationWriter, specification_rows
 from mrsfi_runtime.causes.cause_set import chosen
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation, explain
 from mrsfi_runtime.causes.recorded import recorded
-from mrsfi_runtime.cli.campaigns import FlyableCampaign, open_to_fly
-from mrsfi_runtime.cli.console import print_json
+from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
     WorkerOptions,
-    own_engine,
 )
 from mrsfi_runtime.cli.explained import (
     CAUSE_SET,
@@ -31,8 +30,6 @@ from mrsfi_runtime.cli.explained import (
     of_goal,
     print_explanation,
 )
-from mrsfi_runtime.cli.folders import MissionFolders, find_mission, is_mission
-from mrsfi_runtime.cli.loading import load_fresh, read_specification, tell_of
 from mrsfi_runtime.cli.progress import tell_of_fitness
 from mrsfi_runtime.cli.replay import find_evaluation, require_same
 from mrsfi_runtime.cli.tables import print_findings
@@ -87,8 +84,8 @@ class Case:
         What is counted.
     mission_seeds
         Weathers that are counted together.
-    models
-        Returns what the specifications' faults are copied from.
+    write
+        Writes faults of the specifications as a model.
     folder
         Where the cause sets are written.
     source
@@ -98,7 +95,7 @@ class Case:
     code: MissionCode
     measure: Measure
     mission_seeds: tuple[int, ...]
-    models: Callable[[], LoadedModels]
+    write: SpecificationWriter
     folder: Path
     source: Path
 
@@ -150,13 +147,14 @@ def _of_file(
     """Return a written specification, and what it is explained with."""
     code = load_fresh(folders)
     written = read_specification(path, code)
-    tell_of(path, written, code.mission)
+    for oddity in written.oddities(path, code.mission):
+        tell(oddity)
     pool = written.pool
     case = Case(
         code=replace(code, pool=pool),
         measure=Measure.of(CampaignSettings(violations=kind or VIOLATIONS[0]), code.mission),
         mission_seeds=(1 if seed is None else seed,),
-        models=lambda: written.models,
+        write=written.write,
         folder=path.parent if out is None else out,
         source=path,
     )
@@ -191,7 +189,7 @@ def _case_of_run(campaign: FlyableCampaign, kind: str | None, out: Path | None) 
         code=campaign.code,
         measure=measure,
         mission_seeds=settings.mission_seeds,
-        models=cache(partial(load_mission_folder, campaign.folder.model)),
+        write=specification_writer(campaign.folder.model),
         folder=campaign.folder.causes if out is None else out,
         source=campaign.folder.path,
     )
@@ -310,7 +308,7 @@ def _write(case: Case, subject: Subject, found: Explanation | None) -> dict[str,
         names = [subject.faults[place].name for place in places]
         try:
             case.folder.mkdir(parents=True, exist_ok=True)
-            write_specification(case.models(), rows, path, identifier=identifier, names=names)
+            case.write(rows, path, identifier, names)
         except OSError as error:
             raise UsageError(
                 f"{path}: cannot be written: {error.strerror}; name another folder with --out"

@@ -4,11 +4,12 @@ from pathlib import Path
 
 import click
 
-from m2t import generate as generation
-from mrsfi_runtime.cli.folders import (
+from mrsfi.folders import (
     MissionFolders,
     find_mission,
 )
+from mrsfi.models import generate as generate_code
+from mrsfi.models import generation_difference
 from mrsfi_runtime.errors import GenerationError
 from mrsfi_runtime.unfilled import unfilled_regions
 
@@ -22,13 +23,13 @@ def generate(mission: str, generated: Path | None, *, check: bool, diff: bool, f
         folders.require_fresh()
         click.echo(f"fresh: {folders.generated}")
     elif diff:
-        click.echo(generation.diff(folders.models, folders.generated), nl=False)
+        click.echo(generation_difference(folders.models, folders.generated), nl=False)
     else:
         _write(folders, force=force)
 
 
 def _write(folders: MissionFolders, *, force: bool) -> None:
-    result = generation.generate(folders.models, folders.generated, force=force)
+    result = generate_code(folders.models, folders.generated, force=force)
     for verb, names in (
         ("written", result.written),
         ("removed", result.removed),

@@ -9,8 +9,7 @@ from typing import Any
 
 import click
 
-from m2t.importing.importer import Imported, import_published
-from m2t.importing.notes import Note
+from mrsfi.models import Imported, Note, import_published
 from mrsfi_runtime.cli.console import counted, print_json
 
 _SHOWN_LINES = 8

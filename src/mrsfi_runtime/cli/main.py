@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import click
 
-from mrsfi_runtime.cli.versions import print_version
+from mrsfi.versions import installed_version
 from mrsfi_runtime.errors import MrsfiError
 
 _INTERRUPTED = 130
@@ -141,6 +141,13 @@ def _tell(error: BaseException, *, is_traced: bool) -> int:
     return _DEFECT
 
 
+def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> None:
+    """Print the version of mrsfi and end, if the user asked for it."""
+    if is_wanted and not ctx.resilient_parsing:
+        click.echo(f"mrsfi, version {installed_version('mrsfi')}")
+        ctx.exit()
+
+
 @click.group(cls=CommandGroup, help=_HELP, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("--traceback", is_flag=True, help="On an error, say where in the code it arose.")
 @click.option(
@@ -148,7 +155,7 @@ def _tell(error: BaseException, *, is_traced: bool) -> int:
     is_flag=True,
     is_eager=True,
     expose_value=False,
-    callback=print_version,
+    callback=_print_version,
     help="Show the version and end.",
 )
 def cli(traceback: bool) -> None:

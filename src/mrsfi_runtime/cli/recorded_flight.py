@@ -5,9 +5,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import IO, Any, TypeAlias
 
-from mrsfi_runtime.cli.console import tell, whole_file, written_file
+from mrsfi.files import whole_file, written_file
+from mrsfi.versions import installed_version
+from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import FlightFiles
-from mrsfi_runtime.cli.versions import installed_version
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.initial import initial_state

@@ -1,28 +1,19 @@
 """The command ``mrsfi report``: the report of a campaign, written into its folder and printed."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from functools import cache, partial
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
-from m2t.load import load_mission_folder
-from m2t.specification import write_specification
+from mrsfi.campaigns import OpenCampaign, latest_folder, open_campaign
+from mrsfi.reporting import report as write_report
 from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick
-from mrsfi_runtime.analysis.page.content import Record
-from mrsfi_runtime.analysis.report import SpecificationRow, write_report
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
-from mrsfi_runtime.cli.campaigns import OpenCampaign, latest_folder, open_campaign
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.tables import critical_tables, plain_table, print_findings
 from mrsfi_runtime.cli.terminal import print_table
-from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import AUTO, COMPILED, EngineSettings
-from mrsfi_runtime.errors import MrsfiError
-from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.measure import Measure, ticks
 
 
@@ -46,12 +37,6 @@ def report(
     draw
         Draws the figures.
     """
-    models = cache(partial(load_mission_folder, campaign.folder.model))
-
-    def write(
-        rows: Sequence[SpecificationRow], path: Path, identifier: str, names: Sequence[str]
-    ) -> None:
-        write_specification(models(), rows, path, identifier=identifier, names=names)
 
     def show(summary: Summary) -> None:
         if is_json:
@@ -62,45 +47,10 @@ def report(
 
     path = campaign.folder.path
     try:
-        with _flying(campaign) as record:
-            write_report(
-                path,
-                campaign.mission,
-                campaign.pool,
-                write,
-                record=record,
-                ratio=ratio,
-                draw=draw,
-                show=show,
-            )
+        write_report(campaign, ratio, draw, show)
     except KeyboardInterrupt:
         tell(f"figures are missing from the report; write it anew with: mrsfi report {path}")
         raise
-
-
-@contextmanager
-def _flying(campaign: OpenCampaign) -> Iterator[Record | str]:
-    """Yield what flies specifications again, compiled if they are already, or why nothing does."""
-    store = campaign.store
-    if store.manifest.engine.is_foreign:
-        yield "Flown on somebody else's simulation, which is not asked again."
-        return
-    try:
-        store.require_flyable()
-        code = load_code(campaign.folder.generated)
-    except MrsfiError as error:
-        yield str(error)
-        return
-    seed = store.settings.mission_seed
-    with ExitStack() as opened:
-
-        @cache
-        def engine() -> Engine:
-            found = EngineSettings(AUTO).tried(code, seed, lambda _: None, waits=False)
-            found = found if found.name == COMPILED else EngineSettings()
-            return opened.enter_context(found.open(code, seed))
-
-        yield lambda specification: engine().record(specification)
 
 
 def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mrsfi_runtime.cli.console import print_json, tell, written_file
-from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions, FlightFiles, opened
-from mrsfi_runtime.cli.folders import find_mission
-from mrsfi_runtime.cli.loading import load_fresh, read_specification, tell_of
+from mrsfi.engines import opened
+from mrsfi.files import written_file
+from mrsfi.folders import find_mission
+from mrsfi.loading import load_fresh, read_specification
+from mrsfi_runtime.cli.console import print_json, tell
+from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions, FlightFiles
 from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.cli.terminal import print_table
@@ -59,7 +61,7 @@ def simulate(  # noqa: PLR0913 - one parameter per option
         return
     if settings.name == AUTO:
         settings = settings.tried(code, seed, tell, waits=False)
-    with opened(code, seed, settings) as flown_by:
+    with opened(code, seed, settings, tell) as flown_by:
         if each_fault is not None:
             window = _window(each_fault)
             tries_values = settings.name != ROSBRIDGE
@@ -84,7 +86,8 @@ def _flown(path: Path | None, code: MissionCode) -> tuple[FaultPool, Specificati
     if path is None:
         return code.pool, ()
     written = read_specification(path, code)
-    tell_of(path, written, code.mission)
+    for oddity in written.oddities(path, code.mission):
+        tell(oddity)
     return written.pool, written.specification
 
 

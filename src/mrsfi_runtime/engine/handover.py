@@ -12,7 +12,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from mrsfi_runtime.engine.flights import Engine, Evaluated
-from mrsfi_runtime.engine.pools import WorkerPool, interrupts_held, start_worker
+from mrsfi_runtime.engine.pools import WorkerPool, apart, start_worker
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import COMPILED, ON_REFERENCE, EngineSettings
 from mrsfi_runtime.errors import MrsfiError
@@ -158,7 +158,7 @@ class Build:
             daemon=True,
         )
         self._began = monotonic()
-        with interrupts_held():
+        with apart():
             self._process.start()
         answer.close()
 

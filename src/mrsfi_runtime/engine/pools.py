@@ -7,6 +7,7 @@ results.
 import os
 import pickle
 import signal
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -15,6 +16,7 @@ from functools import lru_cache, partial
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from threading import Thread
+from types import ModuleType
 
 from mrsfi_runtime.engine.flights import Engine, Evaluated, Evaluator
 from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
@@ -87,7 +89,7 @@ class WorkerPool(Evaluator):
             return
         chunks = _chunks(specifications, 4 * self._n_workers)
         try:
-            with interrupts_held():
+            with apart():
                 results = self._executor.map(
                     partial(_evaluate_chunk, self._open_engine, seed), chunks
                 )
@@ -100,12 +102,20 @@ class WorkerPool(Evaluator):
 
 
 @contextmanager
-def interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back while workers start: they inherit that, and it never hits them half-made."""
+def apart() -> Iterator[None]:
+    """Start workers apart from the terminal and the script of this process.
+
+    Ctrl-C is held back: they inherit that, and it never hits them half-made. And they do not run
+    the script again, as workers that are spawned do: all that they need is in modules of ours, and
+    a script may search without guarding its lines.
+    """
     held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
     try:
         yield
     finally:
+        sys.modules["__main__"] = script
         signal.pthread_sigmask(signal.SIG_SETMASK, held)
 
 

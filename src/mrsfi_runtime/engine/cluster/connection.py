@@ -16,7 +16,7 @@ from distributed import Client, KilledWorker, LocalCluster, Security, wait
 from mrsfi_runtime.engine.cluster.address import LOCAL
 from mrsfi_runtime.engine.cluster.shipment import Shipment
 from mrsfi_runtime.engine.cluster.worker import Chunk, EvaluatedChunk, MissionPlugin
-from mrsfi_runtime.engine.pools import interrupts_held
+from mrsfi_runtime.engine.pools import apart
 from mrsfi_runtime.errors import MrsfiError, TransportError, UsageError, WorkerLost
 
 CONNECT_SECONDS = 5.0
@@ -255,7 +255,7 @@ def _local(n_workers: int) -> Iterator[Any]:
     ensure_running()  # or the first worker's start would begin with it, which lets Ctrl-C through
     with ExitStack() as stack:
         try:
-            with interrupts_held():
+            with apart():
                 cluster = LocalCluster(
                     n_workers=n_workers,
                     threads_per_worker=1,

@@ -8,8 +8,11 @@ from pathlib import Path
 
 from m2t.generate import fault_loader_text, mission_loader_text
 from m2t.load import load_mission_folder
-from mrsfi_runtime.cli.folders import MissionFolders
-from mrsfi_runtime.cli.versions import installed_version
+from mrsfi.folders import MissionFolders
+from mrsfi.versions import installed_version
+from mrsfi_runtime.analysis.columns import top
+from mrsfi_runtime.analysis.findings import Finding, find_findings
+from mrsfi_runtime.analysis.summary import N_TOP, explained
 from mrsfi_runtime.errors import GenerationError, RecordError, UsageError
 from mrsfi_runtime.mission import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool
@@ -17,6 +20,7 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
+from mrsfi_runtime.record.measure import Measure
 
 RUNS = Path("runs")
 """Where campaigns go unless the user says otherwise."""
@@ -135,3 +139,11 @@ def open_to_fly(path: Path) -> Iterator[FlyableCampaign]:
                 "expected the folder as `mrsfi evolve` left it"
             ) from error
         yield FlyableCampaign(folder, store, code.mission, code.pool, code)
+
+
+def findings_of(campaign: OpenCampaign) -> tuple[Finding, ...]:
+    """Return the findings among the ten most critical of a campaign, the worst first."""
+    store = campaign.store
+    measure = Measure.of(store.settings, campaign.mission)
+    tops = {each.index: each.specification for each in top(store, measure, N_TOP)}
+    return find_findings(campaign.mission, campaign.pool, explained(store, tops), tops)

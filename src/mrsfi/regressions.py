@@ -1,17 +1,20 @@
-"""Flies what is kept of a mission's findings against today's models and code."""
+"""Findings that are kept beside the models of a mission, and flown against those of today."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from time import monotonic
 
+from mrsfi.campaigns import OpenCampaign, findings_of
+from mrsfi.engines import Tell, opened, silent
+from mrsfi.files import whole_file
+from mrsfi.folders import MissionFolders, find_mission
+from mrsfi.loading import load_fresh, read_specification, specification_writer
+from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.causes.cause import find_cause
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.recorded import NO_FAULT, sentences
-from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.engines import opened
-from mrsfi_runtime.cli.folders import MissionFolders
-from mrsfi_runtime.cli.loading import load_fresh, read_specification
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
@@ -19,7 +22,7 @@ from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.regressions import Regression, kept
+from mrsfi_runtime.record.regressions import Regression, folder_of, kept
 from mrsfi_runtime.record.settings import CampaignSettings, following
 
 
@@ -64,9 +67,88 @@ class Checked:
         return f"{self.regression.name}: {kind} {'; '.join(found)}"
 
 
+def keep(
+    campaign: OpenCampaign,
+    number: int = 1,
+    name: str | None = None,
+    limits: Mapping[str, int] | None = None,
+) -> Regression:
+    """Keep a finding of a campaign beside the models of its mission.
+
+    Parameters
+    ----------
+    number
+        Which finding, from 1 on.
+    name
+        Of its two files; after the campaign if left out.
+    limits
+        What each goal may have at most, by its ID; what the finding has if left out.
+
+    Raises
+    ------
+    UsageError
+        If there is no such finding, goal or mission, or something of that name is kept already.
+    """
+    path = campaign.folder.path
+    campaign.store.require_flyable()  # counts of other rules are no limits of today's
+    findings = findings_of(campaign)
+    if not 1 <= number <= len(findings):
+        has = f"1 … {len(findings)}" if findings else "a campaign that has findings; it has none"
+        raise UsageError(f"{path}: found --finding {number}; expected {has}")
+    found = findings[number - 1]
+    settings = campaign.store.settings
+    folders = find_mission(campaign.store.manifest.mission)
+    folder = folder_of(folders.models)
+    stem = f"{path.resolve().name}-finding-{number}" if name is None else name
+    if not stem or stem != Path(stem).name:
+        raise UsageError(f"--name: found '{stem}'; expected the name of a file, without a folder")
+    regression = Regression(
+        folder / f"{stem}.toml",
+        f"{path}, finding {number}: {found.sentence}",
+        settings.violations,
+        (settings.mission_seed,),
+        {},
+    )
+    goals = campaign.mission.goal_ids
+    counts = dict(zip(goals, getattr(found.outcome, settings.violations), strict=True))
+    regression = replace(regression, limits=counts if limits is None else limits)
+    regression.counts(goals, found.outcome)  # refuses goals that there are not
+    if regression.path.exists() or regression.specification.exists():
+        raise UsageError(
+            f"{regression.path}: is kept already; choose another name with --name, or take new "
+            f"limits over with: mrsfi keep {folders.name} --update"
+        )
+    specification = tuple(fault.timed for fault in found.faults)
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{folder}: cannot be made: {error.strerror}") from error
+    specification_writer(folders.models)(
+        specification_rows(campaign.pool, specification),
+        regression.specification,
+        "kept",
+        [fault.name for fault in found.faults],
+    )
+    write_limits(regression)
+    return regression
+
+
+def write_limits(regression: Regression) -> None:
+    """Write what a kept finding may have, as a whole file.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be written.
+    """
+    with whole_file(regression.path) as file:
+        file.write(regression.text().encode())
+
+
 def check_all(
     folders: MissionFolders,
     engine: EngineSettings,
+    tell: Tell = silent,
     n_seeds: int | None = None,
     name: str | None = None,
 ) -> Iterator[Checked]:
@@ -78,6 +160,8 @@ def check_all(
         The mission.
     engine
         Which engine flies; auto is compiled if that is built, and else reference.
+    tell
+        Told what cannot be compiled.
     n_seeds
         Number of mission seeds, from the first of each on, in place of its own.
     name
@@ -110,10 +194,12 @@ def check_all(
         if n_seeds is not None:
             seeds = following(regression.mission_seeds[0], n_seeds)
             regression = replace(regression, mission_seeds=seeds)  # noqa: PLW2901
-        yield _checked(regression, code, engine)
+        yield _checked(regression, code, engine, tell)
 
 
-def _checked(regression: Regression, code: MissionCode, settings: EngineSettings) -> Checked:
+def _checked(
+    regression: Regression, code: MissionCode, settings: EngineSettings, tell: Tell
+) -> Checked:
     began = monotonic()
     counts: dict[str, int] = {}
     gone: tuple[str, ...] = ()
@@ -123,7 +209,7 @@ def _checked(regression: Regression, code: MissionCode, settings: EngineSettings
         written = read_specification(regression.specification, code)
         gone = written.unknown
         flown = replace(code, pool=written.pool)
-        with opened(flown, regression.mission_seeds[0], settings) as engine:
+        with opened(flown, regression.mission_seeds[0], settings, tell) as engine:
             counts, worst = _worst(regression, engine, written.specification)
             if back := regression.exceeded(counts):
                 why = _why(regression, engine, back, worst)

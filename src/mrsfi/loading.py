@@ -1,12 +1,15 @@
 """What flies: the code of missions, and fault specifications in files."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from m2t.generate import fault_loader_text
-from m2t.load import LoadedModels, load_specification
-from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.folders import MissionFolders
+from m2t.load import LoadedModels, load_mission_folder, load_specification
+from m2t.specification import SpecificationRow, write_specification
+from mrsfi.folders import MissionFolders
 from mrsfi_runtime.engine.flights import require_effects
 from mrsfi_runtime.engine.region_lint import require_sound_regions
 from mrsfi_runtime.errors import SpecificationError, UsageError
@@ -14,6 +17,9 @@ from mrsfi_runtime.mission import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import require_no_overlap
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.analysis.report import SpecificationWriter
 
 
 def load_fresh(folders: MissionFolders) -> MissionCode:
@@ -29,6 +35,18 @@ def load_fresh(folders: MissionFolders) -> MissionCode:
     folders.require_fresh()
     require_sound_regions(folders.generated)
     return load_code(folders.generated)
+
+
+def specification_writer(folder: Path) -> "SpecificationWriter":
+    """Return what writes specifications of the pool in a mission folder, loaded for the first."""
+    models = cache(partial(load_mission_folder, folder))
+
+    def write(
+        rows: Sequence[SpecificationRow], path: Path, identifier: str, names: Sequence[str]
+    ) -> None:
+        write_specification(models(), rows, path, identifier=identifier, names=names)
+
+    return write
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +72,22 @@ class Written:
     specification: Specification
     unknown: tuple[str, ...]
     late: Specification
+
+    def write(
+        self, rows: Sequence[SpecificationRow], path: Path, identifier: str, names: Sequence[str]
+    ) -> None:
+        """Write some of its faults as a model."""
+        write_specification(self.models, rows, path, identifier=identifier, names=names)
+
+    def oddities(self, path: Path, mission: Mission) -> Iterator[str]:
+        """Yield what is odd about it, in words: it may be a specification of another mission."""
+        if self.unknown:
+            yield f"{path}: not in the pool, flown as written: {', '.join(self.unknown)}"
+        for timed in self.late:
+            yield (
+                f"{path}: fault '{timed.fault}' has the window {timed.start} … {timed.finish}, "
+                f"which ends beyond the mission; its last tick is {mission.duration - 1}"
+            )
 
 
 def read_specification(path: Path, code: MissionCode) -> Written:
@@ -89,17 +123,6 @@ def read_specification(path: Path, code: MissionCode) -> Written:
         unknown=tuple(each.id for each in pool if not _is_known(each.id, code.pool)),
         late=tuple(timed for timed in specification if timed.finish >= code.mission.duration),
     )
-
-
-def tell_of(path: Path, written: Written, mission: Mission) -> None:
-    """Tell what is odd about a written specification: it may be one of another mission."""
-    if written.unknown:
-        tell(f"{path}: not in the pool, flown as written: {', '.join(written.unknown)}")
-    for timed in written.late:
-        tell(
-            f"{path}: fault '{timed.fault}' has the window {timed.start} … {timed.finish}, "
-            f"which ends beyond the mission; its last tick is {mission.duration - 1}"
-        )
 
 
 def _is_known(fault: str, pool: FaultPool) -> bool:

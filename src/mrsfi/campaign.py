@@ -1,0 +1,167 @@
+"""What a search found, read from its folder."""
+
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrsfi import reporting
+from mrsfi.campaigns import findings_of, open_campaign, open_to_fly
+from mrsfi.engines import evaluator, own_engine
+from mrsfi.flight import Flight, fly
+from mrsfi.regressions import keep
+from mrsfi_runtime.analysis.columns import Columns
+from mrsfi_runtime.analysis.findings import Finding
+from mrsfi_runtime.causes.cause_set import KEEP
+from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.explanation import Explanation
+from mrsfi_runtime.causes.explanation import explain as find_out
+from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.regressions import Regression
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.record.settings import CampaignSettings
+
+
+class Campaign:
+    """A campaign, open or ended, by its folder: every evaluation, and what came of it.
+
+    Evaluations are numbered from 0 on, in the order in which they were flown.
+
+    Parameters
+    ----------
+    folder
+        As ``mrsfi evolve`` or ``Mission.evolve`` made it.
+
+    Raises
+    ------
+    RecordError
+        If it holds no campaign.
+    """
+
+    def __init__(self, folder: Path | str) -> None:
+        self.folder = Path(folder)
+        with open_campaign(self.folder) as campaign:
+            self._mission = campaign.mission
+            self.settings: CampaignSettings = campaign.store.settings
+
+    def __repr__(self) -> str:
+        return f"<Campaign {self.folder}, {len(self)} evaluations>"
+
+    def __len__(self) -> int:
+        return len(self.fitness)
+
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """IDs of the goals, the second axis of ``violations``."""
+        return self._columns.goals
+
+    @property
+    def fitness(self) -> NDArray[np.float64]:
+        """What evaluations are ranked by, shape ``(n_evaluations,)``."""
+        return self._columns.fitness
+
+    @property
+    def violations(self) -> NDArray[np.float64]:
+        """Violations of the kind that the campaign looks at, shape ``(n_evaluations, n_goals)``."""
+        return self._columns.violations.astype(np.float64)
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What breaks the mission, the worst first: specifications with alike causes as one."""
+        with open_campaign(self.folder) as campaign:
+            return findings_of(campaign)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 over all evaluations: the same for the same search on any machine."""
+        with CampaignStore.open(self.folder) as store:
+            return store.digest()
+
+    def evaluation(self, index: int) -> Evaluation:
+        """Return one evaluation: its specification, fitness and outcome.
+
+        Raises
+        ------
+        RecordError
+            If there is none of that index.
+        """
+        with CampaignStore.open(self.folder) as store:
+            return store.evaluation(index)
+
+    def top(self, n: int = 10) -> tuple[Evaluation, ...]:
+        """Return the most critical evaluations that differ, the worst first."""
+        with CampaignStore.open(self.folder) as store:
+            return tuple(map(store.evaluation, self._columns.top(n)))
+
+    def fly(self, index: int) -> Flight:
+        """Fly an evaluation again, on the campaign's own copy of the code; return every tick.
+
+        Raises
+        ------
+        RecordError
+            If the campaign is of other rules of the world, or has no such evaluation.
+        """
+        with open_to_fly(self.folder) as campaign:
+            recorded = campaign.store.evaluation(index)
+            seed = self.settings.mission_seed
+            with EngineSettings().open(campaign.code, seed) as engine:
+                return fly(engine, campaign.pool, recorded.specification, seed)
+
+    def explain(self, index: int | None = None, keep: float = KEEP) -> Explanation | None:
+        """Find out all about why one evaluation breaks goals.
+
+        Parameters
+        ----------
+        index
+            Which one; the most critical if left out.
+        keep
+            Share of each goal's violations that a cause set has to keep.
+
+        Returns
+        -------
+        Explanation or None
+            ``None`` if it violates nothing that is counted.
+        """
+        with open_to_fly(self.folder) as campaign:
+            index = self._columns.top(1)[0] if index is None else index
+            recorded = campaign.store.evaluation(index)
+            seeds = self.settings.mission_seeds
+            settings = EngineSettings(AUTO).tried(campaign.code, seeds[0], lambda _: None)
+            measure = Measure.of(self.settings, campaign.mission)
+            with (
+                evaluator(campaign.code, seeds[0], settings) as many,
+                own_engine(many, campaign.code, seeds[0], settings) as engine,
+            ):
+                flights = Flights(many.evaluate_many, measure, seeds)
+                return find_out(flights, engine, recorded.specification, keep)
+
+    def keep(
+        self, finding: int = 1, name: str | None = None, limits: Mapping[str, int] | None = None
+    ) -> Regression:
+        """Keep a finding beside the models of its mission, as ``mrsfi.regressions.keep`` does."""
+        with open_campaign(self.folder) as campaign:
+            return keep(campaign, finding, name, limits)
+
+    def report(self, ratio: str | None = None) -> Path:
+        """Write tables, figures, models and page into the folder; return the report's file.
+
+        Parameters
+        ----------
+        ratio
+            Ratio of violations to pick by, such as ``g3:g1=2:1``.
+        """
+        with open_campaign(self.folder) as campaign:
+            reporting.report(campaign, ratio)
+            return campaign.folder.report
+
+    @cached_property
+    def _columns(self) -> Columns:
+        measure = Measure.of(self.settings, self._mission)
+        with CampaignStore.open(self.folder) as store:
+            return Columns.read(store, measure, measure.chosen)

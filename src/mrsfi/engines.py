@@ -1,0 +1,115 @@
+"""Engines and evaluators, opened as their settings say; imported when they are."""
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, TypeAlias
+
+from mrsfi_runtime.engine.settings import AUTO, ROSBRIDGE, EngineSettings
+from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
+from mrsfi_runtime.transport.server_address import without_token
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.engine.flights import Engine, Evaluator
+    from mrsfi_runtime.mission import MissionCode
+
+Tell: TypeAlias = Callable[[str], None]
+"""Takes one line about how things go."""
+
+_N_PROCESSORS = os.cpu_count() or 1
+
+
+def silent(_: str) -> None:
+    """Tell nobody."""
+
+
+def recorded_engine(settings: EngineSettings) -> EngineRecord:
+    """Return what a campaign records of its engine."""
+    if settings.name != ROSBRIDGE:
+        return EngineRecord(settings.name)
+    return EngineRecord(
+        settings.name,
+        url=None if settings.url is None else without_token(settings.url),
+        client=settings.client,
+        side=BOTH if settings.has_simulation else CI,
+        is_bundled=settings.is_bundled,
+    )
+
+
+def opened(
+    code: "MissionCode",
+    seed: int,
+    engine: EngineSettings,
+    tell: Tell = silent,
+    n_workers: int = 1,
+) -> "Engine":
+    """Return an engine of this process; auto is compiled as soon as that is built, and says so."""
+    if engine.name != AUTO:
+        return engine.open(code, seed, n_workers)
+    from mrsfi_runtime.engine.handover import HandoverEngine  # noqa: PLC0415 - not for --help
+
+    return HandoverEngine(code, seed, n_workers, tell)
+
+
+@contextmanager
+def own_engine(
+    evaluator: "Evaluator", code: "MissionCode", seed: int, settings: EngineSettings
+) -> "Iterator[Engine]":
+    """Yield an engine of this process: that of an evaluator, or else another one like it."""
+    if evaluator.engine is not None:
+        yield evaluator.engine
+        return
+    with settings.open(code, seed) as engine:
+        yield engine
+
+
+@contextmanager
+def evaluator(
+    code: "MissionCode",
+    seed: int,
+    engine: EngineSettings,
+    workers: int | None = None,
+    dask: str | None = None,
+    tell: Tell = silent,
+    on_reached: Tell = silent,
+) -> "Iterator[Evaluator]":
+    """Yield what evaluates specifications of a mission, as long as the body runs.
+
+    Parameters
+    ----------
+    seed
+        Mission seed of what is evaluated without naming one.
+    workers
+        Processes or threads; as many as there are processors, or one where a server is named.
+    dask
+        Address of a cluster's scheduler, or ``local`` for one of this machine; without, no cluster.
+    tell
+        Told when the compiled engine takes over, or why it does not.
+    on_reached
+        Told who evaluates, before the mission is handed out.
+
+    Raises
+    ------
+    TransportError
+        If the cluster cannot be reached, or has no workers.
+    MrsfiError
+        If the engine cannot be opened.
+    """
+    if dask is None:
+        n_workers = workers or (1 if engine.url else _N_PROCESSORS)
+        on_reached(f"{n_workers} workers")
+        if engine.name == AUTO:
+            with opened(code, seed, engine, tell, n_workers) as own:
+                yield own
+            return
+        from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - not for --help
+
+        with WorkerPool(code, seed, n_workers, engine) as pool:
+            yield pool
+        return
+    from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
+    from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
+
+    with Cluster(dask, workers or _N_PROCESSORS) as cluster:
+        on_reached(f"{cluster.n_workers()} workers of {cluster.address}")
+        yield ClusterPool(cluster, code, seed, engine)

@@ -1,0 +1,116 @@
+"""Campaigns from the first evaluation to the causes of the worst."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+
+from mrsfi.campaigns import FlyableCampaign, manifest_of
+from mrsfi.engines import recorded_engine
+from mrsfi.folders import MissionFolders
+from mrsfi_runtime.analysis.columns import top
+from mrsfi_runtime.analysis.summary import N_TOP
+from mrsfi_runtime.causes.recorded import record_causes
+from mrsfi_runtime.engine.flights import Engine, Evaluator
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.causes import RecordedCause
+from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.search.campaign import CampaignProgress, require_settings, run_campaign
+from mrsfi_runtime.search.space import SearchSpace
+
+
+def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
+    """Refuse settings that make no sense for a mission, and a pool that cannot be searched.
+
+    Raises
+    ------
+    UsageError
+        Naming what makes no sense.
+    """
+    require_settings(settings, code.mission)
+    SearchSpace.of(code.mission, code.pool)
+
+
+@contextmanager
+def begun(
+    path: Path,
+    folders: MissionFolders,
+    settings: CampaignSettings,
+    case: str,
+    engine: EngineSettings,
+) -> Iterator[None]:
+    """Make a campaign without evaluations and be its writer while the body runs.
+
+    Raises
+    ------
+    RecordError
+        If the folder is in use, or cannot be written.
+    """
+    folder = CampaignFolder.reserve(path)
+    with only_writer(folder):
+        folder.fill(folders.models, folders.generated)
+        manifest = manifest_of(folders, case, recorded_engine(engine))
+        CampaignStore.create(path, settings, manifest).close()
+        yield
+
+
+def search(
+    campaign: FlyableCampaign,
+    evaluator: Evaluator,
+    progress: Callable[[CampaignProgress], None] = lambda _: None,
+) -> None:
+    """Run the search of a campaign to its end.
+
+    Parameters
+    ----------
+    progress
+        Told after each generation.
+
+    Raises
+    ------
+    WorkerLost, TransportError
+        If what evaluates is lost; what was found until then is recorded.
+    """
+    store = campaign.store
+    settings = store.settings
+    evaluate_many, *replicas = (
+        partial(evaluator.evaluate_many, seed=seed) for seed in settings.mission_seeds
+    )
+    run_campaign(
+        settings,
+        campaign.code.mission,
+        campaign.code.pool,
+        evaluate_many,
+        store,
+        progress,
+        replicas=replicas,
+    )
+
+
+def find_causes(
+    campaign: FlyableCampaign,
+    evaluator: Evaluator,
+    engine: Engine,
+    progress: Callable[[RecordedCause, int], None] = lambda *_: None,
+) -> bool:
+    """Find out the causes of the ten most critical; return whether any was not known.
+
+    Parameters
+    ----------
+    progress
+        Told each cause that was found out, and how many are looked for.
+    """
+    store = campaign.store
+    measure = Measure.of(store.settings, campaign.mission)
+    best = top(store, measure, N_TOP)
+    n_recorded = len(store.causes())
+
+    def tell_of(cause: RecordedCause) -> None:
+        progress(cause, len(best))
+
+    record_causes(store, measure, best, evaluator.evaluate_many, engine, tell_of)
+    return len(store.causes()) > n_recorded

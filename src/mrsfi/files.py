@@ -1,0 +1,55 @@
+"""Files that somebody asked for."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, TextIO
+
+from mrsfi_runtime.errors import UsageError
+
+
+@contextmanager
+def written_file(path: Path) -> Iterator[TextIO]:
+    """Open a file that the user asked for.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be written.
+    """
+    with _telling(path), path.open("w", encoding="utf-8", newline="\n") as file:
+        yield file
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file that the user asked for, which is there when the body ends well, or not at all.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be written.
+    """
+    if path.exists() and not path.is_file():  # a device or a pipe
+        with _telling(path), path.open("wb") as file:
+            yield file
+        return
+    new = path.with_name(f".{path.name}.new")
+    try:
+        with _telling(path):
+            with new.open("wb") as file:
+                yield file
+            new.replace(path)
+    finally:
+        new.unlink(missing_ok=True)
+
+
+@contextmanager
+def _telling(path: Path) -> Iterator[None]:
+    """Say of a file that it cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(
+            f"{path}: cannot be written: {error.strerror}; name another file"
+        ) from error

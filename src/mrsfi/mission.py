@@ -1,0 +1,314 @@
+"""A mission and all that can be done with it."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mrsfi.engines import Tell, evaluator, opened, own_engine, silent
+from mrsfi.folders import MissionFolders, campaign_file, find_mission
+from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
+from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
+from mrsfi_runtime.record.settings import CampaignSettings
+
+if TYPE_CHECKING:
+    from m2t.diagnostics import Diagnostic
+    from mrsfi.campaign import Campaign
+    from mrsfi.flight import Flight
+    from mrsfi.regressions import Checked
+    from mrsfi_runtime.engine.flights import Evaluated
+    from mrsfi_runtime.mission import MissionCode
+    from mrsfi_runtime.model.mission import Mission as Model
+    from mrsfi_runtime.search.campaign import CampaignProgress
+
+
+def load(mission: str | Path, generated: Path | None = None) -> "Mission":
+    """Return a mission by its name in ``models``, or by its folder.
+
+    Parameters
+    ----------
+    mission
+        Name of a folder under ``models`` of the working folder, or the path of a mission folder.
+    generated
+        Folder of its generated code, if it is not ``generated/NAME`` beside ``models``.
+
+    Raises
+    ------
+    UsageError
+        If there is no such mission.
+    """
+    return Mission(find_mission(str(mission), generated))
+
+
+class Mission:
+    """A mission: its models, the code that was generated from them, and what can be done with both.
+
+    Use ``load``. What flies is the generated code, which has to follow from the models:
+    ``generate`` brings it up to date.
+
+    Attributes
+    ----------
+    folders
+        Where models and generated code are.
+    """
+
+    def __init__(self, folders: MissionFolders) -> None:
+        self.folders = folders
+
+    def __repr__(self) -> str:
+        return f"<Mission {self.name} in {self.folders.models}>"
+
+    @property
+    def name(self) -> str:
+        """Name of its folder."""
+        return self.folders.name
+
+    @cached_property
+    def code(self) -> "MissionCode":
+        """The generated code, loaded when it is first asked for.
+
+        Raises
+        ------
+        GenerationError
+            If it is stale, or not generated yet.
+        EvaluationError
+            If a region is not sound, or the code cannot be loaded.
+        """
+        from mrsfi.loading import load_fresh  # noqa: PLC0415 - brings m2t
+
+        return load_fresh(self.folders)
+
+    @property
+    def model(self) -> "Model":
+        """What the mission's model describes: robots, obstacles, messages, goals, duration."""
+        return self.code.mission
+
+    @property
+    def pool(self) -> FaultPool:
+        """The faults that could strike it."""
+        return self.code.pool
+
+    def validate(self, tell: Tell = silent) -> "tuple[Diagnostic, ...]":
+        """Return what is wrong with models and code, as ``mrsfi validate`` does.
+
+        Parameters
+        ----------
+        tell
+            Told why the mission was not flown without faults.
+        """
+        from mrsfi.validation import validate  # noqa: PLC0415 - brings m2t
+
+        return validate(str(self.folders.models), self.folders.generated, tell).diagnostics
+
+    def generate(self, *, force: bool = False) -> tuple[str, ...]:
+        """Bring the generated code up to date, and return the names of the files that changed.
+
+        Parameters
+        ----------
+        force
+            Overwrite edits outside protected regions.
+
+        Raises
+        ------
+        ModelError
+            If the models are not sound.
+        GenerationError, ProtectedRegionError
+            If hand-written code would be lost.
+        """
+        from mrsfi.models import generate  # noqa: PLC0415 - brings m2t
+
+        done = generate(self.folders.models, self.folders.generated, force=force)
+        self.__dict__.pop("code", None)
+        return (*done.written, *done.removed)
+
+    def timed(self, fault: str, start: int, finish: int, **values: float) -> TimedFault:
+        """Return a fault of the pool at work.
+
+        Parameters
+        ----------
+        fault
+            Its ID.
+        start, finish
+            First and last tick at which it is active.
+        values
+            What replaces parameters of the pool's fault, such as ``VAL=3``.
+
+        Raises
+        ------
+        SpecificationError
+            If the pool has no such fault, or the fault no such parameter.
+        """
+        found = self.pool[fault]
+        names = [parameter.name for parameter in found.kind.parameters]
+        unknown = [name for name in values if name not in names]
+        if unknown:
+            raise SpecificationError(
+                f"fault '{fault}' ({found.type}) has no parameter '{unknown[0]}'; expected one of: "
+                f"{', '.join(names) or '(it has none)'}"
+            )
+        given = {**dict(zip(names, found.values, strict=True)), **values}
+        return TimedFault(fault, start, finish, tuple(given.values()))
+
+    def fly(
+        self,
+        faults: Path | str | Iterable[TimedFault] = (),
+        seed: int = 1,
+        engine: str | EngineSettings = REFERENCE,
+    ) -> "Flight":
+        """Fly once, and return every tick.
+
+        Parameters
+        ----------
+        faults
+            As ``timed`` returns them, or the file of a fault specification; none if left out.
+        seed
+            Mission seed: the weather.
+        engine
+            ``reference``, ``compiled``, ``auto`` or ``rosbridge``, or settings in detail.
+
+        Raises
+        ------
+        SpecificationError
+            If a fault is unknown, or conflicting ones overlap.
+        EvaluationError
+            If the code of a region fails.
+        """
+        from mrsfi.flight import fly  # noqa: PLC0415 - brings numpy
+
+        pool, specification = self._specification(faults)
+        with opened(self.code, seed, _settings(engine)) as flown_by:
+            return fly(flown_by, pool, specification, seed)
+
+    def evaluate(
+        self,
+        specifications: Sequence[Specification],
+        seed: int = 1,
+        engine: str | EngineSettings = AUTO,
+        workers: int | None = None,
+    ) -> "Iterator[Evaluated]":
+        """Fly many times, and yield what was counted, in the same order, as it comes.
+
+        Parameters
+        ----------
+        specifications
+            Timed faults of the pool, for each flight.
+        seed
+            Mission seed of all of them.
+        engine
+            As ``fly`` takes it.
+        workers
+            Processes; as many as there are processors if left out.
+
+        Yields
+        ------
+        Outcome or FailedFlight
+            The second if the code of a region failed.
+        """
+        with evaluator(self.code, seed, _settings(engine), workers) as many:
+            yield from many.evaluate_many(specifications, seed)
+
+    def evolve(
+        self,
+        case: str | None = None,
+        *,
+        out: Path | None = None,
+        engine: str | EngineSettings = AUTO,
+        workers: int | None = None,
+        explain: bool = True,
+        progress: "Callable[[CampaignProgress], None]" = lambda _: None,
+        tell: Tell = silent,
+        **settings: object,
+    ) -> "Campaign":
+        """Search for fault specifications that break the mission, and for their causes.
+
+        Parameters
+        ----------
+        case
+            ``a`` for ``case_a.toml`` beside the models, and so on, or the path of a campaign file;
+            the paper's settings if left out.
+        out
+            New folder of the campaign; ``runs/NAME-CASE-N`` if left out.
+        engine
+            As ``fly`` takes it.
+        workers
+            Processes; as many as there are processors if left out.
+        explain
+            Whether to look for the causes of the ten worst.
+        progress
+            Told after each generation.
+        tell
+            Told which engine flies.
+        settings
+            What replaces values of the campaign file, such as ``generations=5, seed=2``.
+
+        Returns
+        -------
+        Campaign
+            What was found; its folder keeps it.
+
+        Raises
+        ------
+        UsageError
+            If something makes no sense; before anything is written.
+        RecordError
+            If the folder is in use, or cannot be written.
+        """
+        from mrsfi.campaign import Campaign  # noqa: PLC0415 - brings numpy
+        from mrsfi.campaigns import free_folder, open_to_fly  # noqa: PLC0415
+        from mrsfi.evolving import begun, find_causes, require_searchable, search  # noqa: PLC0415
+
+        if case is None:
+            chosen = CampaignSettings.parse("[search]", "settings", **settings)
+        else:
+            chosen = CampaignSettings.load(campaign_file(self.folders, case), **settings)
+        case = case or "script"
+        require_searchable(self.code, chosen)
+        asked, seed = _settings(engine), chosen.mission_seed
+        flown_by = asked.tried(self.code, seed, tell, waits=False)
+        path = free_folder(self.name, Path(case).stem) if out is None else out
+        with (
+            begun(path, self.folders, chosen, case, asked),
+            open_to_fly(path) as campaign,
+            evaluator(campaign.code, seed, flown_by, workers, tell=tell) as many,
+        ):
+            search(campaign, many, progress)
+            if explain:
+                with own_engine(many, campaign.code, seed, flown_by) as own:
+                    find_causes(campaign, many, own)
+        return Campaign(path)
+
+    def check(
+        self, engine: str | EngineSettings = AUTO, n_seeds: int | None = None
+    ) -> "tuple[Checked, ...]":
+        """Fly every kept finding against today's models and code.
+
+        Parameters
+        ----------
+        engine
+            As ``fly`` takes it.
+        n_seeds
+            Over how many mission seeds, in place of the kept ones.
+
+        Raises
+        ------
+        UsageError
+            If nothing is kept.
+        """
+        from mrsfi.regressions import check_all  # noqa: PLC0415 - brings numpy
+
+        return tuple(check_all(self.folders, _settings(engine), n_seeds=n_seeds))
+
+    def _specification(
+        self, faults: Path | str | Iterable[TimedFault]
+    ) -> tuple[FaultPool, Specification]:
+        if not isinstance(faults, Path | str):
+            return self.pool, tuple(faults)
+        from mrsfi.loading import read_specification  # noqa: PLC0415 - brings m2t
+
+        written = read_specification(Path(faults), self.code)
+        return written.pool, written.specification
+
+
+def _settings(engine: str | EngineSettings) -> EngineSettings:
+    return EngineSettings(engine) if isinstance(engine, str) else engine

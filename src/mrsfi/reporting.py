@@ -1,0 +1,77 @@
+"""The report of a campaign: what it found, as tables, figures, models and a page."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from functools import cache
+
+from mrsfi.campaigns import OpenCampaign
+from mrsfi.loading import specification_writer
+from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
+from mrsfi_runtime.analysis.page.content import Record
+from mrsfi_runtime.analysis.report import write_report
+from mrsfi_runtime.analysis.summary import Summary
+from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.settings import AUTO, COMPILED, EngineSettings
+from mrsfi_runtime.errors import MrsfiError
+from mrsfi_runtime.mission import load_code
+
+
+def report(
+    campaign: OpenCampaign,
+    ratio: str | None = None,
+    draw: Draw = draw_here,
+    show: Callable[[Summary], None] = lambda _: None,
+) -> None:
+    """Write the report of a campaign into its folder.
+
+    Parameters
+    ----------
+    ratio
+        Ratio of violations to pick by, such as ``g3:g1=2:1``.
+    draw
+        Draws the figures.
+    show
+        Told what was found, before figures are drawn.
+
+    Raises
+    ------
+    UsageError
+        If the ratio makes no sense.
+    """
+    writer = specification_writer(campaign.folder.model)
+    with _flying(campaign) as record:
+        write_report(
+            campaign.folder.path,
+            campaign.mission,
+            campaign.pool,
+            writer,
+            record=record,
+            ratio=ratio,
+            draw=draw,
+            show=show,
+        )
+
+
+@contextmanager
+def _flying(campaign: OpenCampaign) -> Iterator[Record | str]:
+    """Yield what flies specifications again, compiled if they are already, or why nothing does."""
+    store = campaign.store
+    if store.manifest.engine.is_foreign:
+        yield "Flown on somebody else's simulation, which is not asked again."
+        return
+    try:
+        store.require_flyable()
+        code = load_code(campaign.folder.generated)
+    except MrsfiError as error:
+        yield str(error)
+        return
+    seed = store.settings.mission_seed
+    with ExitStack() as opened:
+
+        @cache
+        def engine() -> Engine:
+            found = EngineSettings(AUTO).tried(code, seed, lambda _: None, waits=False)
+            found = found if found.name == COMPILED else EngineSettings()
+            return opened.enter_context(found.open(code, seed))
+
+        yield lambda specification: engine().record(specification)

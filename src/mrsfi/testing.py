@@ -1,0 +1,57 @@
+"""Kept findings as test cases of pytest."""
+
+from collections.abc import Callable
+
+import pytest
+
+from mrsfi.folders import find_mission
+from mrsfi.regressions import check_all
+from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.record.regressions import kept
+
+
+def regression_test(
+    mission: str, engine: str = AUTO, n_seeds: int | None = None
+) -> Callable[[str], None]:
+    """Return a test with a case for each finding that is kept of a mission.
+
+    Parameters
+    ----------
+    mission
+        Name of a folder under ``models`` of the working folder, or the path of a mission folder.
+    engine
+        ``auto``, ``reference``, ``compiled`` or ``rosbridge``.
+    n_seeds
+        Over how many mission seeds, in place of the kept ones.
+
+    Raises
+    ------
+    UsageError
+        If there is no such mission, or nothing is kept of it: a suite of nothing is no pass.
+
+    Examples
+    --------
+    In a file that pytest collects::
+
+        from mrsfi.testing import regression_test
+
+        test_what_was_found = regression_test("uuv_sampling")
+    """
+    folders = find_mission(mission)
+    names = [regression.name for regression in kept(folders.models)]
+    if not names:
+        raise UsageError(
+            f"{folders.models}: nothing is kept; expected at least one finding in regressions/; "
+            "keep one with: mrsfi keep CAMPAIGN --finding 1"
+        )
+
+    @pytest.mark.parametrize("finding", names)
+    def test_kept_finding(finding: str) -> None:
+        (checked,) = check_all(folders, EngineSettings(engine), n_seeds=n_seeds, name=finding)
+        if checked.error is not None:
+            raise checked.error
+        found = f"came back: {checked.excess}; found in {checked.regression.found}"
+        assert not checked.exceeded, "\n".join((found, *checked.why))
+
+    return test_kept_finding

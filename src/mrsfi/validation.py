@@ -1,0 +1,157 @@
+"""What is wrong with the models of a mission, and with its code."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from m2t.diagnostics import Diagnostic
+from m2t.fixes import Mending, mend
+from m2t.load import (
+    Inspection,
+    LoadedModels,
+    inspect_folder,
+    inspect_specification,
+    load_mission_folder,
+)
+from m2t.write.xmi import write_atomically
+from mrsfi.engines import Tell, silent
+from mrsfi.folders import MissionFolders, find_mission
+from mrsfi.loading import load_fresh
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.engine.region_lint import lint_regions
+from mrsfi_runtime.errors import EvaluationError, MrsfiError
+
+_LONGEST_FLIGHT = 100_000
+"""Ticks that a validation flies at most, which takes a few seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Validated:
+    """What was found in a mission, or in a fault specification.
+
+    Attributes
+    ----------
+    name
+        Of the mission, or the path of the specification.
+    models
+        What is wrong with the models.
+    code
+        What is wrong with the generated code, and with the mission that flies without faults.
+    counts
+        How many elements sound models hold, by what they are.
+    """
+
+    name: str
+    models: tuple[Diagnostic, ...]
+    code: tuple[Diagnostic, ...] = ()
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """All that was found, what is wrong with the models first."""
+        return (*self.models, *self.code)
+
+
+def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -> Validated:
+    """Check a mission by all constraints, fly it without faults, and look at its regions.
+
+    Parameters
+    ----------
+    mission
+        Name or folder of a mission, or path of an ``.xmi`` file with a fault specification.
+    generated
+        Folder of the generated code, if it is not the usual one.
+    tell
+        Told why the mission was not flown.
+
+    Raises
+    ------
+    UsageError
+        If there is no such mission.
+    """
+    if mission.endswith(".xmi"):
+        return Validated(mission, inspect_specification(Path(mission)).diagnostics)
+    folders = find_mission(mission, generated)
+    models = inspect_folder(folders.models).diagnostics
+    regions = tuple(
+        Diagnostic(
+            path=found.path,
+            line=found.line,
+            element=found.place,
+            constraint=found.constraint,
+            severity="error" if found.is_error else "warning",
+            message=f"{found.place}: {found.message}",
+        )
+        for found in lint_regions(folders.generated)
+    )
+    if n_errors(models):
+        return Validated(folders.name, models, regions)
+    loaded = load_mission_folder(folders.models)
+    flown = () if n_errors(regions) else _flown(folders, loaded, tell)
+    return Validated(folders.name, models, (*flown, *regions), _counts(loaded))
+
+
+def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Mending | None]:
+    """Return what is found in models, and what would mend all that has one sensible remedy."""
+    if mission.endswith(".xmi"):
+        inspection = inspect_specification(Path(mission))
+    else:
+        inspection = inspect_folder(find_mission(mission, generated).models)
+    return inspection, mend(inspection)
+
+
+def write_mended(mended: Mending) -> None:
+    """Write the files of a mending, each as a whole."""
+    for path, content in mended.contents.items():
+        write_atomically(path, content)
+
+
+def n_errors(diagnostics: Sequence[Diagnostic]) -> int:
+    """Return how many of some findings are errors."""
+    return sum(1 for diagnostic in diagnostics if diagnostic.severity == "error")
+
+
+def _counts(loaded: LoadedModels) -> Mapping[str, int]:
+    mission = loaded.mission
+    return {
+        "robots": len(mission.robots),
+        "obstacles": len(mission.obstacles),
+        "goals": len(mission.goals),
+        "messages": sum(len(goal.messages) for goal in mission.goals),
+        "faults": len(loaded.pool),
+    }
+
+
+def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> tuple[Diagnostic, ...]:
+    """Fly the mission without faults; return where it fails, or each goal that is violated."""
+    if loaded.mission.duration > _LONGEST_FLIGHT:
+        tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")
+        return ()
+    try:
+        outcome = ReferenceEngine(load_fresh(folders), 1).evaluate(())
+    except EvaluationError as error:
+        path, line = error.line or (folders.generated, 1)
+        message = str(error).removeprefix(f"{path}:{line}: ")
+        element = f"mission '{folders.name}'"
+        return (Diagnostic(path, line, element, "MissionFlies", "error", message),)
+    except MrsfiError as error:  # stale code is no defect of the models
+        tell(f"not flown without faults: {error}")
+        return ()
+    return tuple(
+        Diagnostic(
+            path=loaded.mission_path,
+            line=loaded.nodes[goal].line,
+            element=f"goals '{goal.ID}'",
+            constraint="FaultFreeMission",
+            severity="warning",
+            message=(
+                f"goals '{goal.ID}' is violated without any fault, at {believed} ticks as "
+                f"believed and {true} in truth; expected none, so that search sees the work of "
+                "faults only; make the goal easier or its reaction better"
+            ),
+        )
+        for goal, believed, true in zip(
+            loaded.mission.goals, outcome.believed, outcome.true, strict=True
+        )
+        if believed or true
+    )

@@ -1,0 +1,248 @@
+"""What the command line does, a script does; and finds the same."""
+
+import json
+import shutil
+import subprocess
+import sys
+from contextlib import chdir
+
+import numpy as np
+import pytest
+
+import mrsfi
+from mrsfi_runtime.errors import SpecificationError, UsageError
+from tests.support.cli import MISSION, mrsfi_json, stop_specification
+from tests.support.rendezvous import NAME
+from tests.support.tree import ROOT
+
+REFERENCE = "reference"
+
+
+@pytest.fixture
+def uuv(place):
+    """The paper's mission in a folder of its own."""
+    return mrsfi.load(place / "models" / MISSION)
+
+
+def test_every_public_name_is_there_and_no_other():
+    assert all(getattr(mrsfi, name) is not None for name in mrsfi.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'fly'"):
+        mrsfi.fly  # noqa: B018 - the look-up is the test
+
+
+def test_an_unknown_mission_is_refused():
+    with pytest.raises(UsageError, match="found no mission 'nowhere'"):
+        mrsfi.load("nowhere")
+
+
+def test_a_file_flies_as_by_command_and_every_tick_is_told(uuv, place):
+    file = stop_specification(place / "models" / MISSION / "stop.xmi", [(100, 900)])
+    told = mrsfi_json("simulate", MISSION, "--faults", file, cwd=place)
+
+    flight = uuv.fly(file)
+
+    n_ticks, n_robots, n_goals = flight.mission.duration, 3, 6
+    assert flight.outcome.digest == told["digest"]
+    assert flight.robots == tuple(robot.id for robot in uuv.model.robots)
+    for positions in (flight.true_positions, flight.believed_positions):
+        assert positions.shape == (n_ticks, n_robots, 3)
+    for values in (
+        flight.true_speeds,
+        flight.believed_speeds,
+        flight.true_energies,
+        flight.believed_energies,
+    ):
+        assert values.shape == (n_ticks, n_robots)
+    assert flight.truly_violated.shape == flight.believed_violated.shape == (n_ticks, n_goals)
+    for violated, kind in ((flight.truly_violated, "true"), (flight.believed_violated, "believed")):
+        counts = dict(zip(flight.goals, violated.sum(axis=0).tolist(), strict=True))
+        assert flight.violations(kind) == counts
+        assert [goal[kind] for goal in told["goals"]] == [*counts.values()]
+
+
+def test_robots_move_as_fast_as_told_and_spend_energy(uuv):
+    flight = uuv.fly()
+
+    steps = np.linalg.norm(np.diff(flight.true_positions[:, :, :2], axis=0), axis=-1)
+    assert np.allclose(steps, flight.true_speeds[1:])
+    assert (np.diff(flight.true_energies, axis=0) <= 0).all()
+    assert (flight.true_positions[:, :, 2] == 1).all()
+
+
+def test_a_timed_fault_has_the_values_of_the_pool_unless_others_are_given(uuv):
+    usual = uuv.timed("f9", 100, 400)
+
+    assert usual.values == uuv.pool["f9"].values
+    assert uuv.timed("f9", 100, 400, NEW_X=7.0).values == (7.0, *usual.values[1:])
+    with pytest.raises(SpecificationError, match=r"no parameter 'VAL'.*NEW_X, NEW_Y"):
+        uuv.timed("f9", 100, 400, VAL=1)
+    with pytest.raises(SpecificationError, match="has no fault 'f99'"):
+        uuv.timed("f99", 1, 2)
+    with pytest.raises(SpecificationError, match="window 400 … 100"):
+        uuv.fly([usual._replace(start=400, finish=100)])
+
+
+def test_many_are_counted_as_one_by_one(uuv):
+    specifications = [(), (uuv.timed("f9", 100, 400),)]
+
+    many = [*uuv.evaluate(specifications, engine=REFERENCE, workers=1)]
+
+    assert many == [uuv.fly(each).outcome for each in specifications]
+
+
+def test_a_kind_of_violations_that_there_is_not_is_refused(uuv):
+    with pytest.raises(ValueError, match="'real'; expected one of believed, true"):
+        uuv.fly().violations("real")
+
+
+def test_stale_code_is_refused_until_it_is_generated_anew(uuv):
+    model = uuv.folders.models / "mission.xmi"
+    model.write_text(
+        model.read_text(encoding="utf-8").replace('speed="5.0"', 'speed="4.5"'), "utf-8"
+    )
+
+    with pytest.raises(mrsfi.MrsfiError, match="stale"):
+        uuv.fly()
+
+    assert uuv.generate() == ("mission_loader.py",)
+    assert uuv.generate() == ()
+    assert uuv.model.robots[0].speed == 4.5
+    assert uuv.validate() == ()
+
+
+def test_a_search_by_script_finds_what_the_command_finds(uuv, flown, place):
+    settings = {"population": 4, "generations": 2}
+    generations = []
+
+    campaign = uuv.evolve(
+        "b", engine=REFERENCE, workers=1, out=place / "it", progress=generations.append, **settings
+    )
+
+    by_command = mrsfi.Campaign(flown)
+    assert campaign.digest == by_command.digest
+    assert [state.generation for state in generations] == [0, 1, 2]
+    assert np.array_equal(campaign.fitness, by_command.fitness)
+    assert [each.sentence for each in campaign.findings] == [
+        each.sentence for each in by_command.findings
+    ]
+
+
+def test_a_search_without_a_campaign_file_has_the_papers_settings(uuv, place):
+    campaign = uuv.evolve(
+        evaluations=3, explain=False, engine=REFERENCE, workers=1, out=place / "it"
+    )
+
+    assert (campaign.settings.algorithm, campaign.settings.faults) == ("paper", 20)
+    assert len(campaign) == 3
+    assert campaign.findings == ()
+
+
+def test_a_campaign_tells_its_evaluations_in_arrays_and_its_findings(found):
+    folder = found / "runs" / "it"
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+
+    campaign = mrsfi.Campaign(folder)
+
+    assert campaign.digest == summary["digest"]
+    assert campaign.violations.shape == (len(campaign), len(campaign.goals))
+    assert campaign.fitness.shape == (summary["n_evaluations"],)
+    (best, *_) = campaign.top()
+    assert best.fitness[0] == campaign.fitness.max()
+    counted = dict(zip(campaign.goals, campaign.violations[best.index], strict=True))
+    again = campaign.fly(best.index)
+    assert again.outcome == best.outcome
+    kind = campaign.settings.violations
+    assert counted == {goal: again.violations(kind)[goal] for goal in campaign.goals}
+    told = [each["sentence"] for each in summary["causes"]["findings"]]
+    assert len(told) == 3
+    assert [each.sentence for each in campaign.findings] == told
+
+
+def test_an_evaluation_is_explained_as_it_is_recorded(found):
+    campaign = mrsfi.Campaign(found / "runs" / "it")
+    finding = campaign.findings[0]
+
+    explanation = campaign.explain(finding.evaluations[0])
+
+    assert explanation.cause.places == finding.cause.places
+    specification = campaign.evaluation(finding.evaluations[0]).specification
+    assert len(explanation.alone) == len(specification)
+
+
+def test_a_finding_is_kept_and_checked(found, tmp_path):
+    place = shutil.copytree(found, tmp_path, dirs_exist_ok=True)
+    mission = mrsfi.load(place / "models" / NAME)
+    with pytest.raises(UsageError, match="nothing is kept"):
+        mission.check()
+
+    with chdir(place):
+        kept = mrsfi.Campaign("runs/it").keep(3, name="first")
+
+    (checked,) = mission.check(REFERENCE)
+    assert kept.name == checked.regression.name == "first"
+    assert checked.counts == kept.limits
+    assert checked.exceeded == ()
+
+
+SUITE = """
+from mrsfi.testing import regression_test
+
+test_what_was_found = regression_test("models/uuv_sampling", engine="reference")
+"""
+
+
+def _pytest(place):
+    (place / "test_found.py").write_text(SUITE, encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_found.py"]
+    return subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
+
+
+def test_kept_findings_are_tests_of_pytest(place):
+    assert "1 passed" in _pytest(place).stdout
+
+    limits = place / "models" / MISSION / "regressions" / "case_a_1.toml"
+    text = limits.read_text(encoding="utf-8")
+    assert "g2 = 698" in text
+    limits.write_text(text.replace("g2 = 698", "g2 = 697"), encoding="utf-8")
+    done = _pytest(place)
+    assert done.returncode == 1
+    assert "came back: case_a_1: believed g2 698, kept 697" in done.stdout
+    assert "FixedRobotCoordinates" in done.stdout
+
+    shutil.rmtree(limits.parent)
+    done = _pytest(place)
+    assert done.returncode == 2
+    assert "nothing is kept; expected at least one finding" in done.stdout
+
+
+def test_a_warehouse_of_all_tasks_is_written_flown_and_searched_by_an_unguarded_script(tmp_path):
+    script = ROOT / "examples" / "warehouse" / "warehouse.py"
+    assert len(script.read_text(encoding="utf-8").splitlines()) < 100
+    command = [sys.executable, str(script), str(tmp_path)]
+
+    done = subprocess.run(
+        command,
+        env={"PYTHONPATH": str(ROOT), "MRSFI_CACHE": str(tmp_path / "cache"), "PATH": ""},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert done.stderr == ""
+    counts, *findings = done.stdout.splitlines()
+    assert counts in (script.parent / "README.md").read_text(encoding="utf-8")
+    assert findings
+    written = (tmp_path / "models" / "warehouse" / "mission.xmi").read_text(encoding="utf-8")
+    for task in (
+        "AvoidCollision",
+        "StayWithinMissionArea",
+        "SufficientEnergy",
+        "FixedDistanceBetweenRobots",
+        "GatherSamples",
+        "Patrol",
+        "Stay",
+        "Track",
+        "Visit",
+    ):
+        assert f'xsi:type="mission:{task}"' in written
+    assert (written.count("<robots "), written.count("<goals ")) == (6, 11)
