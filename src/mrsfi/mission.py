@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mrsfi_runtime.mission import MissionCode
     from mrsfi_runtime.model.mission import Mission as Model
     from mrsfi_runtime.search.campaign import CampaignProgress
+    from mrsfi_runtime.study.comparison import Comparison
 
 
 def load(mission: str | Path, generated: Path | None = None) -> "Mission":
@@ -277,6 +278,55 @@ class Mission:
                 with own_engine(many, campaign.code, seed, flown_by) as own:
                     find_causes(campaign, many, own)
         return Campaign(path)
+
+    def compare(
+        self,
+        algorithms: Sequence[str],
+        n_seeds: int,
+        evaluations: int,
+        *,
+        case: str = "a",
+        out: Path | None = None,
+        engine: str | EngineSettings = AUTO,
+        workers: int | None = None,
+    ) -> "Comparison":
+        """Compare search algorithms, with seeds 1 to ``n_seeds``.
+
+        Parameters
+        ----------
+        algorithms
+            As a campaign file names them.
+        n_seeds, evaluations
+            Runs of each algorithm, and how often each run may fly.
+        case, engine, workers
+            As ``evolve`` takes them.
+        out
+            Folder of the comparison, whose finished runs are not repeated;
+            ``runs/compare-NAME-CASE`` if left out.
+
+        Raises
+        ------
+        UsageError
+            If something makes no sense; before anything is written.
+        RecordError
+            If the folder is another comparison's.
+        """
+        from mrsfi.campaigns import RUNS  # noqa: PLC0415 - brings m2t
+        from mrsfi.comparing import compared, settings_of, write_compared  # noqa: PLC0415
+        from mrsfi_runtime.mission import load_code  # noqa: PLC0415
+        from mrsfi_runtime.study.runs import only_comparison  # noqa: PLC0415
+
+        file = campaign_file(self.folders, case)
+        settings = settings_of(file, self.code, algorithms, evaluations)
+        seed = settings[algorithms[0]].mission_seed
+        flown_by = _settings(engine).tried(self.code, seed, silent, waits=False)
+        path = RUNS / f"compare-{self.name}-{Path(case).stem}" if out is None else out
+        with only_comparison(path, self.folders.models, self.folders.generated) as folder:
+            code = load_code(folder.generated)
+            with evaluator(code, seed, flown_by, workers) as many:
+                comparison = compared(folder, settings, n_seeds, code, many)
+            write_compared(folder, self.name, settings, comparison)
+        return comparison
 
     def check(
         self, engine: str | EngineSettings = AUTO, n_seeds: int | None = None

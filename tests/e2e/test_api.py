@@ -11,6 +11,7 @@ import pytest
 
 import mrsfi
 from mrsfi_runtime.errors import SpecificationError, UsageError
+from mrsfi_runtime.study.folder import ComparisonFolder
 from tests.support.cli import MISSION, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
 from tests.support.tree import ROOT
@@ -182,6 +183,22 @@ def test_a_finding_is_kept_and_checked(found, tmp_path):
     assert kept.name == checked.regression.name == "first"
     assert checked.counts == kept.limits
     assert checked.exceeded == ()
+
+
+def test_algorithms_are_compared_as_by_command(uuv, place):
+    given = ("--algorithms", "random,drift", "--seeds", "2", "--evaluations", "6")
+    by_command = mrsfi_json(
+        "compare", MISSION, *given, "--workers", "1", "--engine", REFERENCE, "--out", "c", cwd=place
+    )
+
+    comparison = uuv.compare(
+        ["random", "drift"], 2, 6, engine=REFERENCE, workers=1, out=place / "again"
+    )
+
+    assert comparison.algorithms == ("random", "drift")
+    summary = json.loads(ComparisonFolder(place / "again").summary.read_text(encoding="utf-8"))
+    told, found = by_command["quartiles"], summary["quartiles"]
+    assert {**found, "seconds": None} == {**told, "seconds": None}
 
 
 SUITE = """

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import click
 
+import mrsfi
 from mrsfi_runtime.cli.main import cli
-from tests.support.cli import edit, mrsfi, workspace
+from tests.support.cli import edit, workspace
+from tests.support.cli import mrsfi as run_mrsfi
 from tests.support.tree import ROOT
 
 PAGES = {
@@ -21,6 +23,7 @@ PAGES = {
     if page.name != "CHANGELOG.md"  # names what is gone as well
 }
 PACKAGES = {
+    "mrsfi": ROOT / "src" / "mrsfi",
     "mrsfi_runtime": ROOT / "src" / "mrsfi_runtime",
     "mrsfi_bridge": ROOT / "src" / "mrsfi_bridge",
     **{name: ROOT / name for name in ("benchmarks", "generated", "m2t", "tests")},
@@ -54,6 +57,8 @@ def _paths(page: str) -> Iterator[str]:
 def _is_defined(dotted: str) -> bool:
     """Return whether a dotted name is a package, a module, or defined in one."""
     first, *rest = dotted.split(".")
+    if first == "mrsfi" and rest[0] in mrsfi.__all__:
+        return True
     place = PACKAGES[first]
     for index, name in enumerate(rest, 1):
         place /= name
@@ -110,7 +115,7 @@ def _performed(console: str, folder: Path, *codes: int) -> str:
             _, found, replaced, _ = words[1].split("/")
             edit(folder / words[2], found, replaced)
         else:
-            done = mrsfi(*words, cwd=folder, expected=next(exits))
+            done = run_mrsfi(*words, cwd=folder, expected=next(exits))
             text += done.stderr + done.stdout
     return "".join(f"{line.rstrip()}\n" for line in text.splitlines()).rstrip() + "\n"
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import astuple
-from functools import partial
 from itertools import groupby
 from math import isinf
 from pathlib import Path
@@ -12,7 +11,7 @@ import click
 from rich.table import Table
 
 from mrsfi.campaigns import RUNS
-from mrsfi.evolving import require_searchable
+from mrsfi.comparing import compared, settings_of, write_compared
 from mrsfi.folders import (
     campaign_file,
     find_mission,
@@ -24,16 +23,13 @@ from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
-from mrsfi_runtime.mission import MissionCode, load_code
-from mrsfi_runtime.model.semantics import SEMANTICS
+from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.study.comparison import Comparison, as_json, compare
+from mrsfi_runtime.study.comparison import Comparison
 from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.run_results import MOST_OBJECTIVES, RunResult
 from mrsfi_runtime.study.runs import (
-    common_settings,
     only_comparison,
-    runs_of,
 )
 
 
@@ -55,18 +51,12 @@ def compare_algorithms(  # noqa: PLR0913 - one for each option
     workers.require_sense(flown_by)
     folders = find_mission(mission, generated)
     code = load_fresh(folders)
-    settings = _settings(campaign_file(folders, case), code, algorithms, evaluations)
+    settings = settings_of(campaign_file(folders, case), code, _names(algorithms), evaluations)
     tried = workers.tried(code, next(iter(settings.values())).mission_seed, flown_by)
     path = RUNS / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
     with only_comparison(path, folders.models, folders.generated) as folder:
         comparison = _compared(folder, settings, seeds, tried, workers)
-        content = {
-            "mission": folders.name,
-            "semantics": SEMANTICS,
-            "settings": common_settings(next(iter(settings.values()))),
-            **as_json(comparison),
-        }
-        folder.write(comparison, content)
+        content = write_compared(folder, folders.name, settings, comparison)
     _tell_fewer(comparison, evaluations)
     if is_json:
         print_json({"folder": str(path), **content})
@@ -74,21 +64,13 @@ def compare_algorithms(  # noqa: PLR0913 - one for each option
         _print(comparison, folder, evaluations)
 
 
-def _settings(
-    file: Path, code: MissionCode, algorithms: str, evaluations: int
-) -> dict[str, CampaignSettings]:
-    """Return the settings of each algorithm, or refuse what cannot be searched."""
+def _names(algorithms: str) -> list[str]:
     names = [name.strip() for name in algorithms.split(",")]
     if not all(names) or len(set(names)) < len(names):
         raise UsageError(
             f"--algorithms: found '{algorithms}'; expected different names with commas"
         )
-    settings = {}
-    for name in names:
-        one = CampaignSettings.load(file, algorithm=name, seed=1, evaluations=evaluations)
-        require_searchable(code, one)
-        settings[name] = one
-    return settings
+    return names
 
 
 def _compared(
@@ -99,36 +81,36 @@ def _compared(
     workers: WorkerOptions,
 ) -> Comparison:
     """Make the runs that are missing; tell of each, and how long the rest may take."""
-    code = load_code(folder.generated)
-    mission_seeds = next(iter(settings.values())).mission_seeds
     n_runs = len(settings) * n_seeds
-    runs: list[RunResult] = []
     n_new = 0
+    began = 0.0
+
+    def tell_who(who: str) -> None:
+        nonlocal began
+        tell(f"comparison {folder.path}: {n_runs} runs, {engine.words}, {who}")
+        began = monotonic()
+
+    def tell_of(run: RunResult, n_done: int, is_new: bool) -> None:
+        nonlocal n_new
+        place = f"run {n_done}/{n_runs}  {run.algorithm} seed {run.seed}"
+        if not is_new:
+            tell(f"{place}  was finished already")
+            return
+        n_new += 1
+        left = round((monotonic() - began) / n_new * (n_runs - n_done))
+        tell(
+            f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
+            f"{run.seconds:.1f} s  left {left // 60}:{left % 60:02d}"
+        )
+
+    code = load_code(folder.generated)
+    seed = next(iter(settings.values())).mission_seed
     try:
-        with workers.evaluator(
-            code,
-            mission_seeds[0],
-            engine,
-            lambda who: tell(f"comparison {folder.path}: {n_runs} runs, {engine.words}, {who}"),
-        ) as evaluator:
-            evaluators = [partial(evaluator.evaluate_many, seed=seed) for seed in mission_seeds]
-            began = monotonic()
-            for run, is_new in runs_of(folder, settings, n_seeds, code, evaluators):
-                runs.append(run)
-                place = f"run {len(runs)}/{n_runs}  {run.algorithm} seed {run.seed}"
-                if not is_new:
-                    tell(f"{place}  was finished already")
-                    continue
-                n_new += 1
-                left = round((monotonic() - began) / n_new * (n_runs - len(runs)))
-                tell(
-                    f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
-                    f"{run.seconds:.1f} s  left {left // 60}:{left % 60:02d}"
-                )
+        with workers.evaluator(code, seed, engine, tell_who) as evaluator:
+            return compared(folder, settings, n_seeds, code, evaluator, tell_of)
     except (KeyboardInterrupt, TransportError):
         tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")
         raise
-    return compare(tuple(settings), runs)
 
 
 def _tell_fewer(comparison: Comparison, n_evaluations: int) -> None:
