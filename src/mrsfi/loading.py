@@ -11,7 +11,6 @@ from m2t.load import LoadedModels, load_mission_folder, load_specification
 from m2t.specification import SpecificationRow, write_specification
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.engine.flights import require_effects
-from mrsfi_runtime.engine.region_lint import require_sound_regions
 from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.mission import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -32,6 +31,10 @@ def load_fresh(folders: MissionFolders) -> MissionCode:
     EvaluationError
         If a region is not sound, or the code cannot be loaded.
     """
+    from mrsfi_runtime.engine.region_lint import (  # noqa: PLC0415 - brings pyflakes
+        require_sound_regions,
+    )
+
     folders.require_fresh()
     require_sound_regions(folders.generated)
     return load_code(folders.generated)

@@ -1,28 +1,57 @@
-"""What m2t does with models and says of them, for the command line and for scripts."""
+"""What m2t does with models and says of them, for the command line and for scripts.
+
+Each part of m2t is imported when it is first needed.
+"""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from m2t.difference import Change, difference
-from m2t.generate import diff as generation_difference
-from m2t.generate import generate
-from m2t.importing.importer import Imported, import_published
-from m2t.importing.notes import Note
-from m2t.read.nodes import MAX_BYTES
-from m2t.write.xmi import dumps, write_atomically
 from mrsfi_runtime.errors import UsageError
 
-__all__ = [
-    "MAX_BYTES",
-    "Change",
-    "Imported",
-    "Note",
-    "difference",
-    "generate",
-    "generation_difference",
-    "import_published",
-    "write_models",
-]
+if TYPE_CHECKING:
+    from m2t.difference import Change
+    from m2t.emit import GenerationPlan
+    from m2t.importing.importer import Imported as Imported  # noqa: PLC0414 - for importers
+    from m2t.importing.notes import Note as Note  # noqa: PLC0414 - for importers
+
+
+def generate(models: Path, target: Path, *, force: bool = False) -> "GenerationPlan":
+    """Bring the generated code of a mission up to date, as ``m2t.generate.generate`` does."""
+    from m2t import generate as generation  # noqa: PLC0415 - brings Jinja
+
+    return generation.generate(models, target, force=force)
+
+
+def generation_difference(models: Path, target: Path) -> str:
+    """Return what generating would change, as a unified diff."""
+    from m2t import generate as generation  # noqa: PLC0415 - brings Jinja
+
+    return generation.diff(models, target)
+
+
+def difference(old: Path, new: Path) -> "tuple[Change, ...]":
+    """Return how a model differs from an older one, in the words of the model."""
+    from m2t.difference import difference as found  # noqa: PLC0415 - needs no Jinja
+
+    return found(old, new)
+
+
+def piped(pipe: Path, folder: Path) -> Path:
+    """Keep in a new folder what comes from a pipe, which can be read once; return its file."""
+    from m2t.read.nodes import MAX_BYTES  # noqa: PLC0415 - as above
+
+    folder.mkdir()
+    file = folder / "pipe.xmi"
+    with pipe.open("rb") as content:
+        file.write_bytes(content.read(MAX_BYTES + 1))
+    return file
+
+
+def import_published(file: Path, folder: Path, *, is_forced: bool = False) -> "Imported":
+    """Make a mission folder from a model of the paper's prototype."""
+    from m2t.importing.importer import import_published as imported  # noqa: PLC0415 - seldom used
+
+    return imported(file, folder, is_forced=is_forced)
 
 
 def write_models(folder: Path | str, mission: Any, faults: Any) -> None:
@@ -42,6 +71,8 @@ def write_models(folder: Path | str, mission: Any, faults: Any) -> None:
     UsageError
         If the folder cannot be made or written.
     """
+    from m2t.write.xmi import dumps, write_atomically  # noqa: PLC0415 - as above
+
     place = Path(folder)
     contents = {
         "mission.xmi": dumps(mission),

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 
 import click
 
-from mrsfi.models import MAX_BYTES, difference
+from mrsfi.models import difference, piped
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.errors import UsageError
 
@@ -33,11 +33,7 @@ def _model(name: str, kept: Path) -> Path:
     """
     for path in (Path(name), _MODELS / name):
         if path.is_fifo():
-            kept.mkdir()
-            file = kept / "pipe.xmi"
-            with path.open("rb") as pipe:
-                file.write_bytes(pipe.read(MAX_BYTES + 1))
-            return file
+            return piped(path, kept)
         if path.exists():
             return path
     raise UsageError(

@@ -5,12 +5,15 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from mrsfi.models import Imported, Note, import_published
+from mrsfi.models import import_published
 from mrsfi_runtime.cli.console import counted, print_json
+
+if TYPE_CHECKING:
+    from mrsfi.models import Imported, Note
 
 _SHOWN_LINES = 8
 _NOT_NAME = re.compile(r"[^A-Za-z0-9_.-]+", re.ASCII)
@@ -36,7 +39,7 @@ def _usual_folder(file: Path) -> Path:
     return Path("models") / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
 
 
-def _as_json(result: Imported) -> dict[str, Any]:
+def _as_json(result: "Imported") -> dict[str, Any]:
     return {
         "folder": str(result.folder),
         "files": list(result.files),
@@ -46,10 +49,10 @@ def _as_json(result: Imported) -> dict[str, Any]:
     }
 
 
-def _lines(notes: tuple[Note, ...]) -> Iterator[str]:
+def _lines(notes: "tuple[Note, ...]") -> Iterator[str]:
     """Yield a line for each note, or for all notes that say the same."""
 
-    def saying(note: Note) -> tuple[str, str, str]:
+    def saying(note: "Note") -> tuple[str, str, str]:
         return note.kind, note.feature, note.message
 
     order = {key: position for position, key in enumerate(dict.fromkeys(map(saying, notes)))}

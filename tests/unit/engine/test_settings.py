@@ -2,7 +2,8 @@
 
 import pytest
 
-from mrsfi_runtime.cli.engines import EngineOptions, recorded_engine
+from mrsfi.engines import recorded_engine
+from mrsfi_runtime.cli.engines import EngineOptions
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.hosting.waiting import Patience
