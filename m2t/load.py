@@ -1,6 +1,8 @@
 """Load a mission folder: its mission and its faults, checked to the last attribute."""
 
-from collections.abc import Mapping
+import gc
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -199,6 +201,18 @@ def _is_there(path: Path) -> bool:
         return True
 
 
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Look for no garbage in the body: a large model is all kept, and looking takes long."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
 class _Loading:
     """Reads a mission and its faults: nodes first, objects once the nodes are sound."""
 
@@ -207,6 +221,7 @@ class _Loading:
         self._files = ModelFiles(self._report)
         self._loader = ModelLoader()
 
+    @_uncollected()
     def inspect(self, mission_path: Path, faults_path: Path | None) -> Inspection:
         """Load a mission and its faults, which may stand in the mission's file.
 

@@ -1,10 +1,14 @@
+import re
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
 
-from mrsfi_runtime.cli.progress import PlainLines, share_done
+from mrsfi_runtime.cli import progress
+from mrsfi_runtime.cli.progress import FlightProgress, PlainLines, share_done
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import CampaignProgress
+from tests.support.cli import MISSION, mrsfi
 
 
 def state(generation: int, n_evaluations: int = 0, n_failures: int = 0) -> CampaignProgress:
@@ -88,3 +92,26 @@ def test_a_generation_that_was_all_recorded_before_prints_nothing(capfd):
     lines(state(7, n_evaluations=50))
 
     assert capfd.readouterr().err == ""
+
+
+def test_a_long_flight_tells_now_and_then_how_far_it_is(place, monkeypatch):
+    quiet = mrsfi("simulate", MISSION, cwd=place)
+    monkeypatch.setattr(progress, "_EVERY", 0.0)
+
+    telling = mrsfi("simulate", MISSION, cwd=place)
+
+    assert quiet.stderr == ""
+    lines = telling.stderr.splitlines()
+    assert len(lines) == 1000
+    assert all(re.fullmatch(r"tick [\d,]+ of 1,000  left 0:\d\d", line) for line in lines)
+    assert lines[-1] == "tick 1,000 of 1,000  left 0:00"
+    assert telling.stdout == quiet.stdout
+
+
+def test_the_time_left_of_a_flight_follows_from_its_pace(capfd):
+    clock = ticking(10.0)
+    lines = FlightProgress(4, lambda: next(clock))
+
+    lines(SimpleNamespace(mission=SimpleNamespace(tick=0)))
+
+    assert capfd.readouterr() == ("", "tick 1 of 4  left 0:30\n")

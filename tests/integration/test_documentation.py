@@ -3,6 +3,7 @@
 import ast
 import re
 import shlex
+import shutil
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 from functools import cache
@@ -12,8 +13,10 @@ import click
 
 import mrsfi
 from mrsfi_runtime.cli.main import cli
-from tests.support.cli import edit, workspace
+from mrsfi_runtime.engine.region_lint import lint_regions
+from tests.support.cli import contents, edit, workspace
 from tests.support.cli import mrsfi as run_mrsfi
+from tests.support.edited import COLLECTIVE
 from tests.support.tree import ROOT
 
 PAGES = {
@@ -114,6 +117,9 @@ def _performed(console: str, folder: Path, *codes: int) -> str:
         if program == "sed":
             _, found, replaced, _ = words[1].split("/")
             edit(folder / words[2], found, replaced)
+        elif program == "git":
+            assert words[0] == "restore"
+            shutil.copytree(ROOT / words[1], folder / words[1], dirs_exist_ok=True)
         else:
             done = run_mrsfi(*words, cwd=folder, expected=next(exits))
             text += done.stderr + done.stdout
@@ -209,3 +215,31 @@ def test_an_edit_of_a_model_and_a_defect_are_shown_as_the_readme_says(tmp_path):
 
     assert _performed(speed, folder, 0, 0) == speed
     assert _performed(defect, folder, 3) == defect
+    for path in (ROOT / "models").rglob("*.xmi"):
+        assert (folder / path.relative_to(ROOT)).read_bytes() == path.read_bytes(), "is left broken"
+
+
+def test_a_region_that_the_readme_shows_is_one_that_flies():
+    region = _block_after("Write a goal's logic", "@kernel")
+
+    code = (ROOT / "generated" / "tight_margins" / COLLECTIVE).read_text(encoding="utf-8")
+    assert region in code
+    assert lint_regions(ROOT / "generated" / "tight_margins") == ()
+
+
+def test_a_search_of_ones_own_leaves_its_runs_where_it_is_called(tmp_path, monkeypatch):
+    page = PAGES["examples/own_search/README.md"]
+    console = re.findall(r"```console\n(.*?)```", page, flags=re.DOTALL)[0]
+    (path, *lines) = console.splitlines()
+    place = workspace(tmp_path)
+    shutil.copytree(ROOT / "examples", place / "examples")
+    before = contents(place / "examples")
+    monkeypatch.syspath_prepend(place / path.partition("PYTHONPATH=")[2])
+
+    for line in lines:
+        words = shlex.split(line.removeprefix("$ mrsfi "))
+        short = ("--evaluations", "3", "--no-explain", "--workers", "1", "--engine", "reference")
+        run_mrsfi(*words, *short, cwd=place)
+
+    assert len([*(place / "runs").iterdir()]) == len(lines) == 2
+    assert contents(place / "examples") == before

@@ -14,10 +14,14 @@ from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 
 if TYPE_CHECKING:
+    from mrsfi_runtime.kernel.state import State
     from mrsfi_runtime.search.campaign import CampaignProgress
 
 _LINES = 100
 """About how many plain lines a long search prints."""
+
+_EVERY = 5.0
+"""Seconds between two lines about a flight."""
 
 _PACE = 8
 """Lines that tell how fast a search is now: it may be compiled since."""
@@ -97,6 +101,33 @@ class PlainLines:
             f"mean {state.mean:.2f}  evaluations {state.n_evaluations}  "
             f"left {left // 60}:{left % 60:02d}"
         )
+
+
+class FlightProgress:
+    """Observer that tells how far a flight is, every few seconds.
+
+    Parameters
+    ----------
+    duration
+        Ticks of the mission.
+    clock
+        Seconds since any moment.
+    """
+
+    def __init__(self, duration: int, clock: Callable[[], float] = monotonic) -> None:
+        self._duration = duration
+        self._clock = clock
+        self._began = self._told = clock()
+
+    def __call__(self, world: "State", *_: object) -> None:
+        """Tell after a tick, if it is time."""
+        now = self._clock()
+        if now - self._told < _EVERY:
+            return
+        self._told = now
+        n_done = world.mission.tick + 1
+        left = round((now - self._began) / n_done * (self._duration - n_done))
+        tell(f"tick {n_done:,} of {self._duration:,}  left {left // 60}:{left % 60:02d}")
 
 
 def share_done(settings: CampaignSettings, state: "CampaignProgress") -> float:

@@ -9,7 +9,8 @@ from mrsfi.files import whole_file, written_file
 from mrsfi.versions import installed_version
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import FlightFiles
-from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.cli.progress import FlightProgress
+from mrsfi_runtime.engine.flights import Engine, PlainEngine
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
@@ -77,6 +78,8 @@ def _recorder(
     with ExitStack() as opened:
         observers: list[Observer] = []
         finish: list[_Finish] = []
+        if isinstance(engine, PlainEngine):  # others take no time
+            observers.append(FlightProgress(mission.duration))
         if files.log is not None:
             stream = opened.enter_context(written_file(files.log))
             observers.append(SimulationLog(mission, stream, Events(mission, faults, tallies)))
