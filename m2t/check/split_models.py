@@ -45,9 +45,8 @@ def find_part(child: Node, declared: Any, package: Any, files: ModelFiles) -> tu
 
 def named_class(package: Any, kinds: Mapping[str, Any], node: Node) -> Any:
     """Return the one of some classes that an xsi:type names; ``None`` if it names none."""
-    prefix, colon, name = (node.xsi_type or "").rpartition(":")
-    is_ours = colon and node.prefixes.get(prefix) == package.nsURI
-    return kinds.get(name) if is_ours else None
+    prefix, _, name = (node.xsi_type or "").rpartition(":")
+    return kinds.get(name) if node.prefixes.get(prefix) == package.nsURI else None
 
 
 def _file(child: Node, address: str, files: ModelFiles) -> ModelFile:

@@ -5,6 +5,7 @@ is checked before pyecore loads the file.
 """
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -134,6 +135,7 @@ class _Checker:
     def element(self, node: Node, metaclass: Any) -> None:
         """Check one node with everything that it contains."""
         node.metaclass = metaclass
+        self._unqualify(node.children)
         given = Counter(child.tag for child in node.children if not child.namespace)
         self._require_no_text(node)
         for name, text in node.attributes.items():
@@ -144,6 +146,15 @@ class _Checker:
             count = given[slot.name]
             if count < slot.lower_bound or (count > 1 and not slot.many):
                 report_count(node, slot, count, self._report)
+
+    def _unqualify(self, children: Sequence[Node]) -> None:
+        """Take elements of the metamodel's namespace for features, as Eclipse does.
+
+        All are of it where it is the default namespace of a file.
+        """
+        for child in children:
+            if child.namespace == self._package.nsURI:
+                child.namespace = ""
 
     def _attribute(self, node: Node, name: str, text: str) -> int:
         """Check an attribute; return of how many values it is."""
@@ -191,7 +202,7 @@ class _Checker:
     def _qualified(self, node: Node) -> None:
         """Check attributes of other namespaces: only those of XMI itself have a place."""
         file = self.tree.files.containing(node)
-        expected = ROOT_ATTRIBUTES if node in file.claimed else {(XSI, "type")}
+        expected = ROOT_ATTRIBUTES if node in file.claimed else {(XSI, "type"), (XMI, "type")}
         for (namespace, name), text in node.qualified.items():
             if (namespace, name) == (XMI, "id"):
                 self._remember_xmi_id(node, text)
@@ -217,7 +228,9 @@ class _Checker:
         """Check a child; return the node that stands for it, from another file if it says so."""
         slot = slots(node.metaclass).get(child.tag) if not child.namespace else None
         if slot is None:
-            self._unknown(child, f"is an unknown element of {node.description}", node, "element")
+            of = f" (namespace {shown(child.namespace)})" if child.namespace else ""
+            what = f"is an unknown element of {node.description}{of}"
+            self._unknown(child, what, node, "element")
         elif slot.is_contained:
             return self._contain(slot, child)
         elif slot.is_reference:
@@ -258,7 +271,9 @@ class _Checker:
         metaclass = named_class(self._package, kinds, child)
         if metaclass is None:
             found = "no xsi:type" if child.xsi_type is None else f"xsi:type {shown(child.xsi_type)}"
-            expected = ", ".join(f"{self._package.nsPrefix}:{name}" for name in kinds)
+            known = {uri: prefix for prefix, uri in child.prefixes.items()}
+            prefix = known.get(self._package.nsURI, self._package.nsPrefix)
+            expected = ", ".join(f"{prefix}:{name}".removeprefix(":") for name in kinds)
             raise Defect("ConcreteType", f"has {found}; expected one of {expected}; choose one")
         return metaclass
 

@@ -69,8 +69,8 @@ class Node:
 
     @property
     def xsi_type(self) -> str | None:
-        """Value of xsi:type, if there is one."""
-        return self.qualified.get((XSI, "type"))
+        """Value of xsi:type, or else of xmi:type, if there is one."""
+        return self.qualified.get((XSI, "type"), self.qualified.get((XMI, "type")))
 
     def tagged(self, tag: str) -> list["Node"]:
         """Return the elements of a tag directly below."""

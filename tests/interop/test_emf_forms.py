@@ -44,6 +44,15 @@ def _in_one_file() -> bytes:
     return f"{XMI_HEAD}{''.join(bodies)}</xmi:XMI>\n".encode()
 
 
+def _in_default_namespace(prefix: str) -> str:
+    """Return the paper's mission without a prefix at its elements, and with one before types."""
+    text = re.sub(r"<(/?)mission:", r"<\1", MISSION_TEXT).replace("xmlns:mission=", "xmlns=")
+    declared = ' xmlns:mission="http://mrsfi.org/mission/1.0"' if prefix else ""
+    text = text.replace('xsi:type="mission:', f'xsi:type="{prefix}')
+    return text.replace(" name=", f"{declared} name=", 1)
+
+
+TYPE = 'xsi:type="mission:StayWithinMissionArea"'
 FORMS: Mapping[str, Mapping[str, bytes]] = {
     "UTF-16": {MISSION: _named("Lé 中", "UTF-16")},
     "UTF-16BE": {MISSION: _named("Lé 中", "UTF-16BE")},
@@ -56,6 +65,15 @@ FORMS: Mapping[str, Mapping[str, bytes]] = {
     "no declaration": {MISSION: _named("Lé 中", "UTF-8").partition(b"\n")[2]},
     "xmi:id": {MISSION: _with_xmi_ids(), FAULTS: FAULTS_TEXT.encode()},
     "one file": {MISSION: _in_one_file()},
+    "default namespace": {MISSION: _in_default_namespace("").encode()},
+    "default namespace, and its prefix": {MISSION: _in_default_namespace("mission:").encode()},
+    "xmi:type": {MISSION: MISSION_TEXT.replace("xsi:type", "xmi:type").encode()},
+    "xmi:type beside xsi:type": {
+        MISSION: _edited(TYPE, f'{TYPE} xmi:type="mission:SufficientEnergy"').encode()
+    },
+    "elements with the prefix": {
+        MISSION: re.sub(r"<(/?)robots", r"<\1mission:robots", MISSION_TEXT).encode()
+    },
     "negative zero": {MISSION: _edited('y="500.0" z="1.0"', 'y="500.0" z="-0.0"').encode()},
     "detour": {
         MISSION: MISSION_TEXT.encode(),
@@ -79,6 +97,29 @@ def test_a_file_keeps_its_form_as_eclipse_keeps_it(tmp_path, note):
         for path, content in saved(load_mission_folder(folder)).items()
     }
     _require_same(emf, ours, "(b) files in other forms", note)
+
+
+def test_a_type_that_eclipse_does_not_find_is_refused_by_name(tmp_path):
+    texts = {
+        "none": MISSION_TEXT.replace(f" {TYPE}", "", 1),
+        "abstract": _edited(TYPE, 'xsi:type="mission:GoalTask"'),
+        "no prefix": _edited(TYPE, 'xsi:type="StayWithinMissionArea"'),
+        "prefix without a namespace": re.sub(r"<(/?)mission:", r"<\1", MISSION_TEXT).replace(
+            "xmlns:mission=", "xmlns="
+        ),
+    }
+    for name, text in texts.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / MISSION).write_text(text, encoding="ascii")
+
+    emf = resave([tmp_path / name / MISSION for name in texts], tmp_path / "out")
+
+    for file in emf:
+        assert any(problem.startswith("load: ") for problem in file.problems), file.path
+        found = inspect_folder(file.path.parent).diagnostics
+        assert {each.constraint for each in found} == {"ConcreteType"}, file.path
+    (first, *_) = inspect_folder(tmp_path / "prefix without a namespace").diagnostics
+    assert "has xsi:type 'mission:AvoidCollision'; expected one of AvoidCollision," in first.message
 
 
 def test_a_split_mission_keeps_its_files_as_eclipse_keeps_them(tmp_path, note):
