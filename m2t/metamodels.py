@@ -1,5 +1,6 @@
 """The two metamodels, loaded dynamically from their ``.ecore`` files."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -45,7 +46,13 @@ class Metamodels:
 
 
 def metamodel_folder() -> Path:
-    """Return the folder of the metamodels: inside the installed package or in the source tree.
+    """Return the folder that the variable ``MRSFI_METAMODELS`` names, or else the installed one."""
+    chosen = os.environ.get("MRSFI_METAMODELS")
+    return Path(chosen) if chosen else installed_metamodels()
+
+
+def installed_metamodels() -> Path:
+    """Return the folder of our metamodels: inside the installed package or in the source tree.
 
     Raises
     ------
@@ -63,16 +70,25 @@ def metamodel_folder() -> Path:
     )
 
 
-@cache
 def load_metamodels() -> Metamodels:
-    """Load both metamodels once per process; they are never changed afterwards.
+    """Load both metamodels of ``metamodel_folder``, once per process and folder.
 
     Raises
     ------
     ModelError
         If the files are missing or cannot be used.
     """
-    return read_metamodels(metamodel_folder())
+    return _kept(metamodel_folder())
+
+
+@cache
+def _kept(folder: Path) -> Metamodels:
+    return read_metamodels(folder)
+
+
+def forget_metamodels() -> None:
+    """Have the metamodels read anew, because their files have changed."""
+    _kept.cache_clear()
 
 
 def read_metamodels(folder: Path) -> Metamodels:

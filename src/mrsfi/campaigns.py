@@ -9,6 +9,7 @@ from pathlib import Path
 from m2t.generate import fault_loader_text, mission_loader_text
 from m2t.load import load_mission_folder
 from mrsfi.folders import MissionFolders
+from mrsfi.project import project
 from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.findings import Finding, find_findings
@@ -21,9 +22,6 @@ from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 from mrsfi_runtime.record.measure import Measure
-
-RUNS = Path("runs")
-"""Where campaigns go unless the user says otherwise."""
 
 _VERSIONED = ("mrsfi", "deap", "numpy", "pyecore")
 
@@ -49,7 +47,7 @@ def free_folder(mission: str, case: str) -> Path:
     """Make and return ``runs/<mission>-<case>-<n>`` with the first number that is free."""
     number = 1
     while True:
-        path = RUNS / f"{mission}-{case}-{number}"
+        path = project().runs / f"{mission}-{case}-{number}"
         try:
             path.mkdir(parents=True)
         except FileExistsError:
@@ -70,14 +68,15 @@ def latest_folder() -> Path:
     UsageError
         If there is none.
     """
+    runs = project().runs
     databases = {
         folder: CampaignFolder(folder).database
-        for folder in RUNS.glob("*")
+        for folder in runs.glob("*")
         if CampaignFolder(folder).database.is_file()
     }
     if not databases:
         raise UsageError(
-            f"found no campaign in {RUNS}/; name its folder, or run `mrsfi evolve` first"
+            f"found no campaign in {runs}/; name its folder, or run `mrsfi evolve` first"
         )
     return max(databases, key=lambda folder: databases[folder].stat().st_mtime_ns)
 

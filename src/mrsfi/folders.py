@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from m2t.generate import stale
+from mrsfi.project import project
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.semantics_of_code import require_semantics
 
-_MODELS = Path("models")
+_MODELS, _GENERATED = "models", "generated"
 _MISSION_FILE = "mission.xmi"
 _MISSION_CODE = "mission_loader.py"
 
@@ -59,12 +60,12 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
     """
     for models in _places(mission):
         folder = models.resolve()
-        root = folder.parent.parent if folder.parent.name == _MODELS.name else folder.parent
-        usual = root / "generated" / folder.name
-        return MissionFolders(folder.name, models, generated or _from_here(usual))
-    known = sorted(path.parent.name for path in _MODELS.glob(f"*/{_MISSION_FILE}"))
+        usual = generated or _generated(folder)
+        return MissionFolders(folder.name, models, usual)
+    place = project().models
+    known = sorted(path.parent.name for path in place.glob(f"*/{_MISSION_FILE}"))
     raise UsageError(
-        f"found no mission '{mission}'; expected the name of a folder in models/ "
+        f"found no mission '{mission}'; expected the name of a folder in {place}/ "
         f"({', '.join(known) or 'there is none here'}) or the path of one that holds "
         f"{_MISSION_FILE}"
     )
@@ -72,7 +73,7 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
 
 def missions() -> Iterator[MissionFolders]:
     """Yield the missions in ``models``, by name."""
-    for path in sorted(_MODELS.glob(f"*/{_MISSION_FILE}")):
+    for path in sorted(project().models.glob(f"*/{_MISSION_FILE}")):
         yield find_mission(path.parent.name)
 
 
@@ -83,7 +84,7 @@ def is_mission(mission: str) -> bool:
 
 def _places(mission: str) -> Iterator[Path]:
     """Yield the folders of models that a name or path stands for."""
-    for models in (_MODELS / mission, Path(mission)):
+    for models in (project().models / mission, Path(mission)):
         if (models / _MISSION_FILE).is_file():
             yield models
 
@@ -106,6 +107,15 @@ def campaign_file(folders: MissionFolders, case: str) -> Path:
         f"--case: found no campaign file '{case}'; expected the path of a TOML file, or one of: "
         f"{', '.join(sorted(known)) or f'(there is no case_*.toml in {folders.models})'}"
     )
+
+
+def _generated(folder: Path) -> Path:
+    """Return where the code of a mission goes: beside the folder ``models`` that it is in."""
+    ours = project()
+    if folder.parent == ours.models.resolve():
+        return ours.generated / folder.name
+    root = folder.parent.parent if folder.parent.name == _MODELS else folder.parent
+    return _from_here(root / _GENERATED / folder.name)
 
 
 def _from_here(path: Path) -> Path:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mrsfi.engines import Tell, evaluator, opened, own_engine, silent
 from mrsfi.folders import MissionFolders, campaign_file, find_mission
+from mrsfi.project import choose_metamodels, project
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
@@ -39,6 +40,7 @@ def load(mission: str | Path, generated: Path | None = None) -> "Mission":
     UsageError
         If there is no such mission.
     """
+    choose_metamodels()
     return Mission(find_mission(str(mission), generated))
 
 
@@ -311,7 +313,6 @@ class Mission:
         RecordError
             If the folder is another comparison's.
         """
-        from mrsfi.campaigns import RUNS  # noqa: PLC0415 - brings m2t
         from mrsfi.comparing import compared, settings_of, write_compared  # noqa: PLC0415
         from mrsfi_runtime.mission import load_code  # noqa: PLC0415
         from mrsfi_runtime.study.runs import only_comparison  # noqa: PLC0415
@@ -320,7 +321,7 @@ class Mission:
         settings = settings_of(file, self.code, algorithms, evaluations)
         seed = settings[algorithms[0]].mission_seed
         flown_by = _settings(engine).tried(self.code, seed, silent, waits=False)
-        path = RUNS / f"compare-{self.name}-{Path(case).stem}" if out is None else out
+        path = project().runs / f"compare-{self.name}-{Path(case).stem}" if out is None else out
         with only_comparison(path, self.folders.models, self.folders.generated) as folder:
             code = load_code(folder.generated)
             with evaluator(code, seed, flown_by, workers) as many:

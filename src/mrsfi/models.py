@@ -15,6 +15,24 @@ if TYPE_CHECKING:
     from m2t.importing.notes import Note as Note  # noqa: PLC0414 - for importers
 
 
+def own_metamodels() -> Path | None:
+    """Return the folder of metamodels that are read and are not those of mrsfi, if they are not."""
+    from m2t.metamodels import (  # noqa: PLC0415 - brings pyecore
+        FAULTS_FILE,
+        MISSION_FILE,
+        installed_metamodels,
+        metamodel_folder,
+    )
+
+    read, ours = metamodel_folder(), installed_metamodels()
+    names = (MISSION_FILE, FAULTS_FILE)
+    try:
+        is_same = all((read / name).read_bytes() == (ours / name).read_bytes() for name in names)
+    except OSError:  # whoever reads them says what is wrong
+        is_same = False
+    return None if is_same else read
+
+
 def generate(models: Path, target: Path, *, force: bool = False) -> "GenerationPlan":
     """Bring the generated code of a mission up to date, as ``m2t.generate.generate`` does."""
     from m2t import generate as generation  # noqa: PLC0415 - brings Jinja

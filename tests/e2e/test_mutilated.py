@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.metamodels import FAULTS_FILE, load_metamodels
+from m2t.metamodels import FAULTS_FILE, forget_metamodels
 from mrsfi_runtime.cli.main import main
 from mrsfi_runtime.errors import ModelError
 from tests.support.cli import ROOT, mrsfi_process
@@ -20,7 +20,7 @@ def _is_broken(folder: Path) -> bool:
     try:
         return main(["validate", str(folder)]) == ModelError.exit_code
     finally:
-        load_metamodels.cache_clear()
+        forget_metamodels()
 
 
 @pytest.mark.parametrize("kind", seeds(list(MUTILATIONS)[:3], 1))

@@ -138,7 +138,7 @@ def test_every_path_named_exists():
 
 
 def test_every_module_named_exists():
-    pattern = rf"(?<![\w./-])(?:{'|'.join(PACKAGES)})(?!\.csv)(?:\.[A-Za-z_]\w*)+(?!/)"
+    pattern = rf"(?<![\w./-])(?:{'|'.join(PACKAGES)})(?!\.csv|\.toml)(?:\.[A-Za-z_]\w*)+(?!/)"
 
     missing = [
         f"{page}: {name}"

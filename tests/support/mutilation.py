@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from m2t.metamodels import FAULTS_FILE, MISSION_FILE, load_metamodels, metamodel_folder
+from m2t.metamodels import FAULTS_FILE, MISSION_FILE, forget_metamodels, metamodel_folder
 
 Mutilation = Callable[[bytes, random.Random], bytes]
 
@@ -180,6 +180,6 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
     folder.mkdir(parents=True)
     for name in (MISSION_FILE, FAULTS_FILE):
         shutil.copy(metamodel_folder() / name, folder / name)
-    monkeypatch.setattr("m2t.metamodels.__file__", str(tmp_path / "m2t" / "metamodels.py"))
+    monkeypatch.setenv("MRSFI_METAMODELS", str(folder))
     yield folder
-    load_metamodels.cache_clear()
+    forget_metamodels()

@@ -10,13 +10,13 @@ from time import monotonic
 import click
 from rich.table import Table
 
-from mrsfi.campaigns import RUNS
 from mrsfi.comparing import compared, settings_of, write_compared
 from mrsfi.folders import (
     campaign_file,
     find_mission,
 )
 from mrsfi.loading import load_fresh
+from mrsfi.project import project
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
 from mrsfi_runtime.cli.tables import plain_table
@@ -53,7 +53,7 @@ def compare_algorithms(  # noqa: PLR0913 - one for each option
     code = load_fresh(folders)
     settings = settings_of(campaign_file(folders, case), code, _names(algorithms), evaluations)
     tried = workers.tried(code, next(iter(settings.values())).mission_seed, flown_by)
-    path = RUNS / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
+    path = project().runs / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
     with only_comparison(path, folders.models, folders.generated) as folder:
         comparison = _compared(folder, settings, seeds, tried, workers)
         content = write_compared(folder, folders.name, settings, comparison)

@@ -7,10 +7,9 @@ from tempfile import TemporaryDirectory
 import click
 
 from mrsfi.models import difference, piped
+from mrsfi.project import project
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.errors import UsageError
-
-_MODELS = Path("models")
 
 
 def diff(old: str, new: str, *, is_json: bool) -> None:
@@ -31,7 +30,7 @@ def _model(name: str, kept: Path) -> Path:
 
     What comes from a pipe, which can be read once and is no file, is kept in a folder.
     """
-    for path in (Path(name), _MODELS / name):
+    for path in (Path(name), project().models / name):
         if path.is_fifo():
             return piped(path, kept)
         if path.exists():

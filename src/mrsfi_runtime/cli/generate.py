@@ -10,6 +10,7 @@ from mrsfi.folders import (
 )
 from mrsfi.models import generate as generate_code
 from mrsfi.models import generation_difference
+from mrsfi_runtime.cli.metamodels import tell_of_metamodels
 from mrsfi_runtime.errors import GenerationError
 from mrsfi_runtime.unfilled import unfilled_regions
 
@@ -19,6 +20,7 @@ def generate(mission: str, generated: Path | None, *, check: bool, diff: bool, f
     folders = find_mission(mission, generated)
     if sum((check, diff, force)) > 1:
         raise click.UsageError("--check, --diff and --force exclude each other")
+    tell_of_metamodels()
     if check:
         folders.require_fresh()
         click.echo(f"fresh: {folders.generated}")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mrsfi.models import import_published
+from mrsfi.project import project
 from mrsfi_runtime.cli.console import counted, print_json
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def import_model(file: Path, out: Path | None, *, force: bool, is_json: bool) ->
 
 
 def _usual_folder(file: Path) -> Path:
-    return Path("models") / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
+    return project().models / (_NOT_NAME.sub("_", file.stem).strip("_.-") or "imported")
 
 
 def _as_json(result: "Imported") -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import Any, cast
 
 import click
 
+from mrsfi.project import metamodels_chosen
 from mrsfi.versions import installed_version
 from mrsfi_runtime.errors import MrsfiError
 
@@ -19,6 +20,7 @@ _PIPE_CLOSED = 141
 
 _COMMANDS = MappingProxyType(
     {
+        "new": "Make the folder of a new project, with a mission that flies.",
         "validate": "Check the models of a mission.",
         "generate": "Generate the middleware of a mission from its models.",
         "simulate": "Fly a mission once, with or without faults.",
@@ -111,7 +113,8 @@ class CommandGroup(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a subcommand, and end with the exit code of the error that it meets."""
         try:
-            result = super().invoke(ctx)
+            with metamodels_chosen():
+                result = super().invoke(ctx)
             sys.stdout.flush()
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise

@@ -8,6 +8,7 @@ import click
 from mrsfi.validation import Validated, mending, n_errors, write_mended
 from mrsfi.validation import validate as validated
 from mrsfi_runtime.cli.console import counted, print_json, tell
+from mrsfi_runtime.cli.metamodels import tell_of_metamodels
 from mrsfi_runtime.errors import EvaluationError, ModelError, UsageError
 
 
@@ -25,6 +26,7 @@ def validate(
         raise UsageError("--fix shows a diff and --json does not; give one of them")
     if is_agreed and not is_fix:
         raise UsageError("--yes agrees to what --fix would change; give both")
+    tell_of_metamodels()
     if is_fix:
         _fix(mission, generated, is_agreed=is_agreed)
     found = validated(mission, generated, tell)

@@ -1,0 +1,117 @@
+"""Where a team's project keeps its models, generated code, campaigns and metamodels.
+
+A file ``mrsfi.toml`` at the root of a project says so; commands find it from any folder inside::
+
+    [project]
+    metamodels = "metamodels"
+    models = "models"
+    generated = "generated"
+    runs = "runs"
+
+What it leaves out has these values. Without such a file the working folder is the root.
+"""
+
+import os
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from mrsfi_runtime.errors import UsageError
+
+SETTINGS = "mrsfi.toml"
+_FOLDERS = ("metamodels", "models", "generated", "runs")
+_METAMODELS = ("mission.ecore", "faults.ecore")
+_CHOSEN = "MRSFI_METAMODELS"
+"""Environment variable with the folder of the metamodels, for this process and those it starts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """The folders of a project, each as short as a user would write it.
+
+    Attributes
+    ----------
+    metamodels
+        Those of the team; ``None`` if the project has none.
+    """
+
+    models: Path
+    generated: Path
+    runs: Path
+    metamodels: Path | None
+
+
+def project() -> Project:
+    """Return the project that the working folder is in.
+
+    Raises
+    ------
+    UsageError
+        If its settings cannot be read, or have a name or a value that means nothing.
+    """
+    here = Path.cwd()
+    file = next((place / SETTINGS for place in (here, *here.parents) if _has(place)), None)
+    root = here if file is None else file.parent
+    given = {} if file is None else _settings(file)
+    found = {name: _from_here(root / given.get(name, name)) for name in _FOLDERS}
+    metamodels = found["metamodels"]
+    has_own = all((metamodels / name).is_file() for name in _METAMODELS)
+    if "metamodels" in given and not has_own:
+        raise UsageError(
+            f"{file}: found metamodels = '{given['metamodels']}'; expected a folder that has "
+            f"{' and '.join(_METAMODELS)}"
+        )
+    return Project(
+        found["models"], found["generated"], found["runs"], metamodels if has_own else None
+    )
+
+
+def choose_metamodels() -> bool:
+    """Let this process read the metamodels of the project; return whether it has any to choose."""
+    metamodels = None if _CHOSEN in os.environ else project().metamodels
+    if metamodels is None:
+        return False
+    os.environ[_CHOSEN] = str(metamodels.resolve())
+    return True
+
+
+@contextmanager
+def metamodels_chosen() -> Iterator[None]:
+    """Let everything in the body read the metamodels of the project, if it has any of its own."""
+    is_chosen = choose_metamodels()
+    try:
+        yield
+    finally:
+        if is_chosen:
+            del os.environ[_CHOSEN]
+
+
+def _has(place: Path) -> bool:
+    return (place / SETTINGS).is_file()
+
+
+def _settings(file: Path) -> dict[str, str]:
+    """Return what a settings file says, name by name."""
+    try:
+        document = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"{file}: cannot be read: {error}; expected settings in TOML") from error
+    table = document.get("project", {})
+    for name in document:
+        if name != "project" or not isinstance(table, dict):
+            raise UsageError(f"{file}: found '{name}'; expected one table, [project]")
+    for name, value in table.items():
+        if name not in _FOLDERS:
+            expected = ", ".join(_FOLDERS)
+            raise UsageError(f"{file}: found '{name}'; expected one of {expected}")
+        if not isinstance(value, str) or not value:
+            raise UsageError(f"{file}: found {name} = {value!r}; expected the name of a folder")
+    return dict(table)
+
+
+def _from_here(path: Path) -> Path:
+    """Return a path as short as a user would write it: relative, unless that is no shorter way."""
+    relative = Path(os.path.relpath(path))
+    return relative if len(relative.parts) < len(path.parts) else path

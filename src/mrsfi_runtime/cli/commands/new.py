@@ -1,0 +1,37 @@
+"""What ``mrsfi new`` takes."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+_HELP = """Make the folder NAME of a new project, ready for git, with a mission NAME that flies.
+
+It holds the metamodels, for Eclipse and to be extended; a small mission and its pool, as models
+and as a script that builds them; a campaign file; generated code; a Makefile; and what two common
+build servers need to fly the kept findings on each change. mrsfi.toml says where all of it is:
+commands work from any folder inside.
+
+\b
+Examples:
+  mrsfi new demo && cd demo && make evolve
+  mrsfi new harbour --from models/uuv_sampling      begin with a mission that there is
+  mrsfi new harbour --import published.xmi          begin with a model of the paper's prototype
+"""
+
+
+@click.command(name="new", help=_HELP)
+@click.argument("name", metavar="NAME")
+@click.option("--from", "source", metavar="MISSION", help="Begin with the models of a mission.")
+@click.option(
+    "--import",
+    "published",
+    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    metavar="FILE",
+    help="Begin with a model published for the paper's prototype.",
+)
+def command(**given: Any) -> None:
+    """Make the folder of a new project."""
+    from mrsfi_runtime.cli.new import new
+
+    new(**given)

@@ -1,0 +1,130 @@
+"""A project of one's own, from nothing to a regression that a build server refuses."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from tests.support.cli import MISSION, mrsfi, mrsfi_json, workspace
+from tests.support.edited import COLLECTIVE, indented, write_body
+from tests.support.tree import ROOT
+
+SHORT = ("--generations", "4", "--workers", "1", "--engine", "reference")
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory):
+    """A new project, with a campaign in runs/it."""
+    folder = tmp_path_factory.mktemp("begun")
+    mrsfi("new", "demo", cwd=folder)
+    mrsfi("evolve", "demo", *SHORT, "--out", "runs/it", cwd=folder / "demo")
+    return folder / "demo"
+
+
+def _make(folder, *words, expected=0):
+    """Run make as in a shell in which mrsfi is installed."""
+    path = os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"]))
+    command = ["make", f"PYTHON={sys.executable}", *words]
+    environment = {**os.environ, "PATH": path}
+    done = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == expected, done.stdout + done.stderr
+    return done
+
+
+def test_a_new_mission_is_sound_fresh_and_violates_nothing(begun):
+    validated = mrsfi("validate", "demo", cwd=begun)
+    flown = mrsfi_json("simulate", "demo", cwd=begun)
+
+    assert validated.stdout.endswith("8 faults, 0 warnings\n")
+    assert validated.stderr == ""
+    assert mrsfi("generate", "demo", "--check", cwd=begun).stdout == "fresh: generated/demo\n"
+    assert all(goal["true"] == goal["believed"] == goal["missed"] == 0 for goal in flown["goals"])
+
+
+def test_its_script_builds_the_models_that_stand_beside_it(begun):
+    models = begun / "models" / "demo"
+    before = {path: path.read_bytes() for path in models.glob("*.xmi")}
+
+    _make(begun, "models")
+
+    assert {path: path.read_bytes() for path in models.glob("*.xmi")} == before
+
+
+def test_what_was_found_is_kept_and_fails_the_build_when_it_comes_back(begun):
+    _make(begun, "regressions", expected=2)
+    mrsfi("keep", "runs/it", "--finding", "1", cwd=begun)
+    code = begun / "generated" / "demo" / COLLECTIVE
+    before = code.read_bytes()
+
+    _make(begun, "regressions")
+    write_body(code, "deliver.check", indented("return ci.mission.tick > 20"))
+    done = _make(begun, "regressions", expected=2)
+    root = ET.parse(begun / "regressions.xml").getroot()
+    code.write_bytes(before)
+    _make(begun, "regressions")
+
+    assert "Error 10" in done.stderr
+    (suite,) = root
+    assert (suite.get("name"), suite.get("failures")) == ("demo", "1")
+    assert "deliver" in suite[0][0].get("message")
+
+
+def test_commands_work_from_any_folder_inside(begun):
+    assert "2 robots" in mrsfi("validate", "demo", cwd=begun / "models" / "demo").stdout
+
+
+def test_it_may_begin_with_a_mission_that_there_is(tmp_path):
+    place = workspace(tmp_path)
+
+    mrsfi("new", "harbour", "--from", MISSION, cwd=place)
+
+    ours = place / "models" / MISSION
+    for path in (place / "harbour" / "models" / "harbour").rglob("*.*"):
+        name = path.relative_to(place / "harbour" / "models" / "harbour")
+        assert path.read_bytes() == (ours / name).read_bytes()
+    assert "1 of 1 hold" in mrsfi("check", "--engine", "reference", cwd=place / "harbour").stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("9lives",), "found the name '9lives'; expected letters, digits and _"),
+        (("a/b",), "found the name 'a/b'"),
+        (("there",), "there: exists; expected a name that is free here"),
+        (("new", "--from", "nowhere"), "found no mission 'nowhere'"),
+        (("new", "--from", "x", "--import", "there/file"), "exclude each other"),
+    ],
+)
+def test_what_cannot_be_begun_leaves_nothing(words, message, tmp_path):
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "file").write_text("", encoding="utf-8")
+
+    done = mrsfi("new", *words, cwd=tmp_path, expected=2)
+
+    assert message in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["there"]
+
+
+def test_what_a_model_of_the_prototype_lacks_ends_as_by_import_and_leaves_nothing(tmp_path):
+    (tmp_path / "published.xmi").write_text("<Setup/>", encoding="utf-8")
+
+    mrsfi("new", "harbour", "--import", "published.xmi", cwd=tmp_path, expected=3)
+
+    assert [path.name for path in tmp_path.iterdir()] == ["published.xmi"]
+
+
+def test_files_for_build_servers_run_what_the_makefile_has(begun):
+    targets = {line.partition(":")[0] for line in (begun / "Makefile").read_text().splitlines()}
+    for path in (begun / ".github" / "workflows" / "mrsfi.yml", begun / ".gitlab-ci.yml"):
+        text = path.read_text(encoding="utf-8")
+        wanted = {word for word in ("validate", "regressions") if f"make {word}" in text}
+        assert wanted == {"validate", "regressions"} <= targets
+        assert "regressions.xml" in text
+    assert (begun / "metamodels" / "faults.evl").read_bytes() == (
+        ROOT / "metamodels" / "faults.evl"
+    ).read_bytes()

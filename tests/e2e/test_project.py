@@ -1,0 +1,131 @@
+"""A team's project: folders of its own, found from anywhere inside, with its own metamodels."""
+
+import os
+
+import pytest
+
+import mrsfi as api
+from tests.support.cli import MISSION, mrsfi, mrsfi_json
+from tests.support.own_metamodels import add_feature, copy_metamodels
+
+SETTINGS = """[project]
+models = "src/missions"
+generated = "src/middleware"
+runs = "build/runs"
+"""
+SMALL = ("--evaluations", "3", "--no-explain", "--workers", "1", "--engine", "reference")
+
+
+@pytest.fixture
+def team(place):
+    """Root of a project whose folders have other names than ours."""
+    (place / "src").mkdir()
+    (place / "models").rename(place / "src" / "missions")
+    (place / "generated").rename(place / "src" / "middleware")
+    (place / "mrsfi.toml").write_text(SETTINGS, encoding="utf-8")
+    return place
+
+
+def test_folders_of_the_settings_are_those_of_every_command_from_anywhere_inside(team):
+    deep = team / "docs" / "deep"
+    deep.mkdir(parents=True)
+
+    for here in (team, team / "src", deep):
+        assert "3 robots" in mrsfi("validate", MISSION, cwd=here).stdout
+        assert "fresh: " in mrsfi("generate", MISSION, "--check", cwd=here).stdout
+        assert "came back" not in mrsfi("check", "--engine", "reference", cwd=here).stdout
+        mrsfi("evolve", MISSION, *SMALL, cwd=here)
+        mrsfi("report", cwd=here)
+
+    runs = sorted(path.name for path in (team / "build" / "runs").iterdir())
+    assert runs == [f"{MISSION}-a-{number}" for number in (1, 2, 3)]
+    assert not (deep / "runs").exists()
+
+
+def test_who_names_a_path_names_it_from_where_they_are(team):
+    (team / "docs").mkdir()
+    place = team / "docs"
+
+    mrsfi("evolve", "../src/missions/uuv_sampling", *SMALL, "--out", "here", cwd=place)
+
+    assert (place / "here" / "campaign.sqlite").is_file()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[project]\nmodel = 'x'\n", "found 'model'; expected one of metamodels, models"),
+        ("[project]\nmodels = 3\n", "found models = 3; expected the name of a folder"),
+        ("[other]\n", "found 'other'; expected one table, [project]"),
+        ("[project\n", "cannot be read"),
+        ("[project]\nmetamodels = 'none'\n", "expected a folder that has mission.ecore"),
+    ],
+)
+def test_settings_that_mean_nothing_are_refused_with_their_file(team, text, message):
+    (team / "mrsfi.toml").write_text(text, encoding="utf-8")
+
+    done = mrsfi("validate", MISSION, cwd=team, expected=2)
+
+    assert str(team / "mrsfi.toml") in done.stderr
+    assert message in done.stderr
+
+
+def test_a_mission_that_there_is_not_is_sought_where_the_settings_say(team):
+    done = mrsfi("validate", "nowhere", cwd=team, expected=2)
+
+    assert f"the name of a folder in src/missions/ ({MISSION})" in done.stderr
+
+
+PAYLOAD = (
+    '<eStructuralFeatures xsi:type="ecore:EAttribute" name="payload" '
+    'eType="ecore:EDataType http://www.eclipse.org/emf/2002/Ecore#//EDouble"/>'
+)
+
+
+def _own_metamodels(place):
+    copy_metamodels(place / "metamodels")
+    add_feature(place / "metamodels" / "mission.ecore", "Robot", PAYLOAD)
+    model = place / "models" / MISSION / "mission.xmi"
+    text = model.read_text(encoding="utf-8")
+    model.write_text(text.replace('name="LEN"', 'name="LEN" payload="3.5"'), encoding="utf-8")
+
+
+def test_metamodels_of_ones_own_are_used_and_named(place):
+    _own_metamodels(place)
+
+    done = mrsfi("validate", MISSION, cwd=place)
+    generated = mrsfi("generate", MISSION, cwd=place)
+
+    told = f"metamodels {place / 'metamodels'}, which are not those of mrsfi\n"
+    assert done.stderr.startswith(told)
+    assert generated.stderr == told
+    code = place / "generated" / MISSION / "collective_intelligence.py"
+    assert "R1_PAYLOAD = 3.5" in code.read_text(encoding="utf-8")
+    assert "MRSFI_METAMODELS" not in os.environ
+
+
+def test_metamodels_that_are_ours_go_without_saying(place):
+    copy_metamodels(place / "metamodels")
+
+    assert mrsfi("validate", MISSION, cwd=place).stderr == ""
+
+
+def test_a_campaign_is_read_with_the_metamodels_it_was_made_with(place):
+    _own_metamodels(place)
+    mrsfi("generate", MISSION, cwd=place)
+
+    mrsfi("evolve", MISSION, *SMALL, "--out", "it", cwd=place)
+
+    assert mrsfi_json("report", "it", cwd=place)["n_evaluations"] == 3
+
+
+def test_a_script_reads_them_too(place, monkeypatch):
+    _own_metamodels(place)
+    monkeypatch.chdir(place)
+    monkeypatch.setenv("MRSFI_METAMODELS", "")  # taken back when the test ends
+    monkeypatch.delenv("MRSFI_METAMODELS")
+
+    uuv = api.load(MISSION)
+
+    assert "collective_intelligence.py" in uuv.generate()
+    assert uuv.fly().robots == ("r1", "r2", "r3")
