@@ -22,7 +22,7 @@ from pathlib import Path
 from random import Random
 
 from benchmarks.measuring import MEBI, Aims, Run, drawn, run_in
-from mrsfi.campaigns import manifest_of
+from mrsfi.campaign_folders import manifest_of
 from mrsfi.folders import campaign_file, find_mission
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.mission import MissionCode, load_code

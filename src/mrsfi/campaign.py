@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrsfi import reporting
-from mrsfi.campaigns import findings_of, open_campaign, open_to_fly
+from mrsfi.campaign_folders import findings_of, open_campaign, open_to_fly
 from mrsfi.engines import evaluator, own_engine
 from mrsfi.flight import Flight, fly
 from mrsfi.regressions import keep

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
-from mrsfi.campaigns import FlyableCampaign, manifest_of
+from mrsfi.campaign_folders import FlyableCampaign, manifest_of
 from mrsfi.engines import recorded_engine
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.analysis.columns import top

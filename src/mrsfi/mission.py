@@ -258,7 +258,7 @@ class Mission:
             If the folder is in use, or cannot be written.
         """
         from mrsfi.campaign import Campaign  # noqa: PLC0415 - brings numpy
-        from mrsfi.campaigns import free_folder, open_to_fly  # noqa: PLC0415
+        from mrsfi.campaign_folders import free_folder, open_to_fly  # noqa: PLC0415
         from mrsfi.evolving import begun, find_causes, require_searchable, search  # noqa: PLC0415
 
         if case is None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import monotonic
 
-from mrsfi.campaigns import OpenCampaign, findings_of
+from mrsfi.campaign_folders import OpenCampaign, findings_of
 from mrsfi.engines import Tell, opened, silent
 from mrsfi.files import whole_file
 from mrsfi.folders import MissionFolders, find_mission

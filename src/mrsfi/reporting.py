@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import cache
 
-from mrsfi.campaigns import OpenCampaign
+from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.loading import specification_writer
 from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
 from mrsfi_runtime.analysis.page.content import Record

@@ -15,6 +15,7 @@ from mrsfi_runtime.study.folder import ComparisonFolder
 from tests.support.cli import MISSION, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
 from tests.support.tree import ROOT
+from tests.tiers import slow
 
 REFERENCE = "reference"
 
@@ -232,6 +233,7 @@ def test_kept_findings_are_tests_of_pytest(place):
     assert "nothing is kept; expected at least one finding" in done.stdout
 
 
+@slow
 def test_a_warehouse_of_all_tasks_is_written_flown_and_searched_by_an_unguarded_script(tmp_path):
     script = ROOT / "examples" / "warehouse" / "warehouse.py"
     assert len(script.read_text(encoding="utf-8").splitlines()) < 100

@@ -10,7 +10,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from mrsfi.campaigns import FlyableCampaign, free_folder, open_to_fly
+from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly
 from mrsfi.engines import own_engine
 from mrsfi.evolving import begun, find_causes, require_searchable, search
 from mrsfi.folders import campaign_file, find_mission

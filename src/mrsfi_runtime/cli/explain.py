@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from mrsfi.campaigns import FlyableCampaign, open_to_fly
+from mrsfi.campaign_folders import FlyableCampaign, open_to_fly
 from mrsfi.engines import own_engine
 from mrsfi.folders import MissionFolders, find_mission, is_mission
 from mrsfi.loading import load_fresh, read_specification, specification_writer

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from mrsfi.campaigns import open_campaign
+from mrsfi.campaign_folders import open_campaign
 from mrsfi.folders import find_mission
 from mrsfi.regressions import check_all, write_limits
 from mrsfi.regressions import keep as keep_finding

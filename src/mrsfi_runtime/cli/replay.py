@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 from rich.progress import track
 
-from mrsfi.campaigns import FlyableCampaign, OpenCampaign, open_to_fly
+from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.engines import EngineOptions, FlightFiles

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from mrsfi.campaigns import OpenCampaign, latest_folder, open_campaign
+from mrsfi.campaign_folders import OpenCampaign, latest_folder, open_campaign
 from mrsfi.reporting import report as write_report
 from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick
