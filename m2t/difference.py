@@ -2,23 +2,25 @@
 
 Models are compared by what their files say, element by element: elements with ID by class and
 ID, wherever they stand; coordinates, message fields and properties as values; the task of a goal
-and the type of a fault feature by feature. Line breaks, comments, order of attributes, spelling of
-numbers, and how a reference names its target are no difference.
+and the type of a fault feature by feature. What has another ID and otherwise says the same was
+renamed, which changes nothing where it is referred to. Line breaks, comments, order of attributes,
+spelling of numbers, and how a reference names its target are no difference.
 
 Notes
 -----
 The files need not be valid: a review may be about what broke them. They must be well-formed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-from m2t.outlines import Outline, Value, read_models
+from m2t.outlines import Key, Outline, Value, read_models, word
+from m2t.renames import rename, renamed
 from mrsfi_runtime.errors import ModelError
 
-What: TypeAlias = Literal["changed", "added", "removed", "moved", "reordered"]
+What: TypeAlias = Literal["changed", "added", "removed", "moved", "renamed", "reordered"]
 
 _SHOWN_IDS = 12
 
@@ -81,9 +83,14 @@ def difference(old: Path, new: Path) -> tuple[Change, ...]:
         raise ModelError(
             f"found {found}; expected two models of the same kind; give the right files"
         )
+    kinds.sort(key=lambda name: name != "Mission")
+    both = [kind for kind in kinds if kind in olds and kind in news]
+    pairs = renamed([olds[kind] for kind in both], [news[kind] for kind in both])
+    before = {now.key: earlier.identity for now, earlier in pairs.items()}
+    rename([olds[kind] for kind in both], pairs)
     changes: list[Change] = []
-    for kind in sorted(kinds, key=lambda name: name != "Mission"):
-        changes.extend(_compare_roots(olds.get(kind), news.get(kind)))
+    for kind in kinds:
+        changes.extend(_compare_roots(olds.get(kind), news.get(kind), before))
     return tuple(changes)
 
 
@@ -91,9 +98,11 @@ def _listed(kinds: Sequence[str] | dict[str, Outline]) -> str:
     return " and ".join(f"a {kind}" for kind in kinds) or "no model"
 
 
-def _compare_roots(old: Outline | None, new: Outline | None) -> Iterator[Change]:
+def _compare_roots(
+    old: Outline | None, new: Outline | None, before: Mapping[Key, str]
+) -> Iterator[Change]:
     if old is not None and new is not None:
-        yield from _Comparison(old, new).compare(old, new)
+        yield from _Comparison(old, new, before).compare(old, new)
     elif new is not None:
         yield _whole("added", new)
     elif old is not None:
@@ -107,9 +116,13 @@ def _whole(what: What, outline: Outline) -> Change:
 
 
 class _Comparison:
-    """Compares two models of a kind; knows where each element stands in both."""
+    """Compares two models of a kind; knows where each element stands in both.
 
-    def __init__(self, old: Outline, new: Outline) -> None:
+    ``before`` are the IDs that renamed elements had.
+    """
+
+    def __init__(self, old: Outline, new: Outline, before: Mapping[Key, str]) -> None:
+        self._before = before
         self._old = {outline.key: outline for outline in old.walk()}
         self._new = {outline.key: outline for outline in new.walk()}
 
@@ -140,6 +153,8 @@ class _Comparison:
             yield _placed("added", outline, "to")
             yield from self._moved_into(outline)
             return
+        if outline.key in self._before:
+            yield _renamed(outline, self._before[outline.key])
         source = earlier.container
         if source is not None and not _is_alike(source, container):
             text = f"{outline.label} moved from {source.label} to {container.label}"
@@ -159,6 +174,11 @@ class _Comparison:
 def _is_alike(one: Outline, other: Outline) -> bool:
     """Return whether two outlines are of the same element, or both of a root."""
     return one.key == other.key or one.container is other.container is None
+
+
+def _renamed(outline: Outline, before: str) -> Change:
+    text = f"{word(outline.kind)} {before} renamed {outline.identity}"
+    return Change("renamed", outline.label, "ID", before, outline.identity, text)
 
 
 def _changed(outline: Outline, name: str, before: Value, after: Value) -> Change:

@@ -21,6 +21,9 @@ from mrsfi_runtime.errors import ModelError
 Value: TypeAlias = str | None
 """Value of a feature as text; ``None`` if it is not set."""
 
+Key: TypeAlias = tuple[str, str, int]
+"""What makes an element the same in two models: class, ID, and number among those of that ID."""
+
 _FILES = ("mission.xmi", "faults.xmi")
 _WORDS: Mapping[str, str] = MappingProxyType(
     {"MotionSource": "motion source", "FaultSpecification": "fault specification"}
@@ -38,7 +41,7 @@ class Outline:
     identity
         Its ID; empty without one.
     key
-        What makes it the same in two models: class, ID, and number among those of that ID.
+        What makes it the same in two models.
     container
         Element that contains it.
     values
@@ -49,7 +52,7 @@ class Outline:
 
     kind: str
     identity: str
-    key: tuple[str, str, int]
+    key: Key
     container: "Outline | None" = field(default=None, repr=False)
     values: dict[str, Value] = field(default_factory=dict)
     children: dict[str, list["Outline"]] = field(default_factory=dict, repr=False)
@@ -57,7 +60,7 @@ class Outline:
     @property
     def label(self) -> str:
         """Class and ID in words: ``motion source ms1``."""
-        return f"{_WORDS.get(self.kind, self.kind.lower())} {self.identity}".rstrip()
+        return f"{word(self.kind)} {self.identity}".rstrip()
 
     @property
     def about(self) -> str:
@@ -70,6 +73,11 @@ class Outline:
         for children in self.children.values():
             for child in children:
                 yield from child.walk()
+
+
+def word(kind: str) -> str:
+    """Return the name of a class as people write it: ``motion source``."""
+    return _WORDS.get(kind, kind.lower())
 
 
 def read_models(path: Path) -> dict[str, Outline]:

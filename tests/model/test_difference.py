@@ -1,5 +1,6 @@
 """The difference of two models reads like the model."""
 
+import re
 import shutil
 from dataclasses import asdict
 from pathlib import Path
@@ -284,3 +285,60 @@ def test_an_empty_folder_is_refused(old, tmp_path):
 
 def test_the_committed_models_do_not_differ_from_themselves():
     assert lines(MODELS, MODELS) == []
+
+
+def _rename(folder: Path, *names: tuple[str, str]) -> None:
+    """Rename elements in both files, wherever they stand."""
+    for file in (MISSION, FAULTS):
+        text = (folder / file).read_text()
+        for before, after in names:
+            text = re.sub(rf'(?<=["# ]){before}(?=[" ])', after, text)
+        (folder / file).write_text(text)
+
+
+def test_a_rename_is_one_line_whoever_refers_to_it(old, new):
+    _rename(new, ("r1", "scout"))
+
+    assert lines(old, new) == ["robot r1 renamed scout"]
+    (change,) = difference(old, new)
+    assert (change.what, change.feature, change.old, change.new) == ("renamed", "ID", "r1", "scout")
+
+
+def test_a_team_that_is_renamed_at_once_is_a_line_a_robot_in_their_order(old, new):
+    _rename(new, ("r1", "a"), ("r2", "b"), ("r3", "c"))
+
+    assert lines(old, new) == ["robot r1 renamed a", "robot r2 renamed b", "robot r3 renamed c"]
+
+
+def test_goals_messages_sensors_and_faults_are_renamed_too(old, new):
+    _rename(new, ("g4", "dive"), ("m7", "state"), ("s4", "heat"), ("f9", "lure"), ("a7", "reef"))
+
+    assert sorted(lines(old, new)) == [
+        "area a7 renamed reef",
+        "fault f9 renamed lure",
+        "fault lure: name 'f9' → 'lure'",
+        "goal g4 renamed dive",
+        "message m7 renamed state",
+        "sensor s4 renamed heat",
+    ]
+
+
+def test_what_else_has_changed_is_told_beside_it(old, new):
+    _rename(new, ("r1", "scout"))
+    edit(new / MISSION, 'name="SufficientEnergy" members="r2 r3 scout"', 'name="X" members="r2 r3"')
+
+    assert lines(old, new) == [
+        "robot r1 renamed scout",
+        "goal g3: name 'SufficientEnergy' → 'X'",
+        "goal g3: members r2 r3 scout → r2 r3",
+    ]
+
+
+def test_what_is_renamed_and_changed_is_another_element(old, new):
+    _rename(new, ("r1", "scout"))
+    edit(new / MISSION, 'name="LEN" speed="5.0"', 'name="LEN" speed="6.0"')
+
+    found = lines(old, new)
+
+    assert "robot r1 removed" in found
+    assert "robot scout added ('LEN')" in found

@@ -7,8 +7,8 @@ import click
 _HELP = """Print how model NEW differs from model OLD, in the words of the model.
 
 OLD and NEW are mission folders, or files of a mission or of faults. Elements are matched by
-ID; what only looks different (order of attributes, comments, 4 for 4.0) is no difference.
-The models need not be valid.
+ID, and by what they say where one was renamed; what only looks different (order of
+attributes, comments, 4 for 4.0) is no difference. The models need not be valid.
 
 \b
 Examples:
@@ -24,6 +24,7 @@ What it prints:
   goal g3: members r2 r3 r1 → r2 r3
   goal g7 added (Patrol)
   sensor s4 moved from robot r2 to robot r1
+  robot r1 renamed scout
   goals reordered: g1 g2 g3 → g2 g1 g3
   fault f9: NEW_X 200.0 → 250.0
 
