@@ -112,6 +112,7 @@ def test_stale_code_is_refused_until_it_is_generated_anew(uuv):
     assert uuv.validate() == ()
 
 
+@slow
 def test_a_search_by_script_finds_what_the_command_finds(uuv, flown, place):
     settings = {"population": 4, "generations": 2}
     generations = []
@@ -186,6 +187,7 @@ def test_a_finding_is_kept_and_checked(found, tmp_path):
     assert checked.exceeded == ()
 
 
+@slow
 def test_algorithms_are_compared_as_by_command(uuv, place):
     given = ("--algorithms", "random,drift", "--seeds", "2", "--evaluations", "6")
     by_command = mrsfi_json(

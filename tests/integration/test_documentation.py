@@ -18,6 +18,7 @@ from tests.support.cli import contents, edit, workspace
 from tests.support.cli import mrsfi as run_mrsfi
 from tests.support.edited import COLLECTIVE
 from tests.support.tree import ROOT
+from tests.tiers import slow
 
 PAGES = {
     page.relative_to(ROOT).as_posix(): page.read_text(encoding="utf-8")
@@ -227,6 +228,7 @@ def test_a_region_that_the_readme_shows_is_one_that_flies():
     assert lint_regions(ROOT / "generated" / "tight_margins") == ()
 
 
+@slow
 def test_a_search_of_ones_own_leaves_its_runs_where_it_is_called(tmp_path, monkeypatch):
     page = PAGES["examples/own_search/README.md"]
     console = re.findall(r"```console\n(.*?)```", page, flags=re.DOTALL)[0]
