@@ -276,7 +276,7 @@ class Mission:
             evaluator(campaign.code, seed, flown_by, workers, tell=tell) as many,
         ):
             search(campaign, many, progress)
-            if explain:
+            if explain and flown_by.has_simulation:  # nobody else's is asked again
                 with own_engine(many, campaign.code, seed, flown_by) as own:
                     find_causes(campaign, many, own)
         return Campaign(path)

@@ -145,6 +145,23 @@ def write_limits(regression: Regression) -> None:
         file.write(regression.text().encode())
 
 
+def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:
+    """Return the findings that are kept of a mission.
+
+    Raises
+    ------
+    UsageError
+        If there is none, which is no pass; or if limits cannot be read.
+    """
+    regressions = kept(folders.models)
+    if not regressions:
+        raise UsageError(
+            f"{folders.models}: nothing is kept; expected at least one finding in regressions/; "
+            "keep one with: mrsfi keep CAMPAIGN --finding 1"
+        )
+    return tuple(regressions)
+
+
 def check_all(
     folders: MissionFolders,
     engine: EngineSettings,
@@ -174,12 +191,7 @@ def check_all(
     MrsfiError
         If the mission cannot be flown at all.
     """
-    regressions = kept(folders.models)
-    if not regressions:
-        raise UsageError(
-            f"{folders.models}: nothing is kept; expected at least one finding in regressions/; "
-            "keep one with: mrsfi keep CAMPAIGN --finding 1"
-        )
+    regressions = all_kept(folders)
     chosen = [each for each in regressions if name in {None, each.name}]
     if not chosen:
         names = ", ".join(each.name for each in regressions)

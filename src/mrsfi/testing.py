@@ -5,10 +5,8 @@ from collections.abc import Callable
 import pytest
 
 from mrsfi.folders import find_mission
-from mrsfi.regressions import check_all
+from mrsfi.regressions import all_kept, check_all
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.regressions import kept
 
 
 def regression_test(
@@ -39,12 +37,7 @@ def regression_test(
         test_what_was_found = regression_test("uuv_sampling")
     """
     folders = find_mission(mission)
-    names = [regression.name for regression in kept(folders.models)]
-    if not names:
-        raise UsageError(
-            f"{folders.models}: nothing is kept; expected at least one finding in regressions/; "
-            "keep one with: mrsfi keep CAMPAIGN --finding 1"
-        )
+    names = [regression.name for regression in all_kept(folders)]
 
     @pytest.mark.parametrize("finding", names)
     def test_kept_finding(finding: str) -> None:
