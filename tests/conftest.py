@@ -60,6 +60,7 @@ def width_of_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_setup(item: pytest.Function) -> Iterator[None]:
+    os.environ.pop("MRSFI_METAMODELS", None)  # a test before it may have loaded as a script does
     room = _room(item.path)
     if room in FILELESS and "tmp_path" in item.fixturenames:
         pytest.fail(f"a test of tests/{room} has a folder: move it to tests/disk", pytrace=False)

@@ -122,8 +122,6 @@ def test_a_campaign_is_read_with_the_metamodels_it_was_made_with(place):
 def test_a_script_reads_them_too(place, monkeypatch):
     _own_metamodels(place)
     monkeypatch.chdir(place)
-    monkeypatch.setenv("MRSFI_METAMODELS", "")  # taken back when the test ends
-    monkeypatch.delenv("MRSFI_METAMODELS")
 
     uuv = api.load(MISSION)
 
