@@ -14,7 +14,7 @@ half-done generation is not mistaken for edits by hand.
 
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,7 +81,12 @@ class GenerationPlan:
 
 
 def plan_files(
-    target: Path, rendered: Mapping[str, str], sources: Mapping[str, str], *, force: bool = False
+    target: Path,
+    rendered: Mapping[str, str],
+    sources: Mapping[str, str],
+    *,
+    force: bool = False,
+    rewrite: Callable[[str, str], str] = lambda _, text: text,
 ) -> GenerationPlan:
     """Merge rendered files with those that stand in a folder; write nothing.
 
@@ -95,6 +100,8 @@ def plan_files(
         SHA-256 of every model and metamodel by file name.
     force
         Overwrite edits outside protected regions.
+    rewrite
+        Edits the text of a standing file, by its name, before it is merged.
 
     Raises
     ------
@@ -107,7 +114,9 @@ def plan_files(
     known = {} if recorded is None else loads(recorded, str(target / MANIFEST))
     texts = {name: _read(target / name) for name in (*rendered, *known)}
     existing = {name: text for name, text in texts.items() if text is not None}
-    standing = {name: parse(text, str(target / name)) for name, text in existing.items()}
+    standing = {
+        name: parse(rewrite(name, text), str(target / name)) for name, text in existing.items()
+    }
     contents: dict[str, str] = {}
     coming: dict[str, tuple[FileRecord, ...]] = {}
     for name, text in rendered.items():

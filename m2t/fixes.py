@@ -4,7 +4,7 @@ A fix looks at the element anew and changes nothing if nothing is wrong, so that
 offered to an element too many.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -19,9 +19,8 @@ from m2t.constraints.faults import (
 )
 from m2t.constraints.mission import repeated, strangers
 from m2t.diagnostics import Diagnostic
-from m2t.line_difference import unified_difference
 from m2t.load import Inspection, LoadedModels
-from m2t.saving import saved
+from m2t.saving import difference, saved
 
 Remedy: TypeAlias = Callable[[Any], None]
 
@@ -96,21 +95,8 @@ def mend(inspection: Inspection) -> Mending | None:
         path for path in contents if path not in fixed_by_loading and unfixed[path] != old[path]
     )
     fixed = tuple((found, FIXES[found.constraint].title) for found in fixable)
-    difference = tuple(_difference(draft, old, contents))
-    return Mending(fixed, MappingProxyType(contents), difference, respelt)
-
-
-def _difference(
-    draft: LoadedModels, old: Mapping[Path, bytes], new: Mapping[Path, bytes]
-) -> Iterator[str]:
-    """Yield the lines of the unified diff of files, each read in its own encoding."""
-    for file in draft.files:
-        if file.path in new:
-            before, after = (
-                versions[file.path].decode(file.spelling.encoding, "replace").splitlines()
-                for versions in (old, new)
-            )
-            yield from unified_difference(before, after, str(file.path), str(file.path), "")
+    lines = tuple(difference(draft, old, contents))
+    return Mending(fixed, MappingProxyType(contents), lines, respelt)
 
 
 def _elements_by_place(draft: LoadedModels) -> Mapping[tuple[Path, int, str], list[Any]]:

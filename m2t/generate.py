@@ -87,8 +87,7 @@ def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPl
 def plan(models: Path, target: Path, *, force: bool = False) -> GenerationPlan:
     """Return what ``generate`` would do with the same arguments; write nothing."""
     loaded = load_mission_folder(models)
-    rendered = {name: _render(name, loaded) for name in VISITORS}
-    return plan_files(target, rendered, _sources(loaded), force=force)
+    return plan_files(target, rendered(loaded), sources(loaded), force=force)
 
 
 def stale(models: Path, target: Path) -> tuple[str, ...]:
@@ -118,6 +117,11 @@ def mission_loader_text(loaded: LoadedModels) -> str:
     return _render("mission_loader.py", loaded)
 
 
+def rendered(loaded: LoadedModels) -> dict[str, str]:
+    """Return the text of every generated file by name, as its template renders it."""
+    return {name: _render(name, loaded) for name in VISITORS}
+
+
 def _render(name: str, loaded: LoadedModels) -> str:
     template = _environment().get_template(f"{name}.j2")
     mission = remark(loaded.mission_path.resolve().parent.name)
@@ -143,15 +147,21 @@ def _difference(name: str, old: str | None, new: str | None) -> str:
     )
 
 
-def _sources(loaded: LoadedModels) -> dict[str, str]:
-    """Return the SHA-256 of all files of models and of metamodels, line ends apart."""
+def sources(
+    loaded: LoadedModels, contents: Mapping[Path, bytes] = MappingProxyType({})
+) -> dict[str, str]:
+    """Return the SHA-256 of all files of models and of metamodels, line ends apart.
+
+    ``contents`` are those that files are going to have in place of what stands in them.
+    """
     metamodels = metamodel_folder()
     folder = loaded.mission_path.parent
     paths = {_source_name(file.path, folder): file.path for file in loaded.files}
     paths |= {name: metamodels / name for name in (MISSION_FILE, FAULTS_FILE)}
     return {
-        name: hashlib.sha256(path.read_bytes().replace(b"\r\n", b"\n")).hexdigest()
+        name: hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
         for name, path in paths.items()
+        for content in (contents.get(path) or path.read_bytes(),)
     }
 
 

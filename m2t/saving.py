@@ -1,11 +1,12 @@
 """Save loaded models: every file as Eclipse would, and only what changed."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from m2t.line_difference import unified_difference
 from m2t.load import LoadedFile, LoadedModels
 from m2t.write.xmi import dumps_file, write_atomically
 
@@ -65,6 +66,19 @@ def saved(models: LoadedModels) -> dict[Path, bytes]:
         )
         for file in models.files
     }
+
+
+def difference(
+    models: LoadedModels, old: Mapping[Path, bytes], new: Mapping[Path, bytes]
+) -> Iterator[str]:
+    """Yield the lines of the unified diff of files, each read in its own encoding."""
+    for file in models.files:
+        if file.path in new:
+            before, after = (
+                versions[file.path].decode(file.spelling.encoding, "replace").splitlines()
+                for versions in (old, new)
+            )
+            yield from unified_difference(before, after, str(file.path), str(file.path), "")
 
 
 def addresses(

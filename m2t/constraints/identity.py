@@ -1,12 +1,19 @@
 """Constraints on IDs: their syntax, and the names that they become in Python."""
 
 import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from m2t.check.structure import ModelTree
-from m2t.diagnostics import Report, shown
+from m2t.diagnostics import Defect, Report, shown
 from m2t.naming import identifier
-from m2t.read.nodes import Node
 from mrsfi_runtime.errors import ModelError
+
+if TYPE_CHECKING:
+    from m2t.read.nodes import Node
+
+_NAMELESS = ("IdSyntax", "ReservedId")
+"""Constraints on IDs that become no name in Python where they are broken."""
 
 _SYNTAX = re.compile(r"[A-Za-z][A-Za-z0-9_. -]*", re.ASCII)
 
@@ -19,42 +26,43 @@ def check_identities(tree: ModelTree, report: Report, *, become_names: bool) -> 
     """
     named: dict[str, Node] = {}
     for text, node in tree.by_id.items():
-        if not _SYNTAX.fullmatch(text):
-            report.add(
-                node,
-                "IdSyntax",
-                f"has ID {shown(text)}; expected a letter, then letters, digits, '_', '-', '.' or "
-                "spaces; rename it",
-            )
+        defects = [*defects_of_id(text, becomes_name=become_names)]
+        for defect in defects:
+            report.add(node, defect.constraint, defect.finding)
+        if not become_names or any(defect.constraint in _NAMELESS for defect in defects):
             continue
-        if " " in text:
+        name = identifier(text)
+        first = named.setdefault(name, node)
+        if first is not node:
             report.add(
                 node,
-                "IdWithoutSpaces",
-                f"has the ID {shown(text)} with spaces, which separate IDs in a list of "
-                "references; expected none; use '_' or '-'",
+                "IdClash",
+                f"and {first.description} (line {first.line}) both become '{name}' in Python; "
+                "rename one",
             )
-        if become_names:
-            _check_name(text, node, named, report)
 
 
-def _check_name(text: str, node: Node, named: dict[str, Node], report: Report) -> None:
-    """Check the name that an ID becomes; ``named`` has the first element of each name so far."""
+def defects_of_id(text: str, *, becomes_name: bool) -> Iterator[Defect]:
+    """Yield what is wrong with an ID, whatever other IDs there are."""
+    if not _SYNTAX.fullmatch(text):
+        yield Defect(
+            "IdSyntax",
+            f"has ID {shown(text)}; expected a letter, then letters, digits, '_', '-', '.' or "
+            "spaces; rename it",
+        )
+        return
+    if " " in text:
+        yield Defect(
+            "IdWithoutSpaces",
+            f"has the ID {shown(text)} with spaces, which separate IDs in a list of "
+            "references; expected none; use '_' or '-'",
+        )
     try:
-        name = identifier(text)
+        if becomes_name:
+            identifier(text)
     except ModelError:
-        report.add(
-            node,
+        yield Defect(
             "ReservedId",
             f"has ID {shown(text)}, a name that Python or generated code uses itself; "
             "expected another; rename it",
-        )
-        return
-    first = named.setdefault(name, node)
-    if first is not node:
-        report.add(
-            node,
-            "IdClash",
-            f"and {first.description} (line {first.line}) both become '{name}' in Python; "
-            "rename one",
         )

@@ -1,7 +1,9 @@
 """Files that somebody asked for."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import os
+import stat
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import IO, TextIO
 
@@ -39,9 +41,26 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
         with _telling(path):
             with new.open("wb") as file:
                 yield file
+                file.flush()
+                os.fsync(file.fileno())
+            if path.exists():
+                new.chmod(stat.S_IMODE(path.stat().st_mode))
             new.replace(path)
     finally:
         new.unlink(missing_ok=True)
+
+
+def write_all(contents: Mapping[Path, bytes]) -> None:
+    """Replace files by new contents: all of them, or none if one cannot be written.
+
+    Raises
+    ------
+    UsageError
+        If one cannot be.
+    """
+    with ExitStack() as files:
+        for path, content in contents.items():
+            files.enter_context(whole_file(path)).write(content)
 
 
 @contextmanager

@@ -1,6 +1,6 @@
 """A mission and all that can be done with it."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -124,6 +124,30 @@ class Mission:
         done = generate(self.folders.models, self.folders.generated, force=force)
         self.__dict__.pop("code", None)
         return (*done.written, *done.removed)
+
+    def rename(self, names: Mapping[str, str]) -> tuple[Path, ...]:
+        """Give elements other IDs, everywhere, and return the files that changed.
+
+        Parameters
+        ----------
+        names
+            New IDs by old ones, of elements of the mission and of its pool; all change at once.
+
+        Raises
+        ------
+        UsageError
+            If nothing has an old ID, a new one cannot be or is taken, or a file cannot be edited.
+        ModelError
+            If the models, or a specification beside them, are not sound.
+        GenerationError
+            If generated code is stale, or was edited outside its regions.
+        """
+        from mrsfi.renaming import renaming  # noqa: PLC0415 - brings m2t
+
+        renamed = renaming(self.folders, names)
+        renamed.write()
+        self.__dict__.pop("code", None)
+        return renamed.paths
 
     def timed(self, fault: str, start: int, finish: int, **values: float) -> TimedFault:
         """Return a fault of the pool at work.

@@ -13,8 +13,8 @@ from m2t.load import (
     inspect_specification,
     load_mission_folder,
 )
-from m2t.write.xmi import write_atomically
 from mrsfi.engines import Tell, silent
+from mrsfi.files import write_all
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.loading import load_fresh
 from mrsfi_runtime.engine.reference import ReferenceEngine
@@ -101,9 +101,8 @@ def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Me
 
 
 def write_mended(mended: Mending) -> None:
-    """Write the files of a mending, each as a whole."""
-    for path, content in mended.contents.items():
-        write_atomically(path, content)
+    """Write the files of a mending, all of them or none."""
+    write_all(mended.contents)
 
 
 def n_errors(diagnostics: Sequence[Diagnostic]) -> int:

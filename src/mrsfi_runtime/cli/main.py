@@ -33,6 +33,7 @@ _COMMANDS = MappingProxyType(
         "compare": "Compare search algorithms on a mission, with several seeds.",
         "bridge": "Run a rosbridge server for simulators and collective intelligences.",
         "import": "Make a mission folder from a model of the paper's prototype.",
+        "rename": "Give elements of a mission other IDs, everywhere at once.",
         "diff": "Print the difference of two models in the words of the model.",
     }
 )
@@ -65,6 +66,7 @@ Beside it:
   mrsfi compare uuv_sampling             does a search find more than chance does?
   mrsfi bridge                           a rosbridge server that needs no ROS
   mrsfi import published.xmi             a model of the paper's prototype as a mission
+  mrsfi rename uuv_sampling r1=scout_1   another ID, everywhere at once
   mrsfi diff old.xmi uuv_sampling        what changed in a model?
 
 Results go to standard output, progress to standard error.

@@ -7,7 +7,7 @@ import click
 
 from mrsfi.validation import Validated, mending, n_errors, write_mended
 from mrsfi.validation import validate as validated
-from mrsfi_runtime.cli.console import counted, print_json, tell
+from mrsfi_runtime.cli.console import counted, print_changes, print_json, tell
 from mrsfi_runtime.cli.metamodels import tell_of_metamodels
 from mrsfi_runtime.errors import EvaluationError, ModelError, UsageError
 
@@ -47,10 +47,7 @@ def _fix(mission: str, generated: Path | None, *, is_agreed: bool) -> None:
         return
     for found, title in mended.fixed:
         click.echo(f"{found.path}:{found.line}: fix: {title} [{found.constraint}]")
-    for path in mended.respelt:
-        click.echo(f"{path}: is not as Eclipse writes it; layout and comments will be lost")
-    for line in mended.difference:
-        click.echo(line)
+    print_changes(mended.respelt, mended.difference)
     if not is_agreed and not click.confirm("Write these changes?"):
         click.echo("nothing written")
         return

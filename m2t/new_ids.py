@@ -1,0 +1,240 @@
+"""Give elements other IDs wherever they are named: in models, in specifications, in regions.
+
+What generated code calls an element is not known here. The code is rendered with the old IDs and
+with the new ones, and the names that differ are those to exchange in regions.
+"""
+
+import ast
+import tokenize
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from m2t.constraints.identity import defects_of_id
+from m2t.diagnostics import Report
+from m2t.elements import contained
+from m2t.emit import GenerationPlan, plan_files
+from m2t.generate import rendered, sources
+from m2t.line_difference import unified_difference
+from m2t.load import LoadedModels, load_mission_folder, load_specification
+from m2t.metaclasses import slots
+from m2t.metamodels import load_metamodels
+from m2t.naming import identifier
+from m2t.protected_regions import parse, text_lines
+from m2t.read.model_files import ModelFiles
+from m2t.saving import difference, saved
+from mrsfi_runtime.errors import ProtectedRegionError, UsageError
+from mrsfi_runtime.markers import MARKER, lines_in_regions
+
+
+@dataclass(frozen=True, slots=True)
+class WithNewIds:
+    """What giving new IDs would change.
+
+    Attributes
+    ----------
+    contents
+        New content by path, of the models and specifications that change.
+    respelt
+        Those of them that change beyond their IDs: they are not spelt as Eclipse writes them.
+    code
+        Plan of the generated files; ``None`` if nothing is generated.
+    difference
+        Lines of the unified diff of all this.
+    """
+
+    contents: Mapping[Path, bytes]
+    respelt: tuple[Path, ...]
+    code: GenerationPlan | None
+    difference: tuple[str, ...]
+
+
+def with_new_ids(models: Path, target: Path, names: Mapping[str, str]) -> WithNewIds:
+    """Return what giving elements new IDs would change; write nothing.
+
+    Parameters
+    ----------
+    models
+        Mission folder; fault specifications of the mission below it are renamed with it.
+    target
+        Folder of its generated code, which is fresh if there is any.
+    names
+        New IDs by old ones, of elements of the mission and of its pool; all change at once.
+
+    Raises
+    ------
+    UsageError
+        If nothing has an old ID, or a new one cannot be, is taken, or is a name in a region.
+    ModelError
+        If the models, or a specification, are not sound.
+    ProtectedRegionError
+        If a region is not Python.
+    """
+    loaded = load_mission_folder(models)
+    _require_ids(loaded, names)
+    before = rendered(loaded)
+    edits = [_Edit(loaded, names)]
+    own = frozenset(file.path.resolve() for file in loaded.files)
+    for path in sorted(models.rglob("*.xmi")):
+        if path.resolve() not in own and _is_specification(path):
+            specification = load_specification(path)
+            if specification.mission_path.resolve() in own:
+                edits.append(_Edit(specification, _numbered(specification, names), without=own))
+    contents = {path: new for edit in edits for path, new in edit.contents.items()}
+    lines = [line for edit in edits for line in edit.difference]
+    code = None
+    if target.is_dir():
+        code = _code(target, before, rendered(loaded), sources(loaded, contents))
+        lines += _code_difference(code)
+    respelt = tuple(path for edit in edits for path in edit.respelt)
+    return WithNewIds(contents, respelt, code, tuple(lines))
+
+
+class _Edit:
+    """New IDs in the files of some models, whose objects change.
+
+    ``without`` are the files that somebody else sees to.
+    """
+
+    def __init__(
+        self,
+        models: LoadedModels,
+        names: Mapping[str, str],
+        *,
+        without: frozenset[Path] = frozenset(),
+    ) -> None:
+        unedited = saved(models)
+        for element in (*_identified(models.mission), *_identified(models.faults)):
+            element.ID = names.get(element.ID, element.ID)
+        self.contents = {
+            path: new
+            for path, new in saved(models).items()
+            if new != unedited[path] and path.resolve() not in without
+        }
+        old = {path: path.read_bytes() for path in self.contents}
+        self.respelt = [path for path, content in old.items() if content != unedited[path]]
+        self.difference = [*difference(models, old, self.contents)]
+
+
+def _identified(root: Any) -> Iterator[Any]:
+    """Yield everything in a model that has an ID; nothing if there is no model."""
+    for element in () if root is None else contained(root):
+        if "ID" in slots(element.eClass) and element.ID:
+            yield element
+
+
+def _is_specification(path: Path) -> bool:
+    """Return whether a file holds faults; what it holds otherwise is no concern here."""
+    file = ModelFiles(Report()).read(path)
+    return file is not None and bool(file.roots_of(load_metamodels().faults_class))
+
+
+def _numbered(specification: LoadedModels, names: Mapping[str, str]) -> Mapping[str, str]:
+    """Return new IDs also for the faults that a search numbered: ``f9.1`` follows ``f9``."""
+    found = dict(names)
+    for fault in specification.pool:
+        base, dot, number = fault.ID.rpartition(".")
+        if dot and base in names:
+            found.setdefault(fault.ID, f"{names[base]}.{number}")
+    return found
+
+
+def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:
+    """Refuse an old ID that nothing has, and a new one that cannot be or is taken."""
+    ids = [[each.ID for each in _identified(root)] for root in (models.mission, models.faults)]
+    known = {identity for each in ids for identity in each}
+    for old in names:
+        if old not in known:
+            near = get_close_matches(old, sorted(known), 3)
+            expected = ", ".join(near) or "that of an element of the mission or its pool"
+            raise UsageError(f"found '{old}', an ID that nothing has; expected {expected}")
+    for own, becomes_name in zip(ids, (True, False), strict=True):
+        taken: dict[str, str] = {}
+        for old in own:
+            new = names.get(old, old)
+            for defect in defects_of_id(new, becomes_name=becomes_name) if old in names else ():
+                raise UsageError(f"{old}={new}: {defect.finding}")
+            other = taken.setdefault(identifier(new) if becomes_name else new, old)
+            if other != old:
+                raise UsageError(
+                    f"{old} would be {new} and so have the name of what was {other}; expected "
+                    "an ID that no other element has"
+                )
+
+
+def _code(
+    target: Path, before: Mapping[str, str], after: Mapping[str, str], hashes: Mapping[str, str]
+) -> GenerationPlan:
+    """Return the plan of the generated files, which are fresh, with new names in regions."""
+
+    def rewrite(name: str, text: str) -> str:
+        path, old, new = target / name, before.get(name), after.get(name)
+        return text if old is None or new is None else _rewritten(path, text, old, new)
+
+    return plan_files(target, after, hashes, force=True, rewrite=rewrite)
+
+
+def _code_difference(code: GenerationPlan) -> Iterator[str]:
+    for name in code.written:
+        path = str(code.target / name)
+        old, new = code.existing.get(name, ""), code.contents[name]
+        yield from unified_difference(old.splitlines(), new.splitlines(), path, path, "")
+
+
+def _rewritten(path: Path, text: str, old: str, new: str) -> str:
+    """Return a generated file with the names of a newer rendering in place of an older one's.
+
+    Attributes, strings and comments stay as they are, but for the markers of regions.
+    """
+    try:
+        ast.parse(text, str(path))
+    except SyntaxError as error:
+        raise ProtectedRegionError(
+            f"{path}:{error.lineno}: is not Python: {error.msg}; mend the region first"
+        ) from error
+    pairs = zip(_names_in(old), _names_in(new), strict=True)
+    names = {before: after for before, after in pairs if before != after}
+    ids = dict(zip(parse(old, "").regions, parse(new, "").regions, strict=True))
+    _require_free(path, text, names)
+    lines = text_lines(text)
+    for token in reversed([*_tokens(text)]):
+        (row, begin), (_, end) = token.start, token.end
+        word = names.get(token.string, token.string)
+        marker = MARKER.fullmatch(token.string) if token.type == tokenize.COMMENT else None
+        if marker is not None:
+            at = slice(*marker.span("id"))
+            word = token.string[: at.start] + ids.get(marker["id"], marker["id"])
+            word += token.string[at.stop :]
+        line = lines[row - 1]
+        lines[row - 1] = line[:begin] + word + line[end:]
+    return "".join(lines)
+
+
+def _require_free(path: Path, text: str, names: Mapping[str, str]) -> None:
+    """Refuse a new name that a region uses already, for something of its own."""
+    regions = lines_in_regions(text)
+    new = {*names.values()} - {*names}
+    for token in _tokens(text):
+        row = token.start[0]
+        if token.string in new and row in regions:
+            raise UsageError(
+                f"{path}:{row}: found the name {token.string} in region {regions[row]}, which an "
+                "element would get; expected another ID, or another name there"
+            )
+
+
+def _names_in(text: str) -> Iterator[str]:
+    return (token.string for token in _tokens(text) if token.type == tokenize.NAME)
+
+
+def _tokens(text: str) -> Iterator[tokenize.TokenInfo]:
+    """Yield the comments of a text, and the names that are no attributes."""
+    previous = ""
+    for token in tokenize.generate_tokens(StringIO(text).readline):
+        is_name = token.type == tokenize.NAME and previous != "."
+        if is_name or token.type == tokenize.COMMENT:
+            yield token
+        previous = token.string

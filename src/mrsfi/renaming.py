@@ -1,0 +1,158 @@
+"""Other IDs for elements of a mission: in models and code, in campaign files, in what is kept."""
+
+import ast
+import re
+import tokenize
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from m2t.emit import write
+from m2t.line_difference import unified_difference
+from m2t.new_ids import with_new_ids
+from mrsfi.files import write_all
+from mrsfi.folders import MissionFolders
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.record.regressions import folder_of
+
+if TYPE_CHECKING:
+    from m2t.emit import GenerationPlan
+
+_BARE = re.compile(r"[A-Za-z0-9_-]*")
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where a TOML file names elements: the text around the names, a name, and what is read."""
+
+    around: re.Pattern[str]
+    name: re.Pattern[str]
+    read: Callable[[dict[str, Any]], Sequence[str]]
+
+
+_GOALS = _Place(
+    re.compile(r"^\s*goals\s*=\s*\[[^\]]*\]", re.MULTILINE),
+    re.compile(r"""(?P<quote>["'])(?P<id>[^"'\n]*)(?P=quote)"""),
+    lambda document: document.get("search", {}).get("goals", ()),
+)
+_LIMITS = _Place(
+    re.compile(r"^\s*\[max\](?:.*\n?)*", re.MULTILINE),
+    re.compile(r"""^(?P<quote>["']?)(?P<id>[^"'\s=]+)(?P=quote)(?=\s*=)""", re.MULTILINE),
+    lambda document: [*document.get("max", ())],
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Renaming:
+    """What other IDs would change.
+
+    Attributes
+    ----------
+    contents
+        New content by path, of models, specifications, campaign files and limits.
+    code
+        Plan of the generated files; ``None`` if nothing is generated.
+    difference
+        Lines of the unified diff of all this.
+    respelt
+        Models that change beyond their IDs: they are not spelt as Eclipse writes them.
+    scripts
+        Where Python files beside the models name an old ID: path, line and ID.
+    """
+
+    contents: Mapping[Path, bytes]
+    code: "GenerationPlan | None"
+    difference: tuple[str, ...]
+    respelt: tuple[Path, ...]
+    scripts: tuple[tuple[Path, int, str], ...]
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """The files that change."""
+        code = self.code
+        written = () if code is None else (code.target / name for name in code.written)
+        return (*self.contents, *written)
+
+    def write(self) -> None:
+        """Change them.
+
+        Raises
+        ------
+        UsageError
+            If a file cannot be written; nothing is changed then.
+        GenerationError
+            If generated code cannot be.
+        """
+        write_all(self.contents)
+        if self.code is not None:
+            write(self.code)
+
+
+def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
+    """Return what other IDs of elements would change; write nothing.
+
+    Parameters
+    ----------
+    folders
+        The mission.
+    names
+        New IDs by old ones, of elements of the mission and of its pool; all change at once.
+
+    Raises
+    ------
+    UsageError
+        If nothing has an old ID, a new one cannot be or is taken, or a file cannot be edited.
+    ModelError
+        If the models, or a specification beside them, are not sound.
+    GenerationError
+        If generated code is stale, or was edited outside its regions.
+    """
+    if folders.generated.is_dir():
+        folders.require_fresh()
+    found = with_new_ids(folders.models, folders.generated, names)
+    contents = dict(found.contents)
+    lines = [*found.difference]
+    places = [(path, _GOALS) for path in sorted(folders.models.glob("*.toml"))]
+    places += [(path, _LIMITS) for path in sorted(folder_of(folders.models).glob("*.toml"))]
+    for path, place in places:
+        old, new = _edited(path, place, names)
+        if new != old:
+            contents[path] = new.encode()
+            named = str(path)
+            lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
+    scripts = tuple(_named(folders.models, names))
+    return Renaming(contents, found.code, tuple(lines), found.respelt, scripts)
+
+
+def _edited(path: Path, place: _Place, names: Mapping[str, str]) -> tuple[str, str]:
+    """Return the text of a TOML file, and the same with new IDs; its layout stays."""
+
+    def exchanged(found: re.Match[str]) -> str:
+        new = names.get(found["id"], found["id"])
+        quote = found["quote"] or ("" if _BARE.fullmatch(new) else '"')
+        return f"{quote}{new}{quote}"
+
+    try:
+        old = path.read_bytes().decode("utf-8")
+        new = place.around.sub(lambda part: place.name.sub(exchanged, part[0]), old)
+        before, after = (place.read(tomllib.loads(text)) for text in (old, new))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"{path}: cannot be read: {error}; expected TOML") from error
+    if [*after] != [names.get(name, name) for name in before]:
+        raise UsageError(
+            f"{path}: found {', '.join(before)} in a form that cannot be edited; expected a list "
+            'such as goals = ["g1"], or a table [max] with a line for each goal'
+        )
+    return old, new
+
+
+def _named(models: Path, names: Mapping[str, str]) -> Iterator[tuple[Path, int, str]]:
+    """Yield where scripts beside the models have a string that is an old ID."""
+    for path in sorted(models.glob("*.py")):
+        with suppress(OSError, SyntaxError), tokenize.open(path) as file:
+            for node in ast.walk(ast.parse(file.read())):
+                if isinstance(node, ast.Constant) and node.value in names:
+                    yield path, node.lineno, str(node.value)
