@@ -200,12 +200,16 @@ class Report:
     n_unsound
         Number of those that leave no sound objects. A reference that is named twice is none of
         them: the list of objects holds it once.
+    n_dangling
+        Number of those that are references to what does not exist: objects without them can be
+        made.
     """
 
     def __init__(self) -> None:
         self._found: dict[tuple[object, ...], Diagnostic] = {}
         self.n_errors = 0
         self.n_unsound = 0
+        self.n_dangling = 0
 
     def add(self, node: "Node", constraint: str, finding: str) -> None:
         """Add a defect of an element; ``finding`` completes a sentence that begins with it."""
@@ -229,6 +233,7 @@ class Report:
         is_error = found.severity == "error"
         self.n_errors += is_error
         self.n_unsound += is_error and found.constraint != "UniqueReference"
+        self.n_dangling += found.constraint == "ResolvedReference"
 
     def require_no_errors(self) -> None:
         """Stop at errors.

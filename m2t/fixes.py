@@ -19,6 +19,7 @@ from m2t.constraints.faults import (
 )
 from m2t.constraints.mission import repeated, strangers
 from m2t.diagnostics import Diagnostic
+from m2t.incomplete import delete_incomplete
 from m2t.load import Inspection, LoadedModels
 from m2t.saving import difference, saved
 
@@ -74,27 +75,31 @@ def mend(inspection: Inspection) -> Mending | None:
     ModelError
         If the models cannot be saved.
     """
-    draft = inspection.draft
-    fixable = tuple(found for found in inspection.diagnostics if found.constraint in FIXES)
+    draft = inspection.draft or inspection.remains
+    titles = _TITLES if inspection.remains is None else _TITLES_OF_REMAINS
+    fixable = tuple(found for found in inspection.diagnostics if found.constraint in titles)
     if draft is None or not fixable:
         return None
     unfixed = saved(draft)
     old = {path: path.read_bytes() for path in unfixed}
-    elements = _elements_by_place(draft)
-    for found in fixable:
-        for element in elements[found.path, found.line, found.element]:
-            FIXES[found.constraint].mend(element)
+    if inspection.remains is None:
+        elements = _elements_by_place(draft)
+        for found in fixable:
+            for element in elements[found.path, found.line, found.element]:
+                FIXES[found.constraint].mend(element)
+    else:
+        delete_incomplete(draft)
     places = {found.path for found in fixable}
     contents = {
         path: new
         for path, new in saved(draft).items()
         if new != old[path] and (path in places or new != unfixed[path])
     }
-    fixed_by_loading = {found.path for found in fixable if found.constraint == "UniqueReference"}
+    by_loading = {found.path for found in fixable if found.constraint in _TITLES_OF_REMAINS}
     respelt = tuple(
-        path for path in contents if path not in fixed_by_loading and unfixed[path] != old[path]
+        path for path in contents if path not in by_loading and unfixed[path] != old[path]
     )
-    fixed = tuple((found, FIXES[found.constraint].title) for found in fixable)
+    fixed = tuple((found, titles[found.constraint]) for found in fixable)
     lines = tuple(difference(draft, old, contents))
     return Mending(fixed, MappingProxyType(contents), lines, respelt)
 
@@ -163,3 +168,10 @@ FIXES: Mapping[str, Fix] = MappingProxyType(
     }
 )
 """Fixes by constraint; the ``.evl`` files offer the same under the same titles."""
+
+_TITLES = {name: fix.title for name, fix in FIXES.items()}
+_TITLES_OF_REMAINS = {
+    "UniqueReference": _TITLES["UniqueReference"],
+    "ResolvedReference": "Delete the reference, and what is incomplete without it",
+}
+"""What loading has left out already, with what is incomplete without it to follow."""

@@ -84,10 +84,13 @@ class Inspection:
     draft
         The models although constraints of sense may be broken, for whoever mends them; ``None`` if
         the structure of a file is broken.
+    remains
+        If only references to what does not exist break it: the models without these references.
     """
 
     diagnostics: tuple[Diagnostic, ...]
     draft: LoadedModels | None = field(default=None, repr=False)
+    remains: LoadedModels | None = field(default=None, repr=False)
 
     @property
     def models(self) -> LoadedModels | None:
@@ -230,7 +233,7 @@ class _Loading:
         known = load_metamodels()
         findings = Findings(self._loader.nodes, self._report)
         mission = self._load(mission_path, known.mission_class, None)
-        if mission.root is not None:
+        if mission.root is not None and mission.is_whole:
             check_mission(mission.root, findings)
         file = self._files.read(mission_path)
         if faults_path is None and file is not None and file.roots_of(known.faults_class):
@@ -238,15 +241,19 @@ class _Loading:
         faults = None
         if faults_path is not None:
             faults = self._load(faults_path, known.faults_class, mission)
-        if faults is not None and faults.root is not None:
+        is_whole = mission.is_whole and (faults is None or faults.is_whole)
+        if faults is not None and faults.root is not None and is_whole:
             check_faults(faults.root, mission.root.duration, findings)
         if not self._report.n_errors:
             check_claims(self._files, self._report)
-        return Inspection(tuple(self._report), self._draft(mission, faults))
+        made = self._made(mission, faults)
+        found = tuple(self._report)
+        return Inspection(found, draft=made) if is_whole else Inspection(found, remains=made)
 
     def _load(self, path: Path, metaclass: Any, mission: ReadModel | None) -> ReadModel:
         """Check the nodes of a model; make its objects if it is sound, and its mission."""
-        n_unsound = self._report.n_unsound
+        report = self._report
+        n_unsound, n_dangling = report.n_unsound, report.n_dangling
         model = ReadModel(path)
         file = self._files.read(path)
         if file is not None:
@@ -254,12 +261,13 @@ class _Loading:
         if model.tree is not None:
             check_identities(model.tree, self._report, become_names=mission is None)
             resolve(model.tree, mission, self._report)
-            is_sound = self._report.n_unsound == n_unsound
+            model.is_whole = report.n_dangling == n_dangling
+            is_sound = report.n_unsound - n_unsound == report.n_dangling - n_dangling
             if is_sound and (mission is None or mission.root is not None):
                 model.root = self._loader.load(model.tree)
         return model
 
-    def _draft(self, mission: ReadModel, faults: ReadModel | None) -> LoadedModels | None:
+    def _made(self, mission: ReadModel, faults: ReadModel | None) -> LoadedModels | None:
         """Return the models, flawless or not; ``None`` if objects of a file are missing."""
         if mission.root is None or (faults is not None and faults.root is None):
             return None

@@ -53,12 +53,14 @@ class ModelTree:
 class ReadModel:
     """A model on its way: the file that it begins in, its nodes, and its root object once made.
 
-    ``tree`` is ``None`` if the nodes cannot be used.
+    ``tree`` is ``None`` if the nodes cannot be used. Where the model is not ``is_whole``, its
+    objects lack references to what does not exist.
     """
 
     path: Path
     tree: ModelTree | None = None
     root: Any = None
+    is_whole: bool = True
 
 
 def check_structure(

@@ -47,6 +47,11 @@ diff, asks, and writes the file as Eclipse would. Epsilon offers the same remedi
 same titles as quick fixes, and writes the same bytes. A repeated reference is mended by loading
 and saving alone. Where the structure of the faults is broken, `--fix` waits until it is mended;
 Epsilon already offers to fix the mission.
+
+Where a robot, a sensor, a server or anything else was deleted, `--fix` deletes the references to
+it, and what is incomplete without them: a goal loses a member, a message goes with its sender,
+a fault with its message. All of it stands in the diff first. Other fixes follow in a second
+run; Epsilon offers no such fix.
 """
 
 

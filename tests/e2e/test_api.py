@@ -14,7 +14,6 @@ from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.study.folder import ComparisonFolder
 from tests.support.cli import MISSION, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
-from tests.support.tree import ROOT
 from tests.tiers import slow
 
 REFERENCE = "reference"
@@ -233,37 +232,3 @@ def test_kept_findings_are_tests_of_pytest(place):
     done = _pytest(place)
     assert done.returncode == 2
     assert "nothing is kept; expected at least one finding" in done.stdout
-
-
-@slow
-def test_a_warehouse_of_all_tasks_is_written_flown_and_searched_by_an_unguarded_script(tmp_path):
-    script = ROOT / "examples" / "warehouse" / "warehouse.py"
-    assert len(script.read_text(encoding="utf-8").splitlines()) < 100
-    command = [sys.executable, str(script), str(tmp_path)]
-
-    done = subprocess.run(
-        command,
-        env={"PYTHONPATH": str(ROOT), "MRSFI_CACHE": str(tmp_path / "cache"), "PATH": ""},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-    assert done.stderr == ""
-    counts, *findings = done.stdout.splitlines()
-    assert counts in (script.parent / "README.md").read_text(encoding="utf-8")
-    assert findings
-    written = (tmp_path / "models" / "warehouse" / "mission.xmi").read_text(encoding="utf-8")
-    for task in (
-        "AvoidCollision",
-        "StayWithinMissionArea",
-        "SufficientEnergy",
-        "FixedDistanceBetweenRobots",
-        "GatherSamples",
-        "Patrol",
-        "Stay",
-        "Track",
-        "Visit",
-    ):
-        assert f'xsi:type="mission:{task}"' in written
-    assert (written.count("<robots "), written.count("<goals ")) == (6, 11)

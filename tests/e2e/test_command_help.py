@@ -10,6 +10,7 @@ from tests.support.models.published import published
 from tests.tiers import slow
 
 COMMANDS = (
+    "new",
     "validate",
     "generate",
     "simulate",
@@ -17,9 +18,12 @@ COMMANDS = (
     "explain",
     "replay",
     "report",
+    "keep",
+    "check",
     "compare",
     "bridge",
     "import",
+    "rename",
     "diff",
 )
 
@@ -56,6 +60,7 @@ IMPORTED = [
     (("validate", MISSION), FLIGHT),
     (("generate", MISSION, "--check"), FRESH),
     (("diff", MISSION, MISSION), MODELS),
+    (("rename", MISSION, "r1=leader", "--diff"), FRESH),
     (("import", "published.xmi"), MODELS),
     (("simulate", MISSION), {*FLIGHT, "rich"}),
     (("replay", "FLOWN"), {*FRESH, "numpy", "rich"}),

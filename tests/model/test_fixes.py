@@ -1,6 +1,7 @@
 """Every fix mends what its constraint found, and changes nothing else."""
 
 import itertools
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -128,6 +129,60 @@ def test_errors_of_structure_come_first(folder):
     edit(folder / MISSION, 'speed="5.0"', 'speed="fast"')
 
     assert mend(inspect_folder(folder)) is None
+
+
+@pytest.mark.parametrize(
+    ("pattern", "deleted", "lost"),
+    [
+        (r'<robots ID="r1".*?</robots>', {"r1", "s1", "s2"}, {"g6", "a6", "m3", "m6", "m9", "m12"}),
+        (r'<sensors ID="s4"[^>]*/>', {"s4"}, {"g4", "a4", "m10"}),
+        (r'<servers ID="sv1"[^>]*/>', {"sv1"}, {f"m{k}" for k in range(1, 13)}),
+        (r'<obstacles ID="o1">.*?</obstacles>', {"o1"}, set()),
+    ],
+    ids=["robot", "sensor", "server", "obstacle"],
+)
+def test_what_is_incomplete_without_a_deleted_element_is_deleted(folder, pattern, deleted, lost):
+    path = folder / MISSION
+    text = path.read_text(encoding="ascii")
+    path.write_text(re.sub(rf" *{pattern}\n", "", text, count=1, flags=re.DOTALL), "ascii")
+    before = _targets(folder)
+    ids = _ids(path)
+    found = inspect_folder(folder).diagnostics
+
+    mending = _mended(folder)
+
+    assert {each.constraint for each in found} == {"ResolvedReference"}
+    assert [each for each, _ in mending.fixed] == [*found]
+    for file, content in mending.contents.items():
+        file.write_bytes(content)
+    assert inspect_folder(folder).draft is not None
+    assert ids - _ids(path) == lost
+    gone = deleted | lost
+    assert _targets(folder) == {
+        fault: target for fault, target in before.items() if target not in gone
+    }
+
+
+def _ids(path: Path) -> set[str]:
+    return {*re.findall(r'\bID="([^"]*)"', path.read_text(encoding="ascii"))}
+
+
+def _targets(folder: Path) -> dict[str, str]:
+    """Return what each fault of the pool is of, by their IDs."""
+    text = (folder / FAULTS).read_text(encoding="ascii")
+    return dict(re.findall(r'<faults ID="([^"]*)".*?#([^"]*)"', text, re.DOTALL))
+
+
+def test_broken_references_in_any_place_leave_a_sound_structure(tmp_path):
+    broken = [entry for entry in BROKEN if entry.constraint == "ResolvedReference"]
+    for number, entry in enumerate(broken):
+        folder = copy_models(tmp_path / str(number))
+        edit(folder / entry.file, entry.old, entry.new)
+
+        for path, content in _mended(folder).contents.items():
+            path.write_bytes(content)
+
+        assert inspect_folder(folder).draft is not None
 
 
 def test_all_fixes_of_both_files_are_made_at_once(folder):

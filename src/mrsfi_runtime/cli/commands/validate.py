@@ -29,6 +29,8 @@ region, or would compile to something else.
 
 With --fix, what has one sensible remedy is mended first: the change is shown as a diff, and
 written once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
+Where an element was deleted, that takes away the references to it and what is incomplete
+without it.
 """
 
 

@@ -1,0 +1,166 @@
+"""``mrsfi rename``: other IDs everywhere at once, or nothing."""
+
+import shutil
+
+import pytest
+
+from tests.support.cli import MISSION, contents, edit, mrsfi, mrsfi_json, workspace
+from tests.support.edited import write_body
+from tests.support.tree import ROOT
+
+MODELS = f"models/{MISSION}"
+COLLECTIVE = f"generated/{MISSION}/collective_intelligence.py"
+HELPER = """def far(ci: State, robot: int) -> bool:
+    # r1 and R1 stand in a comment
+    return bool(ci.robots[robot].x > 1.0e6)
+"""
+BODY = """    r1 = R1
+    if far(ci, r1) or far(ci, robot=R2):
+        return check_g2(ci)
+    return goal_tasks.avoid_collision.violated(ci, G1)
+"""
+RENAMED = """    r1 = LEADER
+    if far(ci, r1) or far(ci, robot=R2):
+        return check_inside(ci)
+    return goal_tasks.avoid_collision.violated(ci, G1)
+"""
+
+
+@pytest.fixture
+def place(tmp_path):
+    workspace(tmp_path)
+    write_body(tmp_path / COLLECTIVE, "helpers", HELPER)
+    write_body(tmp_path / COLLECTIVE, "g1.check", BODY)
+    return tmp_path
+
+
+def _text(path):
+    return path.read_text(encoding="utf-8")
+
+
+def _refused(place, *names, told, expected=2):
+    before = contents(place)
+
+    assert told in mrsfi("rename", MISSION, *names, cwd=place, expected=expected).stderr
+
+    assert contents(place) == before
+
+
+def test_regions_follow_with_their_markers_and_names_but_not_with_text(place):
+    digest = mrsfi_json("simulate", MISSION, cwd=place)["digest"]
+
+    mrsfi("rename", MISSION, "r1=leader", "g2=inside", cwd=place)
+
+    code = _text(place / COLLECTIVE)
+    assert RENAMED in code
+    assert HELPER in code
+    assert "# protected region inside.react on begin\n" in code
+    assert "g2" not in code
+    mrsfi("generate", MISSION, "--check", cwd=place)
+    assert mrsfi_json("simulate", MISSION, cwd=place)["digest"] == digest
+
+
+def test_specifications_campaign_files_and_limits_follow(place):
+    case = place / MODELS / "case_b.toml"
+    about = _text(case).partition("goals")[0]
+    limits = place / MODELS / "regressions" / "case_a_1.toml"
+
+    done = mrsfi("rename", MISSION, "g3=power", "f12=slow", "m8=report", "g2=in.side", cwd=place)
+
+    assert _text(case).startswith(about)
+    assert '"power"' in _text(case)
+    kept = _text(limits.with_suffix(".xmi"))
+    assert '<faults ID="slow.1" name="f12"' in kept
+    assert '"../mission.xmi#report"' in kept
+    assert "\npower = 771\n" in _text(limits)
+    assert '\n"in.side" = 698\n' in _text(limits)
+    mrsfi("check", MISSION, cwd=place)
+    assert f"written    {MODELS}/regressions/case_a_1.xmi\n" in done.stdout
+    assert f"{MODELS}/build.py:" in done.stderr
+
+
+def test_two_ids_change_places(place):
+    mrsfi("rename", MISSION, "g1=g2", "g2=g1", cwd=place)
+
+    told = mrsfi("diff", str(ROOT / MODELS), MODELS, cwd=place).stdout
+    assert "goal g1: " in told
+    mrsfi("validate", MISSION, cwd=place)
+    mrsfi("check", MISSION, cwd=place)
+    assert "    return goal_tasks.avoid_collision.violated(ci, G2)\n" in _text(place / COLLECTIVE)
+
+
+def test_models_without_code_are_renamed_alone(place):
+    shutil.rmtree(place / "generated")
+
+    mrsfi("rename", MISSION, "r1=leader", cwd=place)
+
+    assert '<robots ID="leader" name="LEN"' in _text(place / MODELS / "mission.xmi")
+    assert not (place / "generated").exists()
+
+
+def test_what_is_not_as_eclipse_writes_it_is_told(place):
+    mission = place / MODELS / "mission.xmi"
+    edit(mission, "<missionArea", "<!-- ours -->\n  <missionArea")
+    mrsfi("generate", MISSION, cwd=place)
+
+    shown = mrsfi("rename", MISSION, "r1=leader", "--diff", cwd=place).stdout
+
+    assert f"{MODELS}/mission.xmi: is not as Eclipse writes it; layout and comments" in shown
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("r11=x", "found 'r11', an ID that nothing has; expected r1"),
+        ("r1=r2", "so have the name of what was"),
+        ("r1=R2", "expected an ID that no other element has"),
+        ("r1=1st", "r1=1st: has ID '1st'; expected a letter"),
+        ("r1=class", "a name that Python or generated code uses itself"),
+        ("f1=f2", "f2 would be f2 and so have the name of what was f1"),
+        ("r1", "found 'r1'; expected OLD=NEW"),
+        ("r1=", "found 'r1='; expected OLD=NEW"),
+    ],
+)
+def test_ids_that_cannot_be_are_refused(name, told, place):
+    _refused(place, name, told=told)
+
+
+def test_a_name_that_a_region_uses_is_refused_with_its_line(place):
+    line = write_body(place / COLLECTIVE, "g1.check", BODY.replace("r1", "LEADER"))
+
+    _refused(
+        place, "r1=leader", told=f"{COLLECTIVE}:{line}: found the name LEADER in region g1.check"
+    )
+
+
+def test_stale_code_and_regions_that_are_not_python_are_refused(place):
+    body = write_body(place / COLLECTIVE, "g1.check", "    return (\n")
+    _refused(place, "r1=leader", told=f"{COLLECTIVE}:{body}: is not Python", expected=4)
+
+    edit(place / MODELS / "mission.xmi", 'name="LEN"', 'name="LENA"')
+    _refused(place, "r1=leader", told="stale, because the models", expected=4)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "told"),
+    [
+        ("case_b.toml", "goals = [", "goals = [[", "cannot be read: "),
+        ("case_b.toml", "[search]\n", "", "cannot be edited"),
+        ("regressions/case_a_1.toml", "g3 = ", "  g3 = ", "cannot be edited"),
+    ],
+)
+def test_a_file_that_cannot_be_edited_is_named_and_nothing_is_written(name, old, new, told, place):
+    edit(place / MODELS / name, old, new)
+    if not new:
+        edit(place / MODELS / name, "goals = ", "search.goals = ")
+
+    _refused(place, "g3=power", "g1=first", told=told)
+
+
+def test_where_one_file_cannot_be_written_all_stay_as_they_were(place):
+    kept = place / MODELS / "regressions"
+    longest = "x" * 250  # what is written beside a file, before it replaces it, has a longer name
+    for suffix in (".xmi", ".toml"):
+        shutil.copy(kept / f"case_a_1{suffix}", kept / f"{longest}{suffix}")
+
+    _refused(place, "g3=power", told=f"{longest}.toml: cannot be written: File name too long")
