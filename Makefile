@@ -17,7 +17,7 @@ BASE := $(VENV)/.installed
 DEV := $(VENV)/.installed-dev
 SETUP := pyproject.toml constraints.txt
 PYTEST := $(BIN)/python -m pytest --numprocesses auto
-OURS := --dist worksteal --ignore=tests/interop
+OURS := --dist worksteal --ignore=tests/interop --ignore=tests/release
 
 mission = $(or $(MISSION),uuv_sampling)
 pythons = $(or $(PYTHON),python3 python3.13 python3.12 python3.11)
@@ -36,7 +36,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report regressions quick test test-all interop check docs clean
+.PHONY: help install generate validate simulate evolve report regressions quick test test-all interop release check docs clean
 
 help: ## print this list
 	@echo "Targets:"
@@ -81,6 +81,12 @@ test-all: $(DEV) generate ## run what make test leaves out: more seeds, kills, t
 interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, Chromium
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples]"
 	$(PYTEST) --dist loadfile --tier all tests/interop
+
+release: $(DEV) ## build sdist and wheel into dist/, and run the tutorial from the wheel in clean environments
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/python -m twine check --strict dist/*
+	$(PYTEST) --tier all tests/release
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
 	$(BIN)/ruff format --check .

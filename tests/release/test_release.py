@@ -1,0 +1,136 @@
+"""Wheel and sdist: what they hold, and the tutorial from the wheel in an empty folder."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+import zipfile
+from email import message_from_bytes
+from pathlib import Path
+
+import pytest
+
+from tests.support.edited import COLLECTIVE, write_body
+from tests.support.missing import skip
+from tests.support.pages import Terminal, run_page
+from tests.support.tree import ROOT
+
+VERSIONS = ("3.11", "3.12", "3.13")
+TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
+KEPT = ("HOME", "LANG", "PIP_CERT", "PIP_INDEX_URL", "SSL_CERT_FILE", "REQUESTS_CA_BUNDLE")
+AUTHOR = {
+    f"GIT_{role}_{what}": value
+    for role in ("AUTHOR", "COMMITTER")
+    for what, value in (("NAME", "Team"), ("EMAIL", "team@example.org"))
+}
+NEARER = """    left, right = ci.robots[LEFT], ci.robots[RIGHT]
+    return geometry.distance(left.x, left.y, right.x, right.y) < 1.3 * APART_METRES
+"""
+
+
+@pytest.fixture(scope="session")
+def built():
+    """The folder with wheel and sdist, which make release builds."""
+    folder = ROOT / "dist"
+    if not folder.is_dir():
+        skip("needs what make release builds")
+    return folder
+
+
+def _only(folder: Path, pattern: str) -> Path:
+    (found,) = folder.glob(pattern)
+    return found
+
+
+def _python(version: str) -> Path:
+    """Return the interpreter of a version: on the path, or one of pyenv's."""
+    versions = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    named = shutil.which(f"python{version}")
+    candidates = [sys.executable, named, *versions.glob(f"{version}.*/bin/python{version}")]
+    told = "import sys, ensurepip; print(sys.base_prefix, '%d.%d' % sys.version_info[:2])"
+    found = {}
+    for candidate in filter(None, candidates):
+        done = subprocess.run([candidate, "-c", told], capture_output=True, text=True, check=False)
+        prefix, _, its_version = done.stdout.strip().rpartition(" ")
+        found[its_version] = Path(prefix) / "bin" / f"python{its_version}"
+    if version not in found:
+        skip(f"needs Python {version}")
+    return found[version]
+
+
+def test_the_wheel_says_what_it_is_and_brings_all_that_the_tool_reads(built):
+    with zipfile.ZipFile(_only(built, "*.whl")) as wheel:
+        names = set(wheel.namelist())
+        info = f"{_only(built, '*.whl').name.rpartition('-py3')[0]}.dist-info"
+        metadata = message_from_bytes(wheel.read(f"{info}/METADATA"))
+
+    assert metadata["Name"] == "mrsfi"
+    assert metadata["Requires-Python"] == ">=3.11"
+    assert metadata["License-Expression"] == "Apache-2.0 AND BSD-3-Clause AND MIT"
+    assert len(metadata.get_all("License-File")) == 3
+    assert {f"{info}/licenses/{name}" for name in metadata.get_all("License-File")} <= names
+    assert {name.partition("/")[0] for name in names} == {
+        "m2t",
+        "mrsfi",
+        "mrsfi_bridge",
+        "mrsfi_runtime",
+        info,
+    }
+    ours = [
+        path
+        for room in ("m2t", "src/mrsfi", "src/mrsfi_bridge", "src/mrsfi_runtime")
+        for path in (ROOT / room).rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    ]
+    assert {str(path.relative_to(ROOT)).removeprefix("src/") for path in ours} <= names
+    assert {f"m2t/metamodels/{path.name}" for path in (ROOT / "metamodels").glob("*.*")} <= names
+
+
+def test_the_version_is_that_of_the_changelog(built):
+    (version,) = {path.name.split("-")[1].removesuffix(".tar.gz") for path in built.iterdir()}
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+    assert f"\n## [{version}]" in changelog
+
+
+def test_the_sdist_holds_the_tree(built):
+    with tarfile.open(_only(built, "*.tar.gz")) as sdist:
+        names = {name.partition("/")[2] for name in sdist.getnames()}
+
+    listed = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    tracked = [name for name in listed.stdout.splitlines() if not name.startswith(".")]
+    assert {*tracked} <= names
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_the_tutorial_runs_from_the_wheel_in_an_empty_folder(version, built, tmp_path):
+    place = tmp_path / "empty"
+    place.mkdir()
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "python3").symlink_to(_python(version))
+    shutil.copy(_only(built, "*.whl"), place)
+    terminal = Terminal(
+        place,
+        {
+            **{name: os.environ[name] for name in KEPT if name in os.environ},
+            **AUTHOR,
+            "PATH": f"{tmp_path / 'bin'}:/usr/bin:/bin",
+            "PIP_CONSTRAINT": str(ROOT / "constraints.txt"),
+        },
+    )
+
+    ran = [command for command, _ in run_page(TUTORIAL, terminal)]
+
+    assert ran[-1] == "make regressions"
+    assert terminal.run("python --version").output[0].startswith(f"Python {version}.")
+    code = place / "demo" / "generated" / "demo" / COLLECTIVE
+    before = code.read_bytes()
+    write_body(code, "apart.check", NEARER)
+    came_back = terminal.run("mrsfi check --junit found.xml; echo $?")
+    assert came_back.output[-1] == "10"
+    assert "apart" in (place / "demo" / "found.xml").read_text(encoding="utf-8")
+    code.write_bytes(before)
+    assert terminal.run("mrsfi check > checked.txt; echo $?").output == ("0",)
