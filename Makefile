@@ -36,7 +36,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report regressions quick test test-all interop release check docs clean
+.PHONY: help install generate validate simulate evolve report regressions quick test test-all interop release check docs site clean
 
 help: ## print this list
 	@echo "Targets:"
@@ -108,8 +108,12 @@ docs: $(BASE) ## regenerate docs/fault-effects/: what each fault of a pool does,
 	$(BIN)/mrsfi simulate tight_energy --each-fault 60:340 --seeds 40 \
 	  --markdown docs/fault-effects/tight_energy.md
 
+site: $(BASE) ## build the documentation as a site into site/; a link that leads nowhere is an error
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+	$(BIN)/mkdocs build
+
 clean: ## remove .venv, caches and build products; campaigns in runs/ stay
-	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) build dist site .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	rm -rf tests/interop/java/target
 	find . -path ./runs -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
