@@ -230,11 +230,13 @@ def test_a_campaign_without_evaluations_is_answered(option, campaign, place):
         (("RUN", "--evaluation", "9999"), 9, "found no evaluation 9999"),
         (("RUN", "--keep", "0"), 2, "--keep"),
         ((MISSION, "--faults", "OVERLAP"), 5, "h2"),
+        ((MISSION, "--faults", "KEPT"), 2, "is a kept finding, and its cause sets would stand"),
     ],
 )
 def test_wrong_use_is_answered(arguments, code, expected, flown, place):
     named = {
         "RUN": flown,
+        "KEPT": f"models/{MISSION}/regressions/case_a_1.xmi",
         "FILE": by_hand(place, (1, 2)),
         "OVERLAP": stop_specification(
             place / "models" / MISSION / "bad.xmi", [(100, 200), (150, 300)]

@@ -16,6 +16,9 @@ RUN = (
     "docs/projects.md",
     "docs/bags.md",
     "docs/gallery.md",
+    "docs/causes.md",
+    "docs/regressions.md",
+    "docs/compare.md",
     "examples/warehouse/README.md",
 )
 """Pages in the order in which they are run: what README finds, others look at."""
@@ -47,6 +50,8 @@ def tree(tmp_path_factory):
     for command in ("init", "add .", "-c user.name=a -c user.email=a@example.org commit -m Begin"):
         subprocess.run(["git", *command.split()], cwd=copy, capture_output=True, check=True)
     (copy / ".venv").symlink_to(ROOT / ".venv")
+    for name in ("pyproject.toml", "constraints.txt"):
+        os.utime(copy / name, (0, 0))  # nothing is to be installed: it would be this copy
     return copy
 
 

@@ -42,6 +42,7 @@ from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.regressions import folder_of
 from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings
 
 
@@ -145,6 +146,11 @@ def _of_file(
     folders: MissionFolders, path: Path, kind: str | None, seed: int | None, out: Path | None
 ) -> tuple[Case, Subject]:
     """Return a written specification, and what it is explained with."""
+    if out is None and path.resolve().parent == folder_of(folders.models).resolve():
+        raise UsageError(
+            f"{path}: is a kept finding, and its cause sets would stand among those that are kept; "
+            "expected another folder: name it with --out"
+        )
     code = load_fresh(folders)
     written = read_specification(path, code)
     for oddity in written.oddities(path, code.mission):

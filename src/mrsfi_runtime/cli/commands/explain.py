@@ -79,7 +79,8 @@ that overlap.
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
     metavar="DIR",
-    help="Where to write the cause sets [default: RUN/causes, or the folder of FILE].",
+    help="Where to write the cause sets [default: RUN/causes, or the folder of FILE; kept findings "
+    "need one].",
 )
 @worker_options
 @engine_options(BOTH, CI, default=AUTO)
