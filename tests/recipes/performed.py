@@ -1,6 +1,7 @@
 """The recipes, one function each: what a contributor edits, and the flights that follow."""
 
 import json
+import re
 import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from tests.support.own_metamodels import (
     meaning,
     parameter,
 )
+from tests.support.tree import ROOT
 
 MODELS = f"models/{MISSION}"
 GENERATED = f"generated/{MISSION}"
@@ -34,11 +36,11 @@ xmlns:faults="http://mrsfi.org/faults/1.0" ID="own">
 </faults:FaultSpecification>
 """
 
-STUCK = """    robot = ci.robots[fault.target]
-    if fault.age == 0:
-        fault.memory[0] = robot.speed
-    robot.speed = fault.memory[0] + fault.values[STUCK_SPEED_OFFSET]
-"""
+FAULTS_PAGE = ROOT / "docs" / "faults.md"
+_, STUCK, _ = re.split(
+    r" *# protected region StuckSpeed\.apply .*\n", FAULTS_PAGE.read_text(encoding="utf-8")
+)
+"""The region as the page shows it."""
 
 LOITER = {
     "g7.check": """    robot = ci.robots[R1]
