@@ -47,11 +47,14 @@ def _differences(chain: Chain) -> Iterator[str]:
 def changed(first: First) -> str:
     """Return the first change in words: ``r2 position (3.00, 4.00, 0.00), not (3.00, 5.00, 0.00)``.
 
-    Of several, it is the first in the order of robots, sensors, obstacles and goals.
+    Of several, it is the first in the order of robots, sensors, obstacles and goals. One that is
+    too small to be seen in these figures is told by its size: ``r2 heading 90.0 degrees, 1e-14
+    off``.
     """
     change = first.changes[0]
     found, otherwise = (_value(change, value) for value in (change.found, change.otherwise))
-    return f"{change.owner} {change.quantity} {found}, not {otherwise}"
+    apart = f"{change.size:.0e} off" if found == otherwise else f"not {otherwise}"
+    return f"{change.owner} {change.quantity} {found}, {apart}"
 
 
 def _value(change: Change, value: tuple[float, ...]) -> str:
