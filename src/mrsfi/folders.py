@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from m2t.generate import stale
-from mrsfi.project import project
+from mrsfi.project import from_here, project
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.semantics_of_code import require_semantics
 
@@ -115,10 +115,4 @@ def _generated(folder: Path) -> Path:
     if folder.parent == ours.models.resolve():
         return ours.generated / folder.name
     root = folder.parent.parent if folder.parent.name == _MODELS else folder.parent
-    return _from_here(root / _GENERATED / folder.name)
-
-
-def _from_here(path: Path) -> Path:
-    """Return a path as short as a user would write it."""
-    here = Path.cwd()
-    return path.relative_to(here) if path.is_relative_to(here) else path
+    return from_here(root / _GENERATED / folder.name)

@@ -55,7 +55,7 @@ def project() -> Project:
     file = next((place / SETTINGS for place in (here, *here.parents) if _has(place)), None)
     root = here if file is None else file.parent
     given = {} if file is None else _settings(file)
-    found = {name: _from_here(root / given.get(name, name)) for name in _FOLDERS}
+    found = {name: from_here(root / given.get(name, name)) for name in _FOLDERS}
     metamodels = found["metamodels"]
     has_own = all((metamodels / name).is_file() for name in _METAMODELS)
     if "metamodels" in given and not has_own:
@@ -111,7 +111,7 @@ def _settings(file: Path) -> dict[str, str]:
     return dict(table)
 
 
-def _from_here(path: Path) -> Path:
+def from_here(path: Path) -> Path:
     """Return a path as short as a user would write it: relative, unless that is no shorter way."""
     relative = Path(os.path.relpath(path))
     return relative if len(relative.parts) < len(path.parts) else path
