@@ -87,6 +87,28 @@ def test_the_wheel_says_what_it_is_and_brings_all_that_the_tool_reads(built):
     assert {f"m2t/metamodels/{path.name}" for path in (ROOT / "metamodels").glob("*.*")} <= names
 
 
+def test_scripts_are_checked_against_the_types_of_the_api(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import mrsfi\n\nuuv = mrsfi.load('uuv_sampling')\nreveal_type(uuv.fly().true_positions)\n"
+        "reveal_type(uuv.evolve('a').findings[0].sentence)\nuuv.fly(1)\n",
+        encoding="utf-8",
+    )
+
+    told = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "script.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    ).stdout.splitlines()
+
+    assert "numpy.ndarray" in told[0]
+    assert told[1].endswith('Revealed type is "str"')
+    assert 'Argument 1 to "fly" of "Mission" has incompatible type "int"' in told[2]
+    assert told[3] == "Found 1 error in 1 file (checked 1 source file)"
+
+
 def test_the_version_is_that_of_the_changelog(built):
     (version,) = {path.name.split("-")[1].removesuffix(".tar.gz") for path in built.iterdir()}
     changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
