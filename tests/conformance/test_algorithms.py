@@ -73,6 +73,7 @@ def search_of(campaign: Path) -> tuple[str, str | None]:
         return store.settings.algorithm, store.settings.minimise
 
 
+@slow
 def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds(whole):
     code = load_code(whole / "generated")
     space = SearchSpace.of(code.mission, code.pool)

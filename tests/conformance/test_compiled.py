@@ -88,6 +88,7 @@ def test_a_region_may_use_lists_sorting_and_nested_loops(tmp_path):
         assert traced(engine, ()) == traced(ReferenceEngine(code, SEED), ())
 
 
+@slow
 def test_a_region_that_divides_by_zero_fails_with_its_line_and_spares_the_others(tmp_path):
     body = "return 1 // (ci.sensors[0].active - 1 + ci.sensors[0].count * 0) > 5"
     code = edited(tmp_path, body)
@@ -105,6 +106,7 @@ def test_a_region_that_divides_by_zero_fails_with_its_line_and_spares_the_others
     assert "ZeroDivisionError" in found[0].traceback
 
 
+@slow
 def test_a_region_that_reads_beyond_a_list_fails_as_in_python(tmp_path):
     code = edited(tmp_path, "return ci.robots[len(ci.robots) + 7].x > 0.0")
 
@@ -112,6 +114,7 @@ def test_a_region_that_reads_beyond_a_list_fails_as_in_python(tmp_path):
         engine.evaluate(())
 
 
+@slow
 @pytest.mark.parametrize("is_cached", [False, True])
 def test_a_region_may_raise_an_error_of_its_own_with_values(tmp_path, is_cached):
     tick = "int(ci.mission.tick) + 41"
@@ -247,6 +250,7 @@ def campaign(code, drawn):
         return [list(engine.evaluate_many(drawn, seed)) for seed in (1, 2, SEED)]
 
 
+@slow
 def test_what_is_compiled_is_tried_and_checked_once_for_all_seeds_and_campaigns(checked, unchecked):
     drawn = specifications(unchecked, 3)
 

@@ -168,6 +168,7 @@ def place(tmp_path, unique):
     return tmp_path
 
 
+@slow
 def test_a_campaign_says_which_engine_flies_and_records_the_same_whichever_it_is(place):
     words = ("evolve", NAME, *SMALL, "--no-explain")
 
@@ -183,6 +184,7 @@ def test_a_campaign_says_which_engine_flies_and_records_the_same_whichever_it_is
     assert new.stdout.replace("runs/new", "runs/known") == known.stdout
 
 
+@slow
 def test_a_campaign_that_is_interrupted_while_it_compiles_leaves_no_process(place):
     known = []
 

@@ -221,6 +221,7 @@ def test_both_engines_agree_also_after_other_specifications(code):
     assert all(all(outcome.changed) for outcome in found[:4])
 
 
+@slow
 def test_both_engines_tell_alike_when_a_fault_first_changed_something(code):
     reference = ReferenceEngine(code, 3)
 
@@ -238,6 +239,7 @@ def test_both_engines_tell_alike_when_a_fault_first_changed_something(code):
             )
 
 
+@slow
 def test_own_effects_fly_over_rosbridge_as_without_a_bus(code):
     expected = [ReferenceEngine(code, 3).evaluate(each) for each in SPECIFICATIONS[:2]]
 

@@ -91,6 +91,7 @@ def test_it_flies_alike_on_every_engine(generated, name):
         assert flown(engine) == flown(ReferenceEngine(code, 1))
 
 
+@slow
 @pytest.mark.parametrize("name", ["reference", "compiled"])
 def test_what_differs_in_memory_stands_in_the_chain_of_a_fault(generated, name):
     fill(generated)

@@ -139,6 +139,7 @@ def test_a_search_without_a_campaign_file_has_the_papers_settings(uuv, place):
     assert campaign.findings == ()
 
 
+@slow
 def test_a_campaign_tells_its_evaluations_in_arrays_and_its_findings(found):
     folder = found / "runs" / "it"
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
@@ -216,6 +217,7 @@ def _pytest(place):
     return subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
 
 
+@slow
 def test_kept_findings_are_tests_of_pytest(place):
     assert "1 passed" in _pytest(place).stdout
 

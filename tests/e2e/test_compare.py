@@ -35,6 +35,7 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return folder, done.stdout
 
 
+@slow
 def test_it_prints_medians_tests_and_where_everything_is(compared):
     _, output = compared
 
@@ -65,6 +66,7 @@ def test_the_folder_holds_runs_tables_and_figures(compared):
     assert len([test for test in content["tests"] if test["measure"] == "fitness"]) == 3
 
 
+@slow
 def test_a_run_is_the_campaign_of_the_same_seed(compared):
     place, _ = compared
     folder = place / "runs" / "compare-uuv_sampling-b"
@@ -79,6 +81,7 @@ def test_a_run_is_the_campaign_of_the_same_seed(compared):
     assert run["front_size"] == len(campaign["front"]["points"])
 
 
+@slow
 def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(place):
     out = ("--out", "runs/c")
     mrsfi(*SMALL, "--seeds", "1", "--algorithms", "random", *out, cwd=place)
@@ -114,6 +117,7 @@ def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(compared,
     assert not list(folder.glob("unfinished-*"))
 
 
+@slow
 def test_runs_of_another_number_of_evaluations_or_mission_are_not_mixed(place):
     small = (*SMALL, "--seeds", "1", "--algorithms", "random")
     mrsfi(*small, cwd=place)

@@ -73,6 +73,7 @@ def test_stale_generated_code_ends_with_4_and_makes_no_folder(place):
     assert not (place / "runs").exists()
 
 
+@slow
 def test_a_campaign_can_count_how_long_goals_were_missed(tmp_path):
     quick = workspace(tmp_path, "tight_margins")
     (quick / "mine.toml").write_text(

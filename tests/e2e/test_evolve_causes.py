@@ -77,6 +77,7 @@ def is_equal(run, other):
     )
 
 
+@slow
 def test_it_ends_with_what_explain_says_of_the_same_evaluations(ended):
     run, done = ended
     causes = summary(run)["causes"]
@@ -198,6 +199,7 @@ def test_a_written_cause_set_flown_again_has_the_counts_that_were_printed(ended)
         assert set(names) <= {fault["id"] for fault in flight["faults"]}
 
 
+@slow
 @pytest.mark.parametrize("n_seeds", seeds([1, 2], 1))
 def test_it_flies_at_most_as_often_as_the_search_did(place, n_seeds):
     searched = [*PLANTED, *harmless(60 - len(PLANTED))]
@@ -325,6 +327,7 @@ def test_damaged_causes_end_with_9_like_other_damage(campaign, tmp_path, command
     assert "expected a cause set of the 2 faults of evaluation 0" in error
 
 
+@slow
 @pytest.mark.parametrize(
     "options",
     [
@@ -403,6 +406,7 @@ def test_what_fails_without_any_fault_is_not_due_to_faults(place):
     assert f" is not explained: {reason}\n" in done.stdout
 
 
+@slow
 def test_a_fitness_of_ones_own_plays_no_part_and_both_commands_say_so(place):
     words = (
         "fitness planted_search:truly_violated plays no part: "

@@ -65,6 +65,7 @@ def test_a_cause_set_flown_again_has_the_counts_that_were_printed(campaign, plac
         assert total == pytest.approx(expected, abs=1e-9)
 
 
+@slow
 def test_the_cause_set_of_a_goal_flown_alone_keeps_its_violations(campaign, place):
     (found,) = explained(campaign, cwd=place)
 
@@ -83,6 +84,7 @@ def test_the_cause_set_of_a_goal_flown_alone_keeps_its_violations(campaign, plac
             assert column["goal"] != each["goal"] or after >= 0.95 * before
 
 
+@slow
 def test_what_is_explained_are_those_that_were_asked_for(campaign, place):
     both = mrsfi_json("explain", campaign, "--top", "2", cwd=place)
     best, second = both["explanations"]
@@ -105,6 +107,7 @@ def test_both_engines_explain_alike(place):
     assert mrsfi(*arguments, *FAST, cwd=place).stdout == compiled
 
 
+@slow
 def test_a_fault_that_does_it_alone_is_named(place):
     path = by_hand(place, (10, 11), (100, 900), (950, 951))
 
@@ -159,6 +162,7 @@ def test_a_single_fault_that_breaks_a_goal_is_its_cause_set(tmp_path):
     assert fault["left_out"] == found["fault_free"] == [0] * 6
 
 
+@slow
 def test_of_a_hundred_faults_those_that_did_it_are_named(tmp_path):
     """Robot a, stopped for 30 ticks, is 10 ticks too late; the other faults come afterwards."""
     write_rendezvous(tmp_path)
@@ -192,6 +196,7 @@ def test_the_measure_and_the_share_can_be_chosen(campaign, place):
     assert found["keep"] == 0.5
 
 
+@slow
 def test_several_specifications_end_with_their_findings(campaign, place):
     text = mrsfi("explain", campaign, "--top", "2", "--out", "causes", cwd=place).stdout
 

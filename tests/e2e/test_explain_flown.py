@@ -86,6 +86,7 @@ sys.exit(main(sys.argv[1:]))
 """A simulation in which robot b begins elsewhere in every flight, whatever the seed."""
 
 
+@slow
 @pytest.mark.parametrize(
     "options",
     [

@@ -11,6 +11,7 @@ import pytest
 from tests.support.cli import MISSION, mrsfi, mrsfi_json, workspace
 from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.tree import ROOT
+from tests.tiers import slow
 
 SHORT = ("--generations", "4", "--workers", "1", "--engine", "reference")
 
@@ -36,6 +37,7 @@ def _make(folder, *words, expected=0):
     return done
 
 
+@slow
 def test_a_new_mission_is_sound_fresh_and_violates_nothing(begun):
     validated = mrsfi("validate", "demo", cwd=begun)
     flown = mrsfi_json("simulate", "demo", cwd=begun)
@@ -46,6 +48,7 @@ def test_a_new_mission_is_sound_fresh_and_violates_nothing(begun):
     assert all(goal["true"] == goal["believed"] == goal["missed"] == 0 for goal in flown["goals"])
 
 
+@slow
 def test_its_script_builds_the_models_that_stand_beside_it(begun):
     models = begun / "models" / "demo"
     before = {path: path.read_bytes() for path in models.glob("*.xmi")}
@@ -55,6 +58,7 @@ def test_its_script_builds_the_models_that_stand_beside_it(begun):
     assert {path: path.read_bytes() for path in models.glob("*.xmi")} == before
 
 
+@slow
 def test_what_was_found_is_kept_and_fails_the_build_when_it_comes_back(begun):
     _make(begun, "regressions", expected=2)
     mrsfi("keep", "runs/it", "--finding", "1", cwd=begun)
@@ -74,6 +78,7 @@ def test_what_was_found_is_kept_and_fails_the_build_when_it_comes_back(begun):
     assert "deliver" in suite[0][0].get("message")
 
 
+@slow
 def test_commands_work_from_any_folder_inside(begun):
     assert "2 robots" in mrsfi("validate", "demo", cwd=begun / "models" / "demo").stdout
 
@@ -118,6 +123,7 @@ def test_what_a_model_of_the_prototype_lacks_ends_as_by_import_and_leaves_nothin
     assert [path.name for path in tmp_path.iterdir()] == ["published.xmi"]
 
 
+@slow
 def test_files_for_build_servers_run_what_the_makefile_has(begun):
     targets = {line.partition(":")[0] for line in (begun / "Makefile").read_text().splitlines()}
     for path in (begun / ".github" / "workflows" / "mrsfi.yml", begun / ".gitlab-ci.yml"):

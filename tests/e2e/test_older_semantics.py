@@ -11,7 +11,7 @@ from tests.support.cli import contents, edit, mrsfi, mrsfi_json, workspace
 from tests.support.interrupted import MISSION
 from tests.support.older_records import DIGEST_OF_1, recorded_by_1
 from tests.support.rosbridge import process
-from tests.tiers import seeds
+from tests.tiers import seeds, slow
 
 _LATER = """
 import sys
@@ -92,6 +92,7 @@ def test_code_generated_for_older_rules_is_refused_until_it_is_generated_anew(qu
     mrsfi(*flight, cwd=quick)
 
 
+@slow
 def test_a_comparison_is_not_continued_under_other_rules(quick):
     few = ("--algorithms", "random", "--evaluations", "2", "--workers", "1", "--seeds", "1")
     compare = ("compare", MISSION, *few, "--engine", "reference", "--out", "out")
@@ -107,6 +108,7 @@ def test_a_comparison_is_not_continued_under_other_rules(quick):
     assert contents(quick / "out" / "runs") == before
 
 
+@slow
 @pytest.mark.parametrize("is_later", seeds(["simulation", "ci"], 1))
 def test_a_simulation_and_a_ci_of_different_rules_refuse_each_other(tmp_path, is_later):
     meet = ("simulate", MISSION, "--engine", "rosbridge", "--url")

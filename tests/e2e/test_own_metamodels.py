@@ -37,6 +37,7 @@ def _require_flight(project: Path) -> None:
     mrsfi_process("simulate", MISSION, "--no-faults", cwd=project)
 
 
+@slow
 def test_team_adds_features(project):
     mission, faults = (project / "metamodels" / name for name in (MISSION_FILE, FAULTS_FILE))
     models = project / "models" / MISSION
@@ -69,6 +70,7 @@ def test_team_adds_features(project):
     assert 'own={"weight": 2.0, "remark": "x"},' in loader
 
 
+@slow
 def test_team_adds_subclasses(project):
     mission, faults = (project / "metamodels" / name for name in (MISSION_FILE, FAULTS_FILE))
     models = project / "models" / MISSION
@@ -105,6 +107,7 @@ def test_team_adds_subclasses(project):
     assert loader.read_bytes() == shipped.read_bytes()
 
 
+@slow
 def test_team_adds_parts_of_its_own(project):
     mission, faults = (project / "metamodels" / name for name in (MISSION_FILE, FAULTS_FILE))
     models = project / "models" / MISSION

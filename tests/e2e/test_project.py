@@ -7,6 +7,7 @@ import pytest
 import mrsfi as api
 from tests.support.cli import MISSION, mrsfi, mrsfi_json
 from tests.support.own_metamodels import add_feature, copy_metamodels
+from tests.tiers import slow
 
 SETTINGS = """[project]
 models = "src/missions"
@@ -26,6 +27,7 @@ def team(place):
     return place
 
 
+@slow
 def test_folders_of_the_settings_are_those_of_every_command_from_anywhere_inside(team):
     deep = team / "docs" / "deep"
     deep.mkdir(parents=True)
@@ -110,6 +112,7 @@ def test_metamodels_that_are_ours_go_without_saying(place):
     assert mrsfi("validate", MISSION, cwd=place).stderr == ""
 
 
+@slow
 def test_a_campaign_is_read_with_the_metamodels_it_was_made_with(place):
     _own_metamodels(place)
     mrsfi("generate", MISSION, cwd=place)

@@ -8,6 +8,7 @@ import pytest
 
 from mrsfi_runtime.model.outcome import TOLD
 from tests.support.cli import edit, mrsfi, mrsfi_json
+from tests.tiers import slow
 
 
 @pytest.fixture
@@ -36,6 +37,7 @@ def test_replay_of_one_evaluation_writes_log_and_trace(campaign, tmp_path):
     assert (tmp_path / "a.csv").read_text(encoding="utf-8").startswith("tick,")
 
 
+@slow
 def test_replay_of_all_confirms_every_evaluation(campaign, tmp_path):
     replayed = mrsfi_json("replay", campaign, "--all", cwd=tmp_path)
 

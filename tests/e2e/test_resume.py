@@ -91,6 +91,7 @@ def test_ctrl_c_says_how_to_go_on_and_the_result_is_that_of_one_run(place, whole
     assert 0 < n_before < len(evaluations(out)) == whole["n_evaluations"]
 
 
+@slow
 def test_the_command_of_a_finished_campaign_repeated_with_resume_only_writes_the_report_anew(
     campaign, tmp_path, whole
 ):

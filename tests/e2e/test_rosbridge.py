@@ -134,6 +134,7 @@ def test_replications_share_one_server(quick, url):
     assert digests[0] == digests[1]
 
 
+@slow
 @pytest.mark.parametrize("client", ["asyncio", pytest.param("twisted", marks=slow)])
 def test_two_sides_meet_on_a_server(place, url, client):
     faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
@@ -151,6 +152,7 @@ def test_two_sides_meet_on_a_server(place, url, client):
     assert (code, told) == (130, "mrsfi: interrupted\n")
 
 
+@slow
 def test_a_simulation_that_is_killed_ends_the_flight_with_its_tick_and_signal(place):
     with process("simulate", MISSION, *ROSBRIDGE, "--trace", "t.csv", cwd=place) as flight:
         wait_for(lambda: has_lines(place / "t.csv", 100))
@@ -172,6 +174,7 @@ def test_a_ci_that_is_killed_leaves_no_process_behind(place):
         wait_for(lambda: not is_running(orphan))
 
 
+@slow
 def test_a_flight_that_is_interrupted_leaves_no_process_behind(place):
     with process("simulate", MISSION, *ROSBRIDGE, "--trace", "t.csv", cwd=place) as flight:
         wait_for(lambda: has_lines(place / "t.csv", 100))

@@ -62,6 +62,7 @@ def twins(request):
     return Twins(ROOT / "models" / request.param, ROOT / "generated" / request.param)
 
 
+@slow
 @pytest.mark.parametrize("seed", seeds(range(N_SPECIFICATIONS), 3))
 @pytest.mark.parametrize("twins", MISSIONS, indirect=True)
 def test_random_specifications_fly_alike(twins, seed):
@@ -73,6 +74,7 @@ def test_missions_without_faults_fly_alike(twins):
     twins.fly((), 1)
 
 
+@slow
 @pytest.mark.parametrize(
     "twins", [SHORT[0], *(pytest.param(name, marks=slow) for name in MISSIONS[1:])], indirect=True
 )
@@ -158,6 +160,7 @@ def test_the_simulation_quotes_the_pages_as_they_are():
     assert [each for each in sorted(sections) if f"## {each[1]}" not in texts[each[0]]] == []
 
 
+@slow
 @pytest.mark.parametrize("seed", seeds(range(5), 1))
 @pytest.mark.parametrize("name", SHAPES)
 def test_drawn_missions_fly_alike(tmp_path, name, seed):
@@ -175,6 +178,7 @@ def test_drawn_missions_fly_alike(tmp_path, name, seed):
         twins.fly((whole,), rng.getrandbits(40))
 
 
+@slow
 @pytest.mark.parametrize("n_robots", seeds([12, 25, 30, 24, 45, 70], 1))
 @pytest.mark.parametrize("room", [15.0, 60.0])
 def test_crowds_fly_alike(tmp_path, n_robots, room):
@@ -199,6 +203,7 @@ def test_what_stands_at_a_limit_is_judged_alike(tmp_path, off):
         twins.fly(tuple(moved), seed)
 
 
+@slow
 def test_types_of_a_teams_own_fly_alike(own_metamodels, tmp_path, monkeypatch):
     """False counts, which no type of ours makes, and another property of a robot."""
     faults = own_metamodels.folder / "faults.ecore"
@@ -268,6 +273,7 @@ def loss(ci, inbox, fault, k):
     ci.rate[k] += 1.0
 
 
+@slow
 def test_effects_of_a_teams_own_fly_alike(own_metamodels, tmp_path, monkeypatch):
     faults = own_metamodels.folder / "faults.ecore"
     models = Path(shutil.copytree(HARBOUR, tmp_path / "models"))

@@ -53,6 +53,7 @@ def expected(specifications: Sequence[Specification]) -> list[object]:
         return list(pool.evaluate_many(specifications))
 
 
+@slow
 @pytest.mark.parametrize("name", [REFERENCE, pytest.param(COMPILED, marks=slow)])
 def test_results_are_those_of_this_process_in_order(two_workers, specifications, expected, name):
     with Cluster(two_workers.address) as cluster:
@@ -152,6 +153,7 @@ def test_a_worker_that_joins_late_takes_over_from_one_that_died(tmp_path, specif
         assert list(pool.evaluate_many(specifications)) == before == expected
 
 
+@slow
 def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(tmp_path, specifications):
     body = "    import os\n\n    os._exit(1)\n"
     folder = edited(tmp_path, "energy.check", body, MISSION)
@@ -162,6 +164,7 @@ def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(tmp_path, specifi
             list(pool.evaluate_many(specifications[:1]))
 
 
+@slow
 def test_when_the_last_worker_is_gone_the_user_is_told_how_to_start_one(tmp_path, specifications):
     with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
         pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
@@ -195,6 +198,7 @@ def test_a_lost_scheduler_is_a_transport_error(tmp_path, specifications):
             list(asked)
 
 
+@slow
 def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(tmp_path, specifications):
     package = Path(copytree(ROOT / "src" / "mrsfi_runtime", tmp_path / "other" / "mrsfi_runtime"))
     with (package / "kernel" / "flight.py").open("a", encoding="utf-8") as file:
@@ -212,6 +216,7 @@ def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(tmp_path,
             ClusterPool(second, load_code(GENERATED), 1, SLOW_ENGINE)
 
 
+@slow
 def test_a_worker_without_mrsfi_is_refused(tmp_path):
     with scheduler(tmp_path / "dask", 0) as place:
         place.start_worker(without_mrsfi(tmp_path / "none"))
@@ -234,6 +239,7 @@ def test_a_local_cluster_is_reachable_from_this_machine_only(specifications, exp
         assert list(pool.evaluate_many(specifications)) == expected
 
 
+@slow
 def test_another_python_is_refused(two_workers):
     shipment = Shipment.of(GENERATED)
     other = replace(shipment, environment={**shipment.environment, "Python": "2.7"})

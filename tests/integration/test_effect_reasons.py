@@ -18,7 +18,7 @@ from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.model.faults import FaultPool, TimedFault
 from mrsfi_runtime.model.mission import ROBOT_RADIUS
 from tests.support.world import code_of
-from tests.tiers import seeds
+from tests.tiers import seeds, slow
 
 WINDOWS = {"uuv_sampling": (100, 900), "tight_margins": (60, 180), "tight_energy": (60, 340)}
 COUNTS = ("believed", "true", "missed")
@@ -131,6 +131,7 @@ def _require_left(reason, flight, twin):
             assert least <= min(left) <= 1.01 * least + 1.0, reason
 
 
+@slow
 @pytest.mark.parametrize("seed", seeds(range(1, 41), 2))
 def test_the_reasons_of_a_blocked_position_and_a_wandering_obstacle_hold(seed):
     _require_that_reasons_hold("uuv_sampling", seed, "f2", "f19")
@@ -143,11 +144,13 @@ def test_every_reason_on_the_papers_mission_holds(seed):
     assert 10 <= n_effective < 30
 
 
+@slow
 @pytest.mark.parametrize("seed", seeds(range(1, 41), 3))
 def test_every_reason_on_a_mission_with_tight_margins_holds(seed):
     _require_that_reasons_hold("tight_margins", seed)
 
 
+@slow
 def test_seeds_are_counted_and_the_silent_ones_have_the_reasons_that_hold_there():
     code = code_of("tight_margins")
     pool = FaultPool("some", (code.pool["f25"],))
@@ -165,6 +168,7 @@ def test_seeds_are_counted_and_the_silent_ones_have_the_reasons_that_hold_there(
     assert 0 < len(reasons) < n_seeds
 
 
+@slow
 def test_other_values_change_the_goals_that_they_are_said_to_change_and_nearer_ones_do_not():
     code = code_of("tight_energy")
     pool = FaultPool("some", (code.pool["f8"],))

@@ -85,6 +85,7 @@ def test_a_robot_does_not_leap_after_a_forged_stop():
     assert flown == [0.0 if 100 <= tick <= 200 else nominal for tick in range(400)]
 
 
+@slow
 @pytest.mark.parametrize("mission", MISSIONS)
 def test_no_robot_flies_faster_than_it_can(mission):
     code = code_of(mission)
@@ -101,6 +102,7 @@ def test_no_robot_flies_faster_than_it_can(mission):
     assert fastest == 1.0  # the limit is met
 
 
+@slow
 @pytest.mark.parametrize("mission", MISSIONS)
 def test_without_faults_nothing_is_violated_and_nothing_missed_in_any_weather(mission):
     code = code_of(mission)

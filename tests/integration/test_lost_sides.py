@@ -47,6 +47,7 @@ def tick_of(errors: str) -> int:
     return int(tick)
 
 
+@slow
 @pytest.mark.parametrize(
     ("sign", "problem"),
     [
@@ -72,6 +73,7 @@ def test_a_server_lost_in_mid_run_ends_both_sides_with_8(sign, problem, note):
     assert all(problem in errors for errors in told)
 
 
+@slow
 @pytest.mark.parametrize(
     ("side", "silent"), [("ci", "the simulation"), ("simulation", "the collective intelligence")]
 )
@@ -92,6 +94,7 @@ def test_a_killed_side_ends_the_other_with_8_and_the_server_goes_on(side, silent
             assert witness.is_served()
 
 
+@slow
 def test_a_killed_command_leaves_no_simulation_behind():
     with bridge() as server, process(*FLIGHT, "--url", server.url) as command:
         wait_for_tick(server.url, 1, 100)

@@ -42,6 +42,7 @@ def bounded(server: Server, extra: int, note: Note, what: str) -> Iterator[None]
     assert after - before < extra
 
 
+@slow
 def test_a_client_that_never_reads_is_told_and_cut_off_and_the_others_miss_nothing(note):
     text = "x" * 65_536
     n_messages = 800

@@ -9,6 +9,7 @@ from tests.support.models.generation import GENERATED, run_module
 from tests.support.models.loiter import write_loiter
 from tests.support.own_metamodels import a_class, an_enumeration, attribute, many, part, reference
 from tests.support.tree import ROOT
+from tests.tiers import slow
 
 TAGS = {
     "Mission": "<mission:Mission",
@@ -188,6 +189,7 @@ def test_parts_of_different_classes_are_refused(models, own_metamodels):
     )
 
 
+@slow
 def test_a_part_that_one_of_many_lacks_is_refused(models, own_metamodels):
     own_metamodels.extend("Mark", part("place", "Coordinates"))
     edit(mission(models), '<marks depth="2.0"/>', '<marks depth="2.0"><place/></marks>')

@@ -8,6 +8,7 @@ from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.hosting.waiting import Patience
 from tests.support.page_simulator import page_simulator
 from tests.support.rosbridge import FLIGHT_SEED, Relay, code_of, digests, reference_digests
+from tests.tiers import slow
 
 CODE = code_of("uuv_sampling", 60)
 SCATTER = 0.02
@@ -23,6 +24,7 @@ def flown(url: str) -> list[list[str]]:
         return digests(engine, SEEDS)
 
 
+@slow
 def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(tmp_path):
     with EmbeddedBridge() as server, page_simulator(tmp_path, server.url):
         in_order = flown(server.url)
@@ -35,6 +37,7 @@ def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(tmp_pat
         assert flown(server.url) == in_order
 
 
+@slow
 def test_the_own_simulation_flies_as_in_process():
     with EmbeddedBridge() as server, Relay(server.url, scatter=SCATTER) as relay:
         simulation = SimulationProcess(CODE, relay.url, "asyncio", PATIENCE)

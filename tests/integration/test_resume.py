@@ -48,6 +48,7 @@ def whole(place: Path) -> Path:
     return path
 
 
+@slow
 @pytest.mark.parametrize(("n_workers", "n_kills"), [pytest.param(1, 20, marks=slow), (2, 3)])
 def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
     place, whole, n_workers, n_kills
@@ -115,6 +116,7 @@ def started_workers(process: subprocess.Popen[str]) -> list[int]:
     return found
 
 
+@slow
 def test_a_killed_worker_ends_the_run_and_the_campaign_goes_on(place, whole):
     path = begin(place / "worker", place / "models" / MISSION, SETTINGS)
 
@@ -159,6 +161,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@slow
 def test_a_disk_without_room_ends_with_9_and_the_campaign_goes_on(place, whole):
     path = begin(place / "full", place / "models" / MISSION, SETTINGS)
     resume = ("evolve", "--resume", str(path), "--workers", "1")

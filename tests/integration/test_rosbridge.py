@@ -60,6 +60,7 @@ def engine(code, **options):
     return RosbridgeEngine(code, FLIGHT_SEED, patience=PATIENCE, **options)
 
 
+@slow
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
 @pytest.mark.parametrize("client", FEW_CLIENTS)
 @pytest.mark.parametrize("seeds", [range(2), pytest.param(range(20), marks=slow)], ids=len)
@@ -69,6 +70,7 @@ def test_random_specifications_of_the_paper_s_mission_fly_as_in_process(seeds, c
     assert flown == expected("uuv_sampling", 1000, seeds)
 
 
+@slow
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
 @pytest.mark.parametrize("client", FEW_CLIENTS)
 def test_both_sides_on_a_server_of_its_own_fly_as_in_process(server, client, is_bundled):
@@ -103,6 +105,7 @@ def test_the_ci_may_start_before_the_simulation(server):
     assert flown == reference_digests(SHORT, range(2))
 
 
+@slow
 def test_one_simulation_serves_one_ci_after_the_other(server, simulation):
     flown = []
     for _ in range(2):
@@ -112,6 +115,7 @@ def test_one_simulation_serves_one_ci_after_the_other(server, simulation):
     assert flown == [reference_digests(SHORT, range(2))] * 2
 
 
+@slow
 def test_engines_open_and_close_one_after_the_other_in_one_process():
     found = set()
     for _ in range(3):
@@ -135,6 +139,7 @@ def test_strangers_cannot_join_an_embedded_server():
     assert len(token) > 30
 
 
+@slow
 def test_workers_have_a_server_each():
     specifications = [specification(SHORT, seed) for seed in range(6)]
     results = []
@@ -211,6 +216,7 @@ def test_a_simulation_that_knows_no_bundles_is_told(server, simulation):
         opened.evaluate(())
 
 
+@slow
 def test_one_simulation_answers_messages_and_bundles(server, simulation):
     flown = []
     for is_bundled in (True, False, True):

@@ -26,6 +26,7 @@ from tests.integration.metamodels import HOSTILE, load_generated, metaclass, odd
 from tests.support.models.copies import edit
 from tests.support.models.generation import MODELS, ROOT, contents, copy_models, run_module
 from tests.support.models.random_models import draw
+from tests.tiers import slow
 
 STATIC = ROOT / "generated" / "metamodel"
 FACTS = ("lowerBound", "upperBound", "ordered", "unique", "unsettable", "changeable", "transient")
@@ -62,6 +63,7 @@ def test_committed_classes_are_those_of_the_metamodels():
     assert contents(STATIC) == class_files(load_metamodels().packages)
 
 
+@slow
 def test_classes_are_the_same_for_every_hash_seed(tmp_path):
     for seed in ("0", "1", "2", "77"):
         environment = {**os.environ, "PYTHONHASHSEED": seed}  # which distributed may have set
@@ -134,6 +136,7 @@ def test_loaded_models_become_static_objects_with_the_same_bytes(name):
     assert len(typed.nodes) == len(models.nodes)
 
 
+@slow
 def test_random_models_of_static_objects_have_the_same_bytes():
     for seed in range(25):
         drawn = draw(seed)

@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+from tests.tiers import slow
+
 WITHOUT_DASK = """
 import sys
 sys.modules["distributed"] = None
@@ -13,6 +15,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@slow
 @pytest.mark.parametrize("command", ["evolve", "compare"])
 def test_without_dask_the_user_is_told_what_to_install(tmp_path, command):
     done = subprocess.run(

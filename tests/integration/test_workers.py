@@ -11,6 +11,7 @@ from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.edited import edited
 from tests.support.world import ROOT, paper_code
+from tests.tiers import slow
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
 SPECIFICATIONS = [
@@ -30,6 +31,7 @@ def test_any_number_of_workers_gives_the_same_results_in_order():
     assert results[0] == [engine.evaluate(specification) for specification in SPECIFICATIONS]
 
 
+@slow
 def test_the_same_workers_serve_several_mission_seeds():
     code = load_code(GENERATED)
 

@@ -12,7 +12,7 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.targets import require_no_overlap, touched
 from tests.support.trace import TraceDigest
 from tests.support.world import paper_code
-from tests.tiers import law
+from tests.tiers import law, slow
 
 DURATION = 60
 CODE = paper_code(DURATION)
@@ -51,6 +51,7 @@ def test_faults_after_the_end_are_no_faults_tick_by_tick(specification, seed):
     assert trace(specification, seed) == free_trace(seed)
 
 
+@slow
 @law(40)
 @given(specifications(), st.integers(0, 2**40))
 def test_the_same_seed_flies_the_same_and_one_engine_forgets_its_last_flight(specification, seed):

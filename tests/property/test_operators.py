@@ -20,7 +20,7 @@ from mrsfi_runtime.search.specifications import random_specification
 from mrsfi_runtime.search.steps import STEPS, crept, dropped, filled, resized, widened
 from mrsfi_runtime.search.variation import crossed, mutated
 from tests.support.search import PAPER_FAULTS, paper_mission, paper_space, pool_of, random_pair
-from tests.tiers import law
+from tests.tiers import law, slow
 
 FAULT_IDS = [fault.id for fault in PAPER_FAULTS]
 LAW = law(150, suppress_health_check=[HealthCheck.too_slow])
@@ -217,6 +217,7 @@ def test_resizing_adds_or_drops_one_fault_and_keeps_the_restriction(drawn, n_mor
         specification = resize
 
 
+@slow
 @LAW
 @given(DRAWN, st.integers(1, 25))
 def test_filling_adds_faults_up_to_the_number_wanted(drawn, n_wanted):

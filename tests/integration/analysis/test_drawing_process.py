@@ -2,8 +2,10 @@ import pytest
 
 from mrsfi_runtime.analysis.drawing_process import Drawing, DrawingProcess, draw_here
 from tests.support.search import paper_mission
+from tests.tiers import slow
 
 
+@slow
 def test_another_process_draws_the_same_bytes(tmp_path):
     drawing = Drawing("mission_map", (paper_mission(),), "mission_plots")
     draw_here([(drawing, tmp_path / "here")])()
@@ -16,6 +18,7 @@ def test_another_process_draws_the_same_bytes(tmp_path):
         assert here.read_bytes() == there.read_bytes()
 
 
+@slow
 def test_what_saving_met_is_raised_here(tmp_path):
     drawings = [
         (Drawing("mission_map", (paper_mission(),), "mission_plots"), tmp_path / "missing" / "map")
@@ -58,6 +61,7 @@ def test_a_studio_that_never_draws_ends_with_its_block(error):
     assert drawing_process._process.returncode is not None
 
 
+@slow
 def test_what_was_drawn_ahead_is_the_same(tmp_path):
     drawing = Drawing("mission_map", (paper_mission(),), "mission_plots")
     draw_here([(drawing, tmp_path / "here")])()

@@ -15,6 +15,7 @@ from tests.support.drawing import table
 from tests.support.measures import FLOWN_TWICE, HIDING, MASKED, MEANS
 from tests.support.search import paper_mission
 from tests.support.world import paper_code
+from tests.tiers import slow
 
 CODE = paper_code()
 
@@ -27,6 +28,7 @@ def report_of(folder: Path, settings: CampaignSettings, found: list[Evaluation])
     return (folder / "report.md").read_text()
 
 
+@slow
 @pytest.mark.parametrize(
     ("settings", "found", "rows"),
     [

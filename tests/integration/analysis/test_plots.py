@@ -14,6 +14,7 @@ from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend, find_patte
 from tests.support.campaigns import random_specification
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission, pool_of
+from tests.tiers import slow
 
 TREND = Trend(
     tuple(GenerationFitness(i, 10.0 * i, 5.0, 10.0 * i + 9, 0.0) for i in range(6)), 10.0, 0.0, 1, 0
@@ -161,6 +162,7 @@ def test_the_map_is_true_to_scale():
     assert near.get_xlim()[0] > -700
 
 
+@slow
 def test_one_generation_and_one_point_can_be_drawn(tmp_path):
     trend = Trend(TREND.generations[:1], 0.0, 0.0, 0.0, 1.0)
     zero = Front(("g1", "g3"), (FrontPoint(0, (0, 0)),))

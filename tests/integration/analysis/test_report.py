@@ -28,6 +28,7 @@ from tests.support.campaigns import (
 from tests.support.drawing import table
 from tests.support.search import pool_of
 from tests.support.world import paper_code
+from tests.tiers import slow
 
 CODE = paper_code()
 SINGLE = ["figure_05_mission_map", "figure_06_mean_fitness", "figure_07_best_fitness"]
@@ -74,6 +75,7 @@ def test_a_campaign_gets_the_figures_of_its_case(settings, expected, tmp_path):
     assert [illustration.name for illustration in drawn] == expected
 
 
+@slow
 def test_each_figure_has_its_files_and_its_link(focused):
     expected = FOCUSED + FRONTS + TYPES
 
@@ -227,6 +229,7 @@ def test_report_and_summary_name_every_fault_of_the_most_critical(focused):
         assert rows == [[str(cell) for cell in row] for row in (FAULT_COLUMNS, *found)]
 
 
+@slow
 def test_a_second_report_writes_the_same_bytes(tmp_path):
     folder = tmp_path / "run"
     with CampaignStore.create(folder, CampaignSettings(), Manifest()) as store:
@@ -239,6 +242,7 @@ def test_a_second_report_writes_the_same_bytes(tmp_path):
     assert written() == written()
 
 
+@slow
 def test_a_campaign_that_minimises_reports_harm_against_it(tmp_path):
     settings = CampaignSettings(minimise="faults", goals=("g2",), violations="true")
     small, large = (
@@ -302,6 +306,7 @@ def test_a_ratio_that_makes_no_sense_leaves_the_folder_alone(ratio, tmp_path):
     assert [path.name for path in folder.iterdir()] == ["campaign.sqlite"]
 
 
+@slow
 def test_a_campaign_interrupted_in_its_first_generation_has_a_report(tmp_path):
     folder = tmp_path / "run"
     ((first, second, third, *_),) = generations_of_evaluations(1, 10)
@@ -330,6 +335,7 @@ def test_a_campaign_interrupted_before_its_first_evaluation_has_a_report(tmp_pat
     assert json.loads((folder / "summary.json").read_text())["best"] is None
 
 
+@slow
 def test_a_generation_without_survivors_is_left_out_of_the_fronts(tmp_path):
     folder = tmp_path / "run"
     with CampaignStore.create(folder, FOCUS, Manifest()) as store:
@@ -346,6 +352,7 @@ def test_a_generation_without_survivors_is_left_out_of_the_fronts(tmp_path):
     ]
 
 
+@slow
 def test_what_an_earlier_longer_report_left_is_removed(tmp_path):
     folder = write_campaign(tmp_path / "run", n_generations=1, n_individuals=3)
     for name in ("critical/09.xmi", "figures/figure_10_front.png", "tables/old.csv"):
@@ -373,6 +380,7 @@ def test_a_report_that_cannot_be_written_is_a_record_error(tmp_path):
         write_report(folder, CODE.mission, CODE.pool, write)
 
 
+@slow
 def test_what_it_says_is_shown_when_all_but_the_page_and_the_figures_is_there(tmp_path):
     folder = write_campaign(tmp_path / "run", n_generations=1)
 
@@ -390,6 +398,7 @@ def test_what_it_says_is_shown_when_all_but_the_page_and_the_figures_is_there(tm
     assert last <= files()
 
 
+@slow
 def test_figures_are_drawn_though_nobody_reads_what_is_shown(tmp_path):
     folder = write_campaign(tmp_path / "run", n_generations=1)
 
@@ -402,6 +411,7 @@ def test_figures_are_drawn_though_nobody_reads_what_is_shown(tmp_path):
     assert stems(folder / "figures", ".png") == SINGLE + TYPES
 
 
+@slow
 @pytest.mark.parametrize("is_here", [True, False])
 def test_figures_that_cannot_be_written_are_a_record_error_after_the_rest(is_here, tmp_path):
     folder = write_campaign(tmp_path / "run", n_generations=1)

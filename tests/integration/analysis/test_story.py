@@ -20,6 +20,7 @@ from mrsfi_runtime.record.observers import SimulationLog
 from tests.support.drawing import require_inside, save, texts
 from tests.support.search import paper_mission
 from tests.support.world import paper_code, specification
+from tests.tiers import slow
 
 SEED = 2
 
@@ -146,6 +147,7 @@ def test_trajectories_are_drawn(tmp_path):
     assert {"g8 Round", "trajectory of a goal"} < {*texts(svg)}
 
 
+@slow
 def test_collisions_are_those_of_the_log():
     code, met = paper_code(), 0
     engine = ReferenceEngine(code, 3)

@@ -150,6 +150,7 @@ def _first(whole, rest, columns):
     return next(ticks, None)
 
 
+@slow
 def test_every_number_of_a_sentence_about_belief_and_truth_stands_in_the_trace():
     code, fault, timed, chain = alone("FixedRobotCoordinates", 60, 90, 1000)
     with_it, without = trace(code, (timed,)), trace(code, ())

@@ -18,7 +18,7 @@ from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.world import code_of, specification
-from tests.tiers import seeds
+from tests.tiers import seeds, slow
 
 MISSIONS = seeds(["tight_energy", "tight_margins"], 1)  # each has to be compiled
 DRAWN = seeds(
@@ -60,6 +60,7 @@ def is_kept(counts, whole, columns):
     return all(20 * counts[k] >= 19 * whole[k] for k in columns)
 
 
+@slow
 @pytest.mark.parametrize("case", DRAWN, ids=str)
 def test_causes_are_what_every_subset_flown_says(case, engines):
     mission, seed = case

@@ -16,6 +16,7 @@ from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation, store_of
 from tests.support.rendezvous import PLANTED, harmless, write_rendezvous
+from tests.tiers import slow
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +51,7 @@ def best_of(store, engine):
     return top(store, Measure.of(store.settings, engine.code.mission), 10)
 
 
+@slow
 def test_the_order_in_which_evaluations_are_explained_changes_nothing(
     tmp_path, evaluations, engine
 ):

@@ -22,6 +22,7 @@ from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 from tests.support import world
 from tests.support.bags import bagged, read_bag
+from tests.tiers import slow
 
 SEED = 3
 SECOND = 10**9
@@ -59,6 +60,7 @@ def rows(engine, specification):
     return list(csv.DictReader(stream.getvalue().splitlines()))
 
 
+@slow
 def test_every_number_equals_the_trace_at_its_time(engine, told, rows):
     mission = engine.code.mission
     expected = {}
@@ -266,6 +268,7 @@ def test_definitions_are_those_of_ros_2(bag):
             assert connection.ext.serialization_format == "cdr"
 
 
+@slow
 def test_the_same_flight_gives_the_same_bytes(engine, specification, bag):
     assert bagged(engine, specification) == bag.read_bytes()
 

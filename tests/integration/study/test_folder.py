@@ -9,6 +9,7 @@ import pytest
 from mrsfi_runtime.study.comparison import as_json
 from mrsfi_runtime.study.folder import ComparisonFolder
 from tests.support.comparisons import compared, new_folder
+from tests.tiers import slow
 
 
 @pytest.fixture
@@ -42,6 +43,7 @@ def test_tables_have_every_run_quartile_and_test(folder):
     assert json.loads(folder.summary.read_text()) == json.loads(json.dumps(as_json(comparison)))
 
 
+@slow
 def test_figures_are_drawn_and_nothing_else_is_left(folder):
     comparison = compared()
 

@@ -5,6 +5,7 @@ from mrsfi_runtime.study.comparison import Comparison, compare
 from mrsfi_runtime.study.run_results import RunResult
 from tests.support.comparisons import run_result
 from tests.support.drawing import require_inside, save, texts
+from tests.tiers import slow
 
 
 def run(algorithm: str, seed: int, best: float, volume: float | None = 0.2) -> RunResult:
@@ -53,6 +54,7 @@ def test_a_figure_says_what_it_shows_and_nothing_leaves_it(name, tmp_path):
     require_inside(figure)
 
 
+@slow
 def test_the_same_comparison_gives_the_same_bytes(tmp_path):
     first, second = (
         [

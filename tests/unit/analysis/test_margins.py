@@ -21,7 +21,7 @@ from mrsfi_runtime.api import (
 from mrsfi_runtime.kernel.goal_tasks import table
 from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle
 from tests.support.world import MEMBERS, state
-from tests.tiers import law
+from tests.tiers import law, slow
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
 ROCK = Obstacle("rock", Area("rock_area", Coordinates(20.0, 0.0), 10.0))
@@ -41,6 +41,7 @@ TICKS = st.integers(0, 99)
 FAR = st.sampled_from([-1000.0, 990.0, 1000.0, 1001.0])
 
 
+@slow
 @given(st.data())
 @pytest.mark.parametrize("task", CASES)
 @law(200)

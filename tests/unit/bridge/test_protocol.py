@@ -10,6 +10,7 @@ from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import Fragments
 from mrsfi_bridge.settings import Limits
 from tests.support.bridge import FLOAT, TEXT, Peer, new_hub
+from tests.tiers import slow
 
 
 @pytest.fixture
@@ -101,6 +102,7 @@ _OPS = (
 )
 
 
+@slow
 @given(
     st.lists(
         st.fixed_dictionaries(

@@ -14,7 +14,7 @@ from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle
 from tests.support.world import mission, robot, state
-from tests.tiers import law
+from tests.tiers import law, slow
 
 places = st.floats(-150.0, 150.0) | st.sampled_from([0.0, 2.0, 16.0, -1e300, 1e300, 1e6])
 points = st.tuples(places, places)
@@ -77,6 +77,7 @@ def least_gap(ci, index, x, y, limit):
     return least
 
 
+@slow
 @given(fleets(most=60))
 @law(150)
 def test_discs_overlap_exactly_where_some_pair_does(view):
@@ -86,6 +87,7 @@ def test_discs_overlap_exactly_where_some_pair_does(view):
 moves = st.lists(st.tuples(st.integers(0, 59), points), max_size=12)
 
 
+@slow
 @given(fleets(most=60), st.lists(st.tuples(st.floats(0.5, 300.0), moves), min_size=1, max_size=6))
 @law(150)
 def test_gathering_finds_every_member_within_reach_once_however_robots_have_moved(view, ticks):

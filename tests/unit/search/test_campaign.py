@@ -21,6 +21,7 @@ from tests.support.search import (
     pool_of,
     stand_in_outcome,
 )
+from tests.tiers import slow
 
 
 @dataclass(frozen=True)
@@ -253,6 +254,7 @@ def failing_if_rare(specifications: Sequence[Specification]) -> list[Outcome | F
     ]
 
 
+@slow
 @pytest.mark.parametrize(
     ("algorithm", "minimise"),
     [*((name, None) for name in ALGORITHMS), ("nsga2", "fault_ticks"), ("guided", "faults")],
