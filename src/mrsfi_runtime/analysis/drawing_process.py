@@ -5,7 +5,6 @@ matplotlib takes as long to import, and to draw, as a whole search of compiled e
 
 import os
 import pickle
-import signal
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -71,7 +70,10 @@ class DrawingProcess:
 
     def __enter__(self) -> Self:
         self._process = subprocess.Popen(
-            [sys.executable, "-m", __name__], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+            [sys.executable, "-m", __name__],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
         )
         self._send(self._ahead)
         return self
@@ -113,7 +115,6 @@ class DrawingProcess:
 
 def main() -> None:
     """Draw what standard input says, as long as it says anything, and tell when each is done."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides how a run ends
     if hasattr(os, "nice"):
         os.nice(10)  # what is searched meanwhile comes first
     requests = sys.stdin.buffer

@@ -1,3 +1,5 @@
+import os
+
 import pytest
 
 from mrsfi_runtime.analysis.drawing_process import Drawing, DrawingProcess, draw_here
@@ -70,3 +72,8 @@ def test_what_was_drawn_ahead_is_the_same(tmp_path):
         drawing_process.draw([(drawing, tmp_path / "there")])()
 
     assert (tmp_path / "there.svg").read_bytes() == (tmp_path / "here.svg").read_bytes()
+
+
+def test_ctrl_c_never_reaches_it_not_even_while_it_starts():
+    with DrawingProcess() as drawing:
+        assert os.getsid(drawing._process.pid) != os.getsid(0)
