@@ -74,6 +74,8 @@ def main() -> None:
     parser.add_argument("--pairs", action="store_true", help="add a campaign for every two goals")
     arguments = parser.parse_args()
     models, out = arguments.models, arguments.out
+    if out.exists():
+        parser.error(f"{out} exists; expected a new folder")
     pool = draw_pool(models, arguments.seed)
     out.mkdir(parents=True)
     for file in (models / "mission.xmi", *sorted(models.glob("case_*.toml"))):

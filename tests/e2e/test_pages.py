@@ -1,13 +1,14 @@
-"""Consoles of README and docs/ run as they stand, one after the other, in a copy of the tree."""
+"""Blocks of README and docs/ run as they stand, page after page, in a copy of the tree."""
 
 import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
-from tests.support.pages import Terminal, blocks, run_page
+from tests.support.pages import Terminal, at_free_ports, blocks, run_page
 from tests.support.tree import ROOT
 from tests.tiers import slow
 
@@ -19,18 +20,39 @@ RUN = (
     "docs/causes.md",
     "docs/regressions.md",
     "docs/compare.md",
+    "docs/bridge.md",
+    "docs/bus.md",
+    "docs/workers.md",
+    "examples/own_search/README.md",
     "examples/warehouse/README.md",
 )
 """Pages in the order in which they are run: what README finds, others look at."""
 
-BY_RELEASE = "docs/tutorial.md"
+ELSEWHERE = {
+    "README.md": "tests/integration/test_documentation.py",
+    "docs/api.md": "tests/e2e/test_api_page.py",
+    "docs/constraints.md": "tests/model/test_constraints_page.py",
+    "docs/editing-models.md": "tests/integration/test_editing_models.py",
+    "docs/epsilon.md": "tests/interop/test_configurations.py",
+    "docs/faults.md": "tests/recipes/performed.py",
+    "docs/projects.md": "tests/e2e/test_project.py",
+    "docs/tutorial.md": "tests/release/test_release.py",
+    "examples/mujoco_simulator/README.md": "tests/interop/test_second_simulator.py",
+}
+"""What runs, or holds to the code, blocks that are run neither in order nor shortened."""
+
+HOURS = ("docs/search.md", "docs/compare.md")
+RUNNABLE = {"console", "diff", "eol", "py", "python", "sh", "toml"}
+SHORTER = {"compare": "--seeds 2 --evaluations 5 --engine reference", "evolve": "--evaluations 5"}
 KEPT = ("HOME", "LANG", "MRSFI_CACHE")
-LEFT_OUT = re.compile(r"<!-- not run: ([^>]+) -->\n\n```console\n")
+LEFT_OUT = re.compile(r"<!-- not run: ([^>]+) -->\n\n?```\w+\n")
 
 
-def _pages() -> dict[str, str]:
-    names = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("examples/*/README.md")]
-    return {path.relative_to(ROOT).as_posix(): path.read_text("utf-8") for path in names}
+PAGES = {
+    path.relative_to(ROOT).as_posix(): path.read_text("utf-8")
+    for pattern in ("*.md", "docs/**/*.md", "examples/*/README.md")
+    for path in ROOT.glob(pattern)
+}
 
 
 @pytest.fixture(scope="module")
@@ -55,24 +77,46 @@ def tree(tmp_path_factory):
     return copy
 
 
+@pytest.fixture(scope="module")
+def environment(tree):
+    kept = {name: os.environ[name] for name in KEPT if name in os.environ}
+    return {**kept, "PATH": f"{tree / '.venv' / 'bin'}:/usr/local/bin:/usr/bin:/bin"}
+
+
 @slow
-def test_every_console_prints_what_stands_there(tree):
-    environment = {name: os.environ[name] for name in KEPT if name in os.environ}
-    environment["PATH"] = f"{tree / '.venv' / 'bin'}:/usr/local/bin:/usr/bin:/bin"
-    pages = _pages()
+def test_every_console_prints_what_stands_there(tree, environment):
     for page in RUN:
-        terminal = Terminal(tree, environment)
-        ran = [command for command, _ in run_page(pages[page], terminal)]
+        ran = [*run_page(at_free_ports(PAGES[page]), Terminal(tree, environment))]
         assert ran, page
+    examples = Terminal(tree, environment).run("git status --short examples")
+    assert not examples.output, "runs are left beside examples"
 
 
-def test_every_console_is_run_or_says_where_it_is():
-    for page, text in _pages().items():
-        if page not in (*RUN, BY_RELEASE):
-            assert not [block.line for block in blocks(text) if block.kind == "console"], page
+@slow
+def test_what_takes_hours_runs_in_minutes_as_it_stands_but_for_its_size(tree, environment):
+    for page in HOURS:
+        shutil.rmtree(tree / "runs", ignore_errors=True)
+        for block in (block for block in blocks(PAGES[page]) if block.kind == "sh"):
+            text = "\n".join(block.lines).replace("\\\n", " ")
+            for command, options in SHORTER.items():
+                text = re.sub(rf"^ *mrsfi {command} .*$", rf"\g<0> {options}", text, flags=re.M)
+            done = Terminal(tree, environment).run(f"set -e\n{text}\nset +e\necho done")
+            assert done.output[-1:] == ("done",), (page, block.line, done.errors[-3:])
+
+
+def test_every_block_is_run_or_held_to_what_is_there():
+    for page, text in PAGES.items():
+        kinds = {block.kind for block in blocks(text) if not block.file} & RUNNABLE
+        kinds -= {"console", "diff"} if page in RUN else set()
+        kinds -= {"sh"} if page in HOURS else set()
+        if kinds:
+            assert page in ELSEWHERE, (page, kinds)
         for why in LEFT_OUT.findall(text):
             (place,) = re.findall(r"tests/[\w/]+\.py|^\.ci/run", why)[:1]
             assert (ROOT / place).is_file(), page
+    for page, test in ELSEWHERE.items():
+        read = (ROOT / test).read_text(encoding="utf-8")
+        assert Path(page).name in read, (page, test)
 
 
 @pytest.mark.parametrize(
@@ -88,6 +132,10 @@ def test_every_console_is_run_or_says_where_it_is():
         ("$ echo a; echo b\na\n", "found:\na\nb"),
         ("$ echo a\n", "found:\na"),
         ("$ true\na\n", "expected:\na"),
+        ("$ echo a; sleep 60\na\n^C\n", ""),
+        ("$ (echo a; sleep 60) &\na\n$ echo b\nb\n", ""),
+        ("$ echo a; sleep 60\nb\n^C\n", "found:\na"),
+        ("$ (echo a; sleep 60) &\nb\n", "found:\na"),
     ],
 )
 def test_a_console_fails_where_it_prints_something_else(page, wrong, tmp_path):

@@ -1,12 +1,17 @@
 """A team's project: folders of its own, found from anywhere inside, with its own metamodels."""
 
 import os
+import re
+import tomllib
+from dataclasses import fields
 
 import pytest
 
 import mrsfi as api
+from mrsfi.project import project
 from tests.support.cli import MISSION, mrsfi, mrsfi_json
 from tests.support.own_metamodels import add_feature, copy_metamodels
+from tests.support.tree import ROOT
 from tests.tiers import slow
 
 SETTINGS = """[project]
@@ -51,6 +56,19 @@ def test_who_names_a_path_names_it_from_where_they_are(team):
     mrsfi("evolve", "../src/missions/uuv_sampling", *SMALL, "--out", "here", cwd=place)
 
     assert (place / "here" / "campaign.sqlite").is_file()
+
+
+def test_what_settings_leave_out_is_what_the_page_says(place, monkeypatch):
+    monkeypatch.chdir(place)
+    copy_metamodels(place / "metamodels")
+    page = (ROOT / "docs" / "projects.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    (place / "mrsfi.toml").write_text("[project]\n", encoding="utf-8")
+    left_out = project()
+    (place / "mrsfi.toml").write_text(shown, encoding="utf-8")
+
+    assert project() == left_out
+    assert set(tomllib.loads(shown)["project"]) == {field.name for field in fields(left_out)}
 
 
 @pytest.mark.parametrize(

@@ -14,11 +14,10 @@ import click
 import mrsfi
 from mrsfi_runtime.cli.main import cli
 from mrsfi_runtime.engine.region_lint import lint_regions
-from tests.support.cli import contents, edit, workspace
+from tests.support.cli import edit, workspace
 from tests.support.cli import mrsfi as run_mrsfi
 from tests.support.edited import COLLECTIVE
 from tests.support.tree import ROOT
-from tests.tiers import slow
 
 PAGES = {
     page.relative_to(ROOT).as_posix(): page.read_text(encoding="utf-8")
@@ -233,22 +232,3 @@ def test_a_region_that_the_readme_shows_is_one_that_flies():
     code = (ROOT / "generated" / "tight_margins" / COLLECTIVE).read_text(encoding="utf-8")
     assert region in code
     assert lint_regions(ROOT / "generated" / "tight_margins") == ()
-
-
-@slow
-def test_a_search_of_ones_own_leaves_its_runs_where_it_is_called(tmp_path, monkeypatch):
-    page = PAGES["examples/own_search/README.md"]
-    console = re.findall(r"```console\n(.*?)```", page, flags=re.DOTALL)[0]
-    (path, *lines) = console.splitlines()
-    place = workspace(tmp_path)
-    shutil.copytree(ROOT / "examples", place / "examples")
-    before = contents(place / "examples")
-    monkeypatch.syspath_prepend(place / path.partition("PYTHONPATH=")[2])
-
-    for line in lines:
-        words = shlex.split(line.removeprefix("$ mrsfi "))
-        short = ("--evaluations", "3", "--no-explain", "--workers", "1", "--engine", "reference")
-        run_mrsfi(*words, *short, cwd=place)
-
-    assert len([*(place / "runs").iterdir()]) == len(lines) == 2
-    assert contents(place / "examples") == before

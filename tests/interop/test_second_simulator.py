@@ -3,6 +3,7 @@
 import csv
 import importlib
 import importlib.util
+import os
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -28,6 +29,7 @@ from tests.support.cli import (
 )
 from tests.support.missing import skip
 from tests.support.page_simulator import page_simulator
+from tests.support.pages import Terminal, at_free_ports, run_page
 from tests.support.rosbridge import Relay, code_of, digests, process
 
 EXAMPLE = ROOT / "examples" / "mujoco_simulator"
@@ -96,6 +98,17 @@ def test_the_mission_succeeds_without_faults(flight, note):
         assert of_task(flight, AREA, kind) == of_task(flight, ENERGY, kind) == [0]
     assert all(found >= target for found, target in zip(samples, (250, 400, 500), strict=True))
     note("MuJoCo behind the topics", ticks=flight["duration"], samples=sum(samples))
+
+
+def test_the_page_of_the_example_runs_as_it_stands(place):
+    require_mujoco()
+    (place / "examples").symlink_to(EXAMPLE.parent)
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    page = (EXAMPLE / "README.md").read_text(encoding="utf-8")
+
+    ran = [*run_page(at_free_ports(page), Terminal(place, {**os.environ, "PATH": path}))]
+
+    assert len(ran) == 3
 
 
 def test_the_flight_is_another_than_that_of_the_own_simulation(flight, place):

@@ -44,10 +44,12 @@ def _only(folder: Path, pattern: str) -> Path:
 
 
 def _python(version: str) -> Path:
-    """Return the interpreter of a version: on the path, or one of pyenv's."""
-    versions = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
-    named = shutil.which(f"python{version}")
-    candidates = [sys.executable, named, *versions.glob(f"{version}.*/bin/python{version}")]
+    """Return the interpreter of a version: this one, on the path, its neighbour, or pyenv's."""
+    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    neighbours = Path(sys.base_prefix).parent
+    candidates = [sys.executable, shutil.which(f"python{version}")]
+    for folder in (neighbours, pyenv):
+        candidates += folder.glob(f"{version}.*/bin/python{version}")
     told = "import sys, ensurepip; print(sys.base_prefix, '%d.%d' % sys.version_info[:2])"
     found = {}
     for candidate in filter(None, candidates):

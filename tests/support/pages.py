@@ -2,14 +2,21 @@
 
 A block of ``console`` has commands after ``$``, each with what it prints on a terminal; ``…``
 stands for anything, on a line of its own for any lines. What a command prints on standard error may
-be left out, because progress tells times. A block of ``diff`` is an edit, applied in the folder to
-which the commands before it have come. A comment ``<!-- not run: WHY -->`` right above a block
-leaves it out.
+be left out, because progress tells times. A command that ends with ``&`` stays until the page ends,
+one below whose lines stands ``^C`` until it has printed them; both are interrupted, and have to end
+at that. A block of ``diff`` is an edit, applied in the folder to which the commands before it have
+come; one of ``python`` whose first line is a comment with a file's name is that file, there from
+the beginning. A comment ``<!-- not run: WHY -->`` right above a block leaves it out.
 """
 
+import os
 import re
+import signal
+import socket
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +24,11 @@ _FENCE = re.compile(
     r"(?P<left_out><!-- not run: [^>]+ -->\n\n?)?^```(?P<kind>\w+)\n(?P<body>.*?)^```$",
     re.DOTALL | re.MULTILINE,
 )
+_FILE = re.compile(r"# ([\w.]+)")
 _ANY = "…"
+_INTERRUPTED = "^C"
+_PATIENCE_S = 60
+_HOUR_S = 3600
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +38,12 @@ class Block:
     kind: str
     lines: tuple[str, ...]
     line: int
+
+    @property
+    def file(self) -> str:
+        """The file that this is, if it names one."""
+        named = _FILE.fullmatch(self.lines[0]) if self.kind == "python" else None
+        return named[1] if named else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +85,55 @@ class Terminal:
         self._environment = environment
         self._state = folder.parent / f"{folder.name}.state"
         self._state.write_text(f"cd {folder}\n", encoding="utf-8")
+        self._n_beside = 0
 
     def run(self, command: str) -> Said:
         """Run a command line where the one before it ended, in its environment."""
         left = f"{{ export -p; echo \"cd '$PWD'\"; }} > '{self._state}'"
         done = self._bash(f". '{self._state}'\n{command}\n{left}\n", "")
         return Said(_lines(done.stdout), _lines(done.stderr))
+
+    @contextmanager
+    def beside(self, command: str, n_lines: int) -> Iterator[Callable[[], Said]]:
+        """Run a command beside the body, which begins when so many lines are printed, until Ctrl-C.
+
+        Yields a function that tells what it has printed.
+        """
+        self._n_beside += 1
+        files = [self._state.with_suffix(f".{name}{self._n_beside}") for name in ("out", "err")]
+
+        def said() -> Said:
+            return Said(*(_lines(file.read_text(encoding="utf-8")) for file in files))
+
+        with files[0].open("wb") as out, files[1].open("wb") as err:
+            running = subprocess.Popen(
+                ["bash", "-c", f". '{self._state}'\n{command}\n"],
+                cwd=self._folder,
+                env=dict(self._environment),
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=err,
+                start_new_session=True,
+            )
+        try:
+            end = time.monotonic() + _PATIENCE_S
+            while len(said().output) < n_lines and running.poll() is None:
+                assert time.monotonic() < end, f"{command}: {said()}"
+                time.sleep(0.05)
+            yield said
+        finally:
+            try:
+                with suppress(ProcessLookupError):
+                    os.killpg(running.pid, signal.SIGINT)
+                running.wait(_PATIENCE_S)
+            finally:
+                with suppress(ProcessLookupError):
+                    os.killpg(running.pid, signal.SIGKILL)
+
+    def write(self, name: str, lines: Sequence[str]) -> None:
+        """Write a file where the shell stands."""
+        target = self.run("pwd").output[0]
+        (Path(target) / name).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
 
     def edit(self, difference: Sequence[str]) -> None:
         """Apply an edit, which must fit as it stands."""
@@ -90,7 +150,17 @@ class Terminal:
             capture_output=True,
             text=True,
             check=False,
+            timeout=_HOUR_S,
         )
+
+
+def at_free_ports(text: str) -> str:
+    """Return a page whose servers take free ports in place of their usual ones."""
+    for command, usual in (("mrsfi bridge", 9090), ("dask scheduler", 8786)):
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            port = server.getsockname()[1]
+        text = text.replace(command, f"{command} --port {port}").replace(f":{usual}", f":{port}")
+    return text
 
 
 def run_page(text: str, terminal: Terminal) -> Iterator[tuple[str, Said]]:
@@ -98,15 +168,32 @@ def run_page(text: str, terminal: Terminal) -> Iterator[tuple[str, Said]]:
 
     A command whose output is not what stands there fails with the page's line.
     """
-    for block in blocks(text):
-        if block.kind == "diff":
-            terminal.edit(block.lines)
-        elif block.kind == "console":
-            for command, expected in commands(block):
-                said = terminal.run(command.partition("  #")[0])
-                wrong = difference(expected, said)
-                assert not wrong, f"line {block.line}: {command}\n{wrong}"
-                yield command, said
+    shown = list(blocks(text))
+    for block in shown:
+        if name := block.file:
+            terminal.write(name, block.lines)
+    with ExitStack() as until_the_end:
+        for block in shown:
+            if block.kind == "diff":
+                terminal.edit(block.lines)
+            elif block.kind == "console":
+                for command, expected in commands(block):
+                    said = _said(
+                        terminal, command.partition("  #")[0].rstrip(), expected, until_the_end
+                    )
+                    wrong = difference([line for line in expected if line != _INTERRUPTED], said)
+                    assert not wrong, f"line {block.line}: {command}\n{wrong}"
+                    yield command, said
+
+
+def _said(terminal: Terminal, command: str, expected: Sequence[str], stack: ExitStack) -> Said:
+    if command.endswith(" &"):
+        return stack.enter_context(terminal.beside(command.removesuffix(" &"), len(expected)))()
+    if expected and expected[-1] == _INTERRUPTED:
+        with terminal.beside(command, len(expected) - 1) as said:
+            pass
+        return said()
+    return terminal.run(command)
 
 
 def difference(expected: Sequence[str], said: Said) -> str:
