@@ -84,13 +84,13 @@ def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPl
     return planned
 
 
-def plan(models: Path, target: Path, *, force: bool = False) -> GenerationPlan:
-    """Return what ``generate`` would do with the same arguments; write nothing."""
-    loaded = load_mission_folder(models)
+def plan(models: Path | LoadedModels, target: Path, *, force: bool = False) -> GenerationPlan:
+    """Return what ``generate`` would do with a mission folder, or with what was loaded from one."""
+    loaded = load_mission_folder(models) if isinstance(models, Path) else models
     return plan_files(target, rendered(loaded), sources(loaded), force=force)
 
 
-def stale(models: Path, target: Path) -> tuple[str, ...]:
+def stale(models: Path | LoadedModels, target: Path) -> tuple[str, ...]:
     """Return the files that ``generate`` would write or remove, empty if all is up to date."""
     return plan(models, target).stale
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from m2t.generate import stale
+from m2t.load import LoadedModels
 from mrsfi.project import from_here, project
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.semantics_of_code import require_semantics
@@ -22,15 +23,20 @@ class MissionFolders:
     models: Path
     generated: Path
 
-    def require_fresh(self) -> None:
+    def require_fresh(self, loaded: LoadedModels | None = None) -> None:
         """Refuse generated code that does not follow from the models.
+
+        Parameters
+        ----------
+        loaded
+            The models, where they are loaded already.
 
         Raises
         ------
         GenerationError
             Naming the stale files, or saying that there are none yet.
         """
-        names = stale(self.models, self.generated)
+        names = stale(loaded or self.models, self.generated)
         if names and not (self.generated / _MISSION_CODE).is_file():
             raise GenerationError(
                 f"{self.generated}: not generated yet; run `mrsfi generate {self.models}`"

@@ -21,8 +21,13 @@ if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter
 
 
-def load_fresh(folders: MissionFolders) -> MissionCode:
+def load_fresh(folders: MissionFolders, loaded: LoadedModels | None = None) -> MissionCode:
     """Load the generated code of a mission, which must be fresh, and whose regions must be sound.
+
+    Parameters
+    ----------
+    loaded
+        Its models, where they are loaded already.
 
     Raises
     ------
@@ -35,7 +40,7 @@ def load_fresh(folders: MissionFolders) -> MissionCode:
         require_sound_regions,
     )
 
-    folders.require_fresh()
+    folders.require_fresh(loaded)
     require_sound_regions(folders.generated)
     return load_code(folders.generated)
 

@@ -11,7 +11,6 @@ from m2t.load import (
     LoadedModels,
     inspect_folder,
     inspect_specification,
-    load_mission_folder,
 )
 from mrsfi.engines import Tell, silent
 from mrsfi.files import write_all
@@ -72,7 +71,8 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
     if mission.endswith(".xmi"):
         return Validated(mission, inspect_specification(Path(mission)).diagnostics)
     folders = find_mission(mission, generated)
-    models = inspect_folder(folders.models).diagnostics
+    inspection = inspect_folder(folders.models)
+    models = inspection.diagnostics
     regions = tuple(
         Diagnostic(
             path=found.path,
@@ -86,7 +86,7 @@ def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -
     )
     if n_errors(models):
         return Validated(folders.name, models, regions)
-    loaded = load_mission_folder(folders.models)
+    loaded = inspection.require_models()
     flown = () if n_errors(regions) else _flown(folders, loaded, tell)
     return Validated(folders.name, models, (*flown, *regions), _counts(loaded))
 
@@ -127,7 +127,7 @@ def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> tuple[D
         tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")
         return ()
     try:
-        outcome = ReferenceEngine(load_fresh(folders), 1).evaluate(())
+        outcome = ReferenceEngine(load_fresh(folders, loaded), 1).evaluate(())
     except EvaluationError as error:
         path, line = error.line or (folders.generated, 1)
         message = str(error).removeprefix(f"{path}:{line}: ")
