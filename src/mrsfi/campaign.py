@@ -10,15 +10,14 @@ from numpy.typing import NDArray
 
 from mrsfi import reporting
 from mrsfi.campaign_folders import findings_of, open_campaign, open_to_fly
-from mrsfi.engines import evaluator, own_engine
+from mrsfi.engines import evaluator, own_engine, silent
+from mrsfi.explaining import case_of_campaign, evaluation_of
 from mrsfi.flight import Flight, fly
 from mrsfi.regressions import keep
 from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.findings import Finding
 from mrsfi_runtime.causes.cause_set import KEEP
-from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation
-from mrsfi_runtime.causes.explanation import explain as find_out
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.measure import Measure
@@ -127,19 +126,23 @@ class Campaign:
         -------
         Explanation or None
             ``None`` if it violates nothing that is counted.
+
+        Raises
+        ------
+        RecordError
+            If the campaign is of other rules of the world, or has no such evaluation.
+        ReplayMismatch
+            If it does not fly as it is recorded.
         """
         with open_to_fly(self.folder) as campaign:
-            index = self._columns.top(1)[0] if index is None else index
-            recorded = campaign.store.evaluation(index)
-            seeds = self.settings.mission_seeds
-            settings = EngineSettings(AUTO).tried(campaign.code, seeds[0], lambda _: None)
-            measure = Measure.of(self.settings, campaign.mission)
+            case, subject = case_of_campaign(campaign), evaluation_of(campaign, index)
+            seed = case.mission_seeds[0]
+            settings = EngineSettings(AUTO).tried(case.code, seed, silent)
             with (
-                evaluator(campaign.code, seeds[0], settings) as many,
-                own_engine(many, campaign.code, seeds[0], settings) as engine,
+                evaluator(case.code, seed, settings) as many,
+                own_engine(many, case.code, seed, settings) as engine,
             ):
-                flights = Flights(many.evaluate_many, measure, seeds)
-                return find_out(flights, engine, recorded.specification, keep)
+                return case.explain(many, engine, subject, keep)
 
     def keep(
         self, finding: int = 1, name: str | None = None, limits: Mapping[str, int] | None = None

@@ -3,7 +3,7 @@
 import platform
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from m2t.generate import fault_loader_text, mission_loader_text
@@ -14,11 +14,12 @@ from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.findings import Finding, find_findings
 from mrsfi_runtime.analysis.summary import N_TOP, explained
-from mrsfi_runtime.errors import GenerationError, RecordError, UsageError
+from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
 from mrsfi_runtime.mission import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 from mrsfi_runtime.record.measure import Measure
@@ -146,3 +147,42 @@ def findings_of(campaign: OpenCampaign) -> tuple[Finding, ...]:
     measure = Measure.of(store.settings, campaign.mission)
     tops = {each.index: each.specification for each in top(store, measure, N_TOP)}
     return find_findings(campaign.mission, campaign.pool, explained(store, tops), tops)
+
+
+def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
+    """Return an evaluation of a campaign, the most critical one if none is named.
+
+    Raises
+    ------
+    RecordError
+        If it has none of that index, or none at all.
+    """
+    if index is not None:
+        return campaign.store.evaluation(index)
+    measure = Measure.of(campaign.store.settings, campaign.mission)
+    best = top(campaign.store, measure, 1)
+    if not best:
+        raise RecordError(f"{campaign.folder.path}: holds no evaluation yet; expected at least one")
+    return best[0]
+
+
+def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
+    """Compare a replay with its record.
+
+    Raises
+    ------
+    ReplayMismatch
+        Naming what differs.
+    """
+    if outcome == recorded.outcome:
+        return
+    differences = [
+        f"{name} {getattr(outcome, name)}, recorded {getattr(recorded.outcome, name)}"
+        for name in (field.name for field in fields(Outcome))
+        if getattr(outcome, name) != getattr(recorded.outcome, name)
+    ]
+    raise ReplayMismatch(
+        f"{folder}: evaluation {recorded.index} differs from its record: "
+        f"{'; '.join(differences)}. Expected the same, bit for bit; look whether the folder, "
+        "mrsfi, Python or the kind of processor has changed since (manifest in campaign.sqlite)"
+    )

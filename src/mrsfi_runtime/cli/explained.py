@@ -8,6 +8,7 @@ from typing import Any
 import click
 from rich.table import Table
 
+from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal
 from mrsfi_runtime.causes.chain import First, FirstVerdicts
 from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
@@ -20,14 +21,6 @@ from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.measure import NONE, Measure, ticks
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
-
-CAUSE_SET, SIMPLEST = "cause set", "simplest form"
-"""What specifications are that come of an explanation."""
-
-
-def of_goal(goal: str) -> str:
-    """Return what the cause set of one goal is called."""
-    return f"{CAUSE_SET} of {goal}"
 
 
 @dataclass(frozen=True, slots=True)

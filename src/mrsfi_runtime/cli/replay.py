@@ -1,23 +1,24 @@
 """The command ``mrsfi replay``."""
 
-from dataclasses import fields
 from pathlib import Path
 
 import click
 from rich.progress import track
 
-from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly
-from mrsfi_runtime.analysis.columns import top
+from mrsfi.campaign_folders import (
+    FlyableCampaign,
+    OpenCampaign,
+    find_evaluation,
+    open_to_fly,
+    require_same,
+)
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.engines import EngineOptions, FlightFiles
 from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.cli.terminal import print_table, progress_console
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.errors import RecordError, ReplayMismatch
-from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import Evaluation
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
 
 
@@ -53,23 +54,6 @@ def replay(
         _print_one(campaign, recorded, is_json=is_json)
 
 
-def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
-    """Return an evaluation of a campaign, the most critical one if none is named.
-
-    Raises
-    ------
-    RecordError
-        If it has none of that index, or none at all.
-    """
-    if index is not None:
-        return campaign.store.evaluation(index)
-    measure = Measure.of(campaign.store.settings, campaign.mission)
-    best = top(campaign.store, measure, 1)
-    if not best:
-        raise RecordError(f"{campaign.folder.path}: holds no evaluation yet; expected at least one")
-    return best[0]
-
-
 def _replay_all(campaign: FlyableCampaign, engine: Engine, *, is_json: bool) -> None:
     n_evaluations = campaign.store.n_evaluations
     recorded = campaign.store.evaluations()
@@ -82,28 +66,6 @@ def _replay_all(campaign: FlyableCampaign, engine: Engine, *, is_json: bool) -> 
         print_json({"n_evaluations": n_evaluations, "is_same": True, "digest": digest})
     else:
         click.echo(f"same: all {n_evaluations} evaluations, campaign digest {digest}")
-
-
-def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
-    """Compare a replay with its record.
-
-    Raises
-    ------
-    ReplayMismatch
-        Naming what differs.
-    """
-    if outcome == recorded.outcome:
-        return
-    differences = [
-        f"{name} {getattr(outcome, name)}, recorded {getattr(recorded.outcome, name)}"
-        for name in (field.name for field in fields(Outcome))
-        if getattr(outcome, name) != getattr(recorded.outcome, name)
-    ]
-    raise ReplayMismatch(
-        f"{folder}: evaluation {recorded.index} differs from its record: "
-        f"{'; '.join(differences)}. Expected the same, bit for bit; look whether the folder, "
-        "mrsfi, Python or the kind of processor has changed since (manifest in campaign.sqlite)"
-    )
 
 
 def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -> None:

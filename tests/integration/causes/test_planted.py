@@ -5,10 +5,10 @@ from itertools import count
 
 import pytest
 
+from mrsfi.explaining import Subject, require_repeatable
 from mrsfi_runtime.causes.chain import FirstVerdict
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import explain
-from mrsfi_runtime.cli.explain import Subject, require_repeatable
 from mrsfi_runtime.cli.explained import Shown, print_explanation
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import ReplayMismatch

@@ -4,7 +4,7 @@ from itertools import cycle
 
 import pytest
 
-from mrsfi_runtime.cli.explain import Subject, require_repeatable
+from mrsfi.explaining import Subject, require_repeatable
 from mrsfi_runtime.errors import ReplayMismatch
 from tests.support.campaigns import outcome
 

@@ -1,0 +1,248 @@
+"""Why specifications of a campaign, or from a file, break goals, with cause sets as models."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from mrsfi.campaign_folders import FlyableCampaign, find_evaluation, require_same
+from mrsfi.engines import Tell, silent
+from mrsfi.folders import MissionFolders
+from mrsfi.loading import load_fresh, read_specification, specification_writer
+from mrsfi_runtime.analysis.columns import top
+from mrsfi_runtime.analysis.report import SpecificationWriter, specification_rows
+from mrsfi_runtime.causes.cause_set import chosen
+from mrsfi_runtime.causes.counts import Flights
+from mrsfi_runtime.causes.explanation import Explanation
+from mrsfi_runtime.causes.explanation import explain as find_out
+from mrsfi_runtime.engine.flights import Engine, Evaluator
+from mrsfi_runtime.errors import ReplayMismatch, UsageError
+from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.model.faults import Specification, numbered
+from mrsfi_runtime.record.campaign import Evaluation
+from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.regressions import folder_of
+from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings
+
+CAUSE_SET, SIMPLEST = "cause set", "simplest form"
+"""What specifications are that come of an explanation."""
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A specification that is to be explained.
+
+    Attributes
+    ----------
+    name
+        Stem of what is written about it.
+    title
+        What it is, for people.
+    faults
+        Its timed faults.
+    recorded
+        What a campaign found under it, if it comes from one.
+    """
+
+    name: str
+    title: str
+    faults: tuple[NamedFault, ...]
+    recorded: Evaluation | None = None
+
+    @property
+    def specification(self) -> Specification:
+        """The faults without their names."""
+        return tuple(fault.timed for fault in self.faults)
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """All that specifications are explained with.
+
+    Attributes
+    ----------
+    code
+        The mission, its pool that of the specifications.
+    measure
+        What is counted.
+    mission_seeds
+        Weathers that are counted together.
+    write
+        Writes faults of the specifications as a model.
+    folder
+        Where the cause sets are written.
+    source
+        The file, or the campaign.
+    """
+
+    code: MissionCode
+    measure: Measure
+    mission_seeds: tuple[int, ...]
+    write: SpecificationWriter
+    folder: Path
+    source: Path
+
+    def explain(
+        self, evaluator: Evaluator, engine: Engine, subject: Subject, keep: float
+    ) -> Explanation | None:
+        """Find out all about a specification; ``None`` if it violates nothing that is counted.
+
+        Raises
+        ------
+        ReplayMismatch
+            If it does not fly as it is recorded.
+        """
+        flights = Flights(evaluator.evaluate_many, self.measure, self.mission_seeds)
+        if subject.recorded is not None:
+            require_same(self.source, subject.recorded, flights.outcome(subject.specification))
+        return find_out(flights, engine, subject.specification, keep)
+
+    def write_sets(self, subject: Subject, found: Explanation | None) -> Mapping[str, Path]:
+        """Write cause sets and the simplest form as XMI; return the files by what they are.
+
+        Raises
+        ------
+        UsageError
+            If one cannot be written.
+        """
+        if found is None:
+            return {}
+        cause, whole = found.cause, subject.specification
+        written = [
+            (CAUSE_SET, "cause", cause.places, cause.faults),
+            (SIMPLEST, "simplest", cause.places, found.simplest),
+            *(
+                (of_goal(each.goal), f"cause-{each.goal}", each.places, chosen(whole, each.places))
+                for each in found.goals
+            ),
+        ]
+        paths = {}
+        for what, kind, places, specification in written:
+            if not places:
+                continue
+            path = self.folder / f"{subject.name}-{kind}.xmi"
+            rows = specification_rows(self.code.pool, specification)
+            identifier = f"{subject.name}_{kind}".replace("-", "_")
+            names = [subject.faults[place].name for place in places]
+            try:
+                self.folder.mkdir(parents=True, exist_ok=True)
+                self.write(rows, path, identifier, names)
+            except OSError as error:
+                raise UsageError(
+                    f"{path}: cannot be written: {error.strerror}; name another folder with --out"
+                ) from error
+            paths[what] = path
+        return paths
+
+
+def of_goal(goal: str) -> str:
+    """Return what the cause set of one goal is called."""
+    return f"{CAUSE_SET} of {goal}"
+
+
+def case_of_file(
+    folders: MissionFolders,
+    path: Path,
+    kind: str | None,
+    seed: int | None,
+    out: Path | None = None,
+    tell: Tell = silent,
+) -> tuple[Case, Subject]:
+    """Return a written specification, and what it is explained with.
+
+    Parameters
+    ----------
+    kind, seed
+        What is counted, believed violations if nothing is said, and the mission seed, 1 if none is.
+    out
+        Where cause sets go; beside the file if nothing is said.
+    tell
+        Told what is odd about the specification.
+
+    Raises
+    ------
+    UsageError
+        If it is a kept finding, beside which no cause set may stand.
+    MrsfiError
+        If mission or specification cannot be flown.
+    """
+    if out is None and path.resolve().parent == folder_of(folders.models).resolve():
+        raise UsageError(
+            f"{path}: is a kept finding, and its cause sets would stand among those that are kept; "
+            "expected another folder: name it with --out"
+        )
+    code = load_fresh(folders)
+    written = read_specification(path, code)
+    for oddity in written.oddities(path, code.mission):
+        tell(oddity)
+    pool = written.pool
+    case = Case(
+        code=replace(code, pool=pool),
+        measure=Measure.of(CampaignSettings(violations=kind or VIOLATIONS[0]), code.mission),
+        mission_seeds=(1 if seed is None else seed,),
+        write=written.write,
+        folder=path.parent if out is None else out,
+        source=path,
+    )
+    return case, Subject(
+        path.stem, str(path), named_faults(code.mission, pool, written.specification)
+    )
+
+
+def case_of_campaign(
+    campaign: FlyableCampaign, kind: str | None = None, out: Path | None = None
+) -> Case:
+    """Return what evaluations of a campaign are explained with.
+
+    What is counted is what the campaign counted, if no other kind is named.
+    """
+    settings = campaign.store.settings
+    measure = Measure.of(settings, campaign.mission)
+    return Case(
+        code=campaign.code,
+        measure=measure if kind is None else replace(measure, kind=kind),
+        mission_seeds=settings.mission_seeds,
+        write=specification_writer(campaign.folder.model),
+        folder=campaign.folder.causes if out is None else out,
+        source=campaign.folder.path,
+    )
+
+
+def most_critical(campaign: FlyableCampaign, n: int) -> list[Subject]:
+    """Return the most critical evaluations of a campaign that differ, the worst first."""
+    measure = Measure.of(campaign.store.settings, campaign.mission)
+    return [_subject(campaign, evaluation) for evaluation in top(campaign.store, measure, n)]
+
+
+def evaluation_of(campaign: FlyableCampaign, index: int | None) -> Subject:
+    """Return an evaluation of a campaign, the most critical one if none is named."""
+    return _subject(campaign, find_evaluation(campaign, index))
+
+
+def _subject(campaign: FlyableCampaign, evaluation: Evaluation) -> Subject:
+    names = numbered(timed.fault for timed in evaluation.specification)
+    return Subject(
+        f"evaluation_{evaluation.index}",
+        f"evaluation {evaluation.index} of {campaign.folder.path}, "
+        f"fitness {evaluation.fitness[0]:.2f}",
+        named_faults(campaign.mission, campaign.pool, evaluation.specification, names),
+        evaluation,
+    )
+
+
+def require_repeatable(engine: Engine, subject: Subject) -> None:
+    """Refuse somebody else's simulation on which the same specification flies differently.
+
+    Raises
+    ------
+    ReplayMismatch
+        If two flights of it differ.
+    """
+    first, second = (engine.evaluate(subject.specification) for _ in range(2))
+    if first != second:
+        raise ReplayMismatch(
+            f"{subject.title}: flown twice, it had violations {first.believed} and "
+            f"{second.believed} believed, {first.true} and {second.true} true, digests "
+            f"{first.digest[:8]}… and {second.digest[:8]}…; expected a simulation that repeats "
+            "itself; without one, no cause can be told from chance"
+        )
