@@ -6,7 +6,7 @@ from functools import cache
 
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.loading import specification_writer
-from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
+from mrsfi_runtime.analysis.drawing import Draw, DrawingProcesses
 from mrsfi_runtime.analysis.page.content import Record
 from mrsfi_runtime.analysis.report import write_report
 from mrsfi_runtime.analysis.summary import Summary
@@ -19,7 +19,7 @@ from mrsfi_runtime.mission import load_code
 def report(
     campaign: OpenCampaign,
     ratio: str | None = None,
-    draw: Draw = draw_here,
+    draw: Draw | None = None,
     show: Callable[[Summary], None] = lambda _: None,
 ) -> None:
     """Write the report of a campaign into its folder.
@@ -29,7 +29,7 @@ def report(
     ratio
         Ratio of violations to pick by, such as ``g3:g1=2:1``.
     draw
-        Draws the figures.
+        Draws the figures; without, processes of their own do.
     show
         Told what was found, before figures are drawn.
 
@@ -39,7 +39,9 @@ def report(
         If the ratio makes no sense.
     """
     writer = specification_writer(campaign.folder.model)
-    with _flying(campaign) as record:
+    with ExitStack() as opened:
+        record = opened.enter_context(_flying(campaign))
+        draw = draw or opened.enter_context(DrawingProcesses()).draw
         write_report(
             campaign.folder.path,
             campaign.mission,

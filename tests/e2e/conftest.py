@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from mrsfi_runtime.analysis import drawing_process
+from mrsfi import reporting
+from mrsfi_runtime.analysis import drawing
 from mrsfi_runtime.cli import evolve
 from tests.support.cli import MISSION, SMALL, mrsfi, workspace
 from tests.support.mutilation import installed  # noqa: F401 - a fixture
@@ -19,9 +20,10 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     Fixtures of a session have them drawn, and so have processes of their own.
     """
     empty = {".png": b"", ".svg": b""}
-    process = nullcontext(SimpleNamespace(draw=drawing_process.draw_here))
-    monkeypatch.setattr(drawing_process, "_drawn", lambda _: empty)
-    monkeypatch.setattr(evolve, "DrawingProcess", lambda *_: process)
+    here = nullcontext(SimpleNamespace(draw=drawing.draw_here))
+    monkeypatch.setattr(drawing, "_drawn", lambda _: empty)
+    for room in (evolve, reporting):
+        monkeypatch.setattr(room, "DrawingProcesses", lambda *_: here)
 
 
 @pytest.fixture

@@ -51,7 +51,7 @@ LONG = [
         ("explain", MISSION, "--faults", f"models/{MISSION}/stop.xmi", *REFERENCE),
         {*FLIGHT, "numpy", "rich"},
     ),
-    (("report", "FLOWN"), {*FRESH, "matplotlib", "numpy", "rich"}),
+    (("report", "FLOWN"), {*FRESH, "numpy", "rich"}),
 ]
 IMPORTED = [
     (("--help",), set()),

@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.drawing_process import Draw, Drawing, Drawings, draw_here
+from mrsfi_runtime.analysis.drawing import Draw, Drawing, Drawings, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.page.content import Record, Told, campaign_page, flown_of, told_of
@@ -111,18 +111,27 @@ def write_report(
                 for number in range(1, len(summary.findings) + 1):
                     captions.update(_captions_of(number))
             layout.report.write_text(report_text(summary, captions), encoding="utf-8")
+        stories: list[Illustration] = []
+        unfinished: list[Callable[[], None]] = []
+
+        def illustrated(number: int, story: Story) -> None:
+            told = tuple(_of_finding(number, story))
+            stories.extend(told)
+            unfinished.append(draw(_to_draw(layout, told)))
+
         try:
             show(summary)
         finally:
             try:
                 with _writing(folder, "page"):
-                    stories = _write_page(layout, summary, mission, store, record)
+                    _write_page(layout, summary, mission, store, record, illustrated)
                     _write_rows(layout.tables, stories)
             finally:
                 with _writing(folder, "figures"):
                     finish()
             with _writing(folder, "figures of the findings"):
-                draw(_to_draw(layout, stories))()
+                for drawn in unfinished:
+                    drawn()
     return summary
 
 
@@ -132,23 +141,21 @@ def _write_page(
     mission: Mission,
     store: CampaignStore,
     record: Record | str,
-) -> list[Illustration]:
-    """Write the page, and return the figures of the flights that were flown for it."""
+    illustrated: Callable[[int, Story], None],
+) -> None:
+    """Write the page; hand on the number and the story of each finding as soon as it is flown."""
     findings = _told(layout, summary, store)
-    stories: list[Illustration] = []
 
     def flown() -> Iterator[tuple[Told, Flown | str]]:
         for number, told in enumerate(findings, 1):
             flight = flown_of(told, record)
             if not isinstance(flight, str):
-                story = story_of(told.title, mission, told.faults, flight.recording)
-                stories.extend(_of_finding(number, story))
+                illustrated(number, story_of(told.title, mission, told.faults, flight.recording))
             yield told, flight
 
     n_flights = sum(1 + len(told.faults) for told in findings)
     page = campaign_page(summary, mission, store, flown(), n_flights)
     layout.page.write_text(document(page), encoding="utf-8")
-    return stories
 
 
 def _of_finding(number: int, story: Story) -> Iterator[Illustration]:

@@ -16,7 +16,7 @@ from mrsfi.evolving import begun, find_causes, require_searchable, search
 from mrsfi.folders import campaign_file, find_mission
 from mrsfi.loading import load_fresh
 from mrsfi.versions import installed_version
-from mrsfi_runtime.analysis.drawing_process import DrawingProcess
+from mrsfi_runtime.analysis.drawing import DrawingProcesses
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.analysis.report import map_drawing
 from mrsfi_runtime.analysis.summary import N_TOP
@@ -142,10 +142,10 @@ def evolve(
         path, writer = resume, resumed(resume, ctx)
     with writer, open_to_fly(path) as campaign:
         _require_ratio(campaign.store.settings, campaign.mission, ratio)
-        with DrawingProcess(map_drawing(campaign.mission)) as process:
+        with DrawingProcesses(map_drawing(campaign.mission)) as processes:
             flown_by = tried or _tried(campaign, engine, workers)
             _search(campaign, flown_by, workers, explains=not no_explain)
-            report(campaign, ratio, is_json=is_json, draw=process.draw)
+            report(campaign, ratio, is_json=is_json, draw=processes.draw)
 
 
 def _new_campaign(

@@ -7,7 +7,7 @@ import click
 
 from mrsfi.campaign_folders import OpenCampaign, latest_folder, open_campaign
 from mrsfi.reporting import report as write_report
-from mrsfi_runtime.analysis.drawing_process import Draw, draw_here
+from mrsfi_runtime.analysis.drawing import Draw
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
@@ -24,7 +24,7 @@ def report_anew(folder: Path | None, *, ratio: str | None, is_json: bool) -> Non
 
 
 def report(
-    campaign: OpenCampaign, ratio: str | None, *, is_json: bool, draw: Draw = draw_here
+    campaign: OpenCampaign, ratio: str | None, *, is_json: bool, draw: Draw | None = None
 ) -> None:
     """Write the report into a campaign's folder and print what it says.
 
@@ -35,7 +35,7 @@ def report(
     is_json
         Print for a script, not for a person.
     draw
-        Draws the figures.
+        Draws the figures; without, processes begun for it do.
     """
 
     def show(summary: Summary) -> None:
