@@ -158,11 +158,15 @@ def main() -> None:
     """Draw what standard input says, as long as it says anything, and answer with each figure."""
     if hasattr(os, "nice"):
         os.nice(10)  # what is searched meanwhile comes first
-    with suppress(EOFError):
+    try:
         while True:
             files = _drawn(pickle.load(sys.stdin.buffer))
             pickle.dump(files, sys.stdout.buffer)
             sys.stdout.buffer.flush()
+    except EOFError:
+        return
+    except BrokenPipeError:  # nor is anybody to be told of it when Python ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

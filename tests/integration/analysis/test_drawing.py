@@ -1,4 +1,5 @@
 import os
+import pickle
 
 import pytest
 
@@ -110,6 +111,17 @@ def test_ctrl_c_never_reaches_them_not_even_while_they_start():
         process = processes._started()
 
         assert os.getsid(process.pid) != os.getsid(0)
+
+
+def test_a_process_whose_answer_nobody_hears_ends_in_silence(capfd):
+    with DrawingProcesses() as processes:
+        process = processes._started()
+        process.stdout.close()
+        pickle.dump(MAP, process.stdin)
+        process.stdin.flush()
+
+        assert process.wait(60) == 0
+    assert capfd.readouterr().err == ""
 
 
 def test_a_process_ends_when_nobody_can_ask_it_anymore():
