@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mrsfi.campaign_folders import FlyableCampaign, find_evaluation, require_same
-from mrsfi.engines import Tell, silent
+from mrsfi.engines import Tell
 from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.columns import top
@@ -145,8 +145,8 @@ def case_of_file(
     path: Path,
     kind: str | None,
     seed: int | None,
-    out: Path | None = None,
-    tell: Tell = silent,
+    out: Path | None,
+    tell: Tell,
 ) -> tuple[Case, Subject]:
     """Return a written specification, and what it is explained with.
 

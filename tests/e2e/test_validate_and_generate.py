@@ -1,3 +1,4 @@
+from m2t.load import _Loading
 from tests.support.cli import MISSION, contents, edit, mrsfi, mrsfi_json, stop_specification
 
 
@@ -11,6 +12,19 @@ def test_validate_says_ok_and_how_much_there_is(place):
 
 def test_validate_accepts_the_path_of_a_mission_folder(place, tmp_path):
     assert "ok: uuv_sampling" in mrsfi("validate", place / "models" / MISSION, cwd=tmp_path).stdout
+
+
+def test_validate_loads_the_models_once(place, monkeypatch):
+    inspect, loaded = _Loading.inspect, []
+
+    def counted(self, *paths):
+        loaded.append(paths)
+        return inspect(self, *paths)
+
+    monkeypatch.setattr(_Loading, "inspect", counted)
+    mrsfi("validate", MISSION, cwd=place)
+
+    assert len(loaded) == 1
 
 
 def test_validate_as_json_has_counts_and_diagnostics(place):

@@ -1,12 +1,12 @@
 """The minimal simulator of docs/bus.md, run as the page prints it."""
 
-import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tests.support.pages import blocks
 from tests.support.tree import ROOT
 
 PAGE = ROOT / "docs" / "bus.md"
@@ -14,11 +14,11 @@ PAGE = ROOT / "docs" / "bus.md"
 
 def write_page_simulator(folder: Path, url: str, found: str = "", replaced: str = "") -> Path:
     """Write the simulator for a server, with a text in it replaced, and return its file."""
-    example = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    assert example is not None
-    assert found in example[1]
-    text = example[1].replace(found, replaced) if found else example[1]
-    path = folder / "minimal.py"
+    (example,) = (block for block in blocks(PAGE.read_text(encoding="utf-8")) if block.file)
+    text = "".join(f"{line}\n" for line in example.lines)
+    assert found in text
+    text = text.replace(found, replaced) if found else text
+    path = folder / example.file
     path.write_text(text.replace("ws://127.0.0.1:9090", url), encoding="utf-8")
     return path
 

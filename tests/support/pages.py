@@ -2,11 +2,12 @@
 
 A block of ``console`` has commands after ``$``, each with what it prints on a terminal; ``…``
 stands for anything, on a line of its own for any lines. What a command prints on standard error may
-be left out, because progress tells times. A command that ends with ``&`` stays until the page ends,
-one below whose lines stands ``^C`` until it has printed them; both are interrupted, and have to end
-at that. A block of ``diff`` is an edit, applied in the folder to which the commands before it have
-come; one of ``python`` whose first line is a comment with a file's name is that file, there from
-the beginning. A comment ``<!-- not run: WHY -->`` right above a block leaves it out.
+be left out, because progress tells times; but of one that fails something is shown. A command that
+ends with ``&`` stays until the page ends, one below whose lines stands ``^C`` until it has printed
+them; both are interrupted, and have to end at that. A block of ``diff`` is an edit, applied in the
+folder to which the commands before it have come; one of ``python`` whose first line is a comment
+with a file's name is that file, there from the beginning. A comment ``<!-- not run: WHY -->`` right
+above a block leaves it out.
 """
 
 import os
@@ -48,10 +49,11 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """What a command printed: lines of standard output, and those of standard error."""
+    """What a command printed: lines of standard output, and of standard error; its exit code."""
 
     output: tuple[str, ...]
     errors: tuple[str, ...]
+    code: int = 0
 
 
 def blocks(text: str) -> Iterator[Block]:
@@ -89,9 +91,9 @@ class Terminal:
 
     def run(self, command: str) -> Said:
         """Run a command line where the one before it ended, in its environment."""
-        left = f"{{ export -p; echo \"cd '$PWD'\"; }} > '{self._state}'"
+        left = f"code=$?\n{{ export -p; echo \"cd '$PWD'\"; }} > '{self._state}'\nexit $code"
         done = self._bash(f". '{self._state}'\n{command}\n{left}\n", "")
-        return Said(_lines(done.stdout), _lines(done.stderr))
+        return Said(_lines(done.stdout), _lines(done.stderr), done.returncode)
 
     @contextmanager
     def beside(self, command: str, n_lines: int) -> Iterator[Callable[[], Said]]:
@@ -203,7 +205,10 @@ def difference(expected: Sequence[str], said: Said) -> str:
     shown = [line for line in wanted if line not in free]
     pattern = "".join(_pattern(line) for line in shown)
     printed = "".join(f"{line}\n" for line in said.output)
-    if re.fullmatch(pattern, printed.rstrip("\n") + "\n" if printed.strip() else ""):
+    fails_unseen = said.code and not set(wanted) - {_ANY}
+    if not fails_unseen and re.fullmatch(
+        pattern, printed.rstrip("\n") + "\n" if printed.strip() else ""
+    ):
         return ""
     both = "\n".join((*said.output, *said.errors))
     return "expected:\n" + "\n".join(wanted) + "\n\nfound:\n" + both

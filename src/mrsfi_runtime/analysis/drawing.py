@@ -77,7 +77,7 @@ class DrawingProcesses:
     def __init__(self, *ahead: Drawing) -> None:
         self._ahead = ahead
         self._processes: list[subprocess.Popen[bytes]] = []
-        self._idle: SimpleQueue[subprocess.Popen[bytes] | None] = SimpleQueue()  # None: one is gone
+        self._idle: SimpleQueue[subprocess.Popen[bytes] | None] = SimpleQueue()  # None: one failed
         self._begun: list[Future[FigureFiles | None]] = []
         self._n_most = min(_MOST, os.cpu_count() or 1)
         self._threads = ThreadPoolExecutor(self._n_most)
@@ -121,16 +121,19 @@ class DrawingProcesses:
 
     def _begin(self, drawing: Drawing) -> Future[FigureFiles | None]:
         """Begin to draw, by one process more where that is worth it."""
-        self._begun.append(self._threads.submit(self._drawn_there, drawing))
         n_waiting = sum(not figure.done() for figure in self._begun)
         n_processes = len(self._processes)
-        if n_processes < self._n_most and n_waiting > _WORTH * n_processes:
-            self._idle.put(self._started())
+        if n_processes < self._n_most and n_waiting >= _WORTH * n_processes:
+            try:
+                self._idle.put(self._started())
+            except OSError:
+                self._idle.put(None)
+        self._begun.append(self._threads.submit(self._drawn_there, drawing))
         return self._begun[-1]
 
     def _drawn_there(self, drawing: Drawing) -> FigureFiles | None:
-        """Return a figure that a process has drawn; ``None`` if one is gone."""
-        with suppress(OSError, EOFError):
+        """Return a figure that a process has drawn; ``None`` if one failed."""
+        with suppress(OSError, EOFError, pickle.UnpicklingError):
             process = self._idle.get()
             if process is not None:
                 assert process.stdin is not None

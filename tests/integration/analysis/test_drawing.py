@@ -1,5 +1,6 @@
 import os
 import pickle
+import sys
 
 import pytest
 
@@ -64,21 +65,38 @@ def test_what_cannot_be_drawn_anywhere_is_raised_here(tmp_path, capfd):
     assert "no_such_figure" in capfd.readouterr().err
 
 
-def test_processes_that_are_killed_leave_the_drawing_to_this_one(here, tmp_path, monkeypatch):
-    started = DrawingProcesses._started
-
-    def killed(self):
-        process = started(self)
-        process.kill()
-        process.wait()
-        return process
-
-    monkeypatch.setattr(DrawingProcesses, "_started", killed)
+@pytest.mark.parametrize(
+    "program",
+    [
+        "raise SystemExit(1)",
+        "import pickle, sys; sys.stdout.buffer.write(pickle.dumps({'.png': b'x' * 9999})[:99])",
+        None,
+    ],
+)
+def test_processes_that_fail_leave_the_drawing_to_this_one(program, here, tmp_path, monkeypatch):
+    python = tmp_path / "python"
+    if program is not None:
+        python.write_text(f"#!{sys.executable}\n{program}\n", encoding="utf-8")
+        python.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(python))
 
     with DrawingProcesses() as processes:
         processes.draw([(MAP, tmp_path / "there")])()
 
     assert files(tmp_path / "there") == here
+
+
+def test_nobody_waits_for_a_process_whose_begin_is_interrupted(monkeypatch):
+    def interrupted():
+        raise KeyboardInterrupt
+
+    processes = DrawingProcesses(MAP)
+    monkeypatch.setattr(processes, "_started", interrupted)
+
+    with pytest.raises(KeyboardInterrupt), processes:
+        pass
+
+    assert processes._begun == []
 
 
 @pytest.mark.parametrize("error", [None, KeyboardInterrupt])
