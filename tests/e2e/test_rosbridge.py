@@ -22,6 +22,7 @@ from tests.support.cli import (
     workspace,
 )
 from tests.support.interrupted import MISSION as QUICK
+from tests.support.page_simulator import page_simulator
 from tests.support.processes import children, is_running
 from tests.support.rosbridge import process
 from tests.tiers import slow
@@ -74,6 +75,16 @@ def test_a_flight_over_rosbridge_prints_what_the_reference_does(place):
     flown = bus_json(*arguments, *ROSBRIDGE, cwd=place)
 
     assert flown == mrsfi_json(*arguments, cwd=place)
+
+
+@slow
+def test_a_simulator_that_leaves_out_what_a_tick_has_to_bring_ends_the_command(place, url):
+    line = 'publish(f"/truth/{robot}", data=truth)'
+    with page_simulator(place, url, line, f"if robot != 'r1' or tick < 100: {line}"):
+        side = ("--url", url, "--side", "ci")
+        told = mrsfi_process("simulate", MISSION, *ROSBRIDGE, *side, cwd=place, expected=8)
+
+    assert "run 1, tick 100: nothing on /truth/r1" in told.stderr
 
 
 @slow

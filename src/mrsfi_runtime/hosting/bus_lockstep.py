@@ -6,7 +6,6 @@ of a tick has come, in the thread of the transport's callbacks, and the main thr
 
 import secrets
 from contextlib import suppress
-from functools import partial
 from time import monotonic, sleep
 
 from mrsfi_runtime.errors import (
@@ -16,6 +15,7 @@ from mrsfi_runtime.errors import (
     TransportTimeout,
 )
 from mrsfi_runtime.hosting.counted_topics import CountedTopics
+from mrsfi_runtime.hosting.heard import Heard
 from mrsfi_runtime.hosting.lockstep import Flight
 from mrsfi_runtime.hosting.lockstep_topics import (
     CLOCK,
@@ -35,6 +35,7 @@ from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.hosting.truth import take_true_values
 from mrsfi_runtime.hosting.waiting import Completion, Patience
 from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport
@@ -81,8 +82,8 @@ class BusLockstep:
         self._patience = patience
         self._completion = Completion()
         self._topics = CountedTopics(transport, "simulation", self._proceed)
-        self._truth: dict[int, Payload] = {}
-        self._n_truths = len(truth)
+        self._truth = tuple(Heard(self._topics, topic) for topic in truth)
+        self._clock = Heard(self._topics, CLOCK)
         self._refusal: str | None = None
         self._session = secrets.randbelow(_SESSIONS) * RUNS_OF_A_SESSION
         self._n_runs = 0
@@ -91,9 +92,6 @@ class BusLockstep:
         self._setup = transport.advertise(SETUP)
         self._go = transport.advertise(GO)
         self.interface = interface(self._topics)
-        for index, topic in enumerate(truth):
-            self._topics.subscribe(topic, partial(self._truth.__setitem__, index))
-        self._topics.subscribe(CLOCK, lambda _payload: None)
         transport.subscribe(TICK, self._on_tick)
         transport.subscribe(FAILURE, self._on_failure)
         transport.watch(self._fail)
@@ -124,7 +122,8 @@ class BusLockstep:
         try:
             self._prepare(seed)
             self._completion = Completion()
-            self._truth.clear()
+            for topic in (*self._truth, self._clock):
+                topic.forget()
             self._is_thinking = False
             self._flight = flight
             self._topics.open()
@@ -249,14 +248,18 @@ class BusLockstep:
         self._completion.advance()
 
     def _take_truth(self, flight: Flight) -> None:
-        if len(self._truth) < self._n_truths:
-            raise ProtocolError(
-                f"the true state of {len(self._truth)} of {self._n_truths} robots came; the "
-                "simulation has to publish /truth/ of every robot at every tick"
-            )
-        for index, payload in self._truth.items():
-            take_true_values(flight.world, index, payload.get("data"))
-        flight.world.mission.tick = self._topics.tick
+        """Take what is true in this tick, and see that it brought all that is due by that."""
+        world, tick = flight.world, self._topics.tick
+        for index, told in enumerate(self._truth):
+            take_true_values(world, index, told)
+        world.mission.tick = tick
+        secs = self._clock.take()["clock"]["secs"]
+        if secs != tick:
+            raise ProtocolError(f"{CLOCK.name} said {secs} s; expected {tick}: a second is a tick")
+        for index, robot in enumerate(self.interface.robots):
+            robot.require_position(is_due=reports_position(world, index))
+        for sensor, state in zip(self.interface.sensors, world.sensors, strict=True):
+            sensor.require_active(state.active)
 
     def _send_go(self, tick: int) -> None:
         self._go({"data": [self._run, tick, self._topics.announce()]})

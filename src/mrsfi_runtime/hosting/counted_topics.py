@@ -1,12 +1,38 @@
 """Counts the messages of every tick, so that none is lost, doubled or out of order unseen."""
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any, Final
 
 from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
 from mrsfi_runtime.transport.topics import Payload, Publisher, PubSub, Topic
 
 GRACE = 1.0
 """Seconds for which announced messages may be late: some servers keep order per topic only."""
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and abs(value) <= sys.float_info.max  # no NaN either
+
+
+def _is_integer(value: Any) -> bool:
+    return type(value) is int and abs(value) < 2**63
+
+
+def _is_place(payload: Payload) -> bool:
+    return all(_is_number(payload[axis]) for axis in "xyz")
+
+
+_FORMS: Final[Mapping[str, Callable[[Payload], bool]]] = {
+    "geometry_msgs/Point": _is_place,
+    "geometry_msgs/Vector3": _is_place,
+    "rosgraph_msgs/Clock": lambda payload: _is_integer(payload["clock"]["secs"]),
+    "std_msgs/Bool": lambda payload: type(payload["data"]) is bool,
+    "std_msgs/Float64": lambda payload: _is_number(payload["data"]),
+    "std_msgs/Float64MultiArray": lambda payload: all(map(_is_number, payload["data"])),
+    "std_msgs/Int64": lambda payload: _is_integer(payload["data"]),
+}
+"""Whether a message is of its type, and all its numbers are finite: not every server looks."""
 
 
 class CountedTopics:
@@ -73,13 +99,19 @@ class CountedTopics:
         """Have a callback receive every message of a topic, after it was counted."""
         name = topic.name
         self._topics.add(name)
+        is_of_form = _FORMS[topic.type]
 
         def receive(payload: Payload) -> None:
             is_complete = self.count(name)
             try:
-                callback(payload)
-            except (KeyError, TypeError, ValueError) as error:
-                raise ProtocolError(f"{name} carried {payload!r}; expected {topic.type}") from error
+                is_sound = is_of_form(payload)
+            except (KeyError, TypeError):
+                is_sound = False
+            if not is_sound:
+                raise ProtocolError(
+                    f"{name} carried {payload!r}; expected {topic.type} of finite numbers"
+                )
+            callback(payload)
             if is_complete:
                 self._proceed()
 

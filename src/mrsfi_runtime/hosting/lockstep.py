@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeAlias
 
-from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.hosting.sides import SimInterface
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.flight import MissionFunctions, Verdicts, answer, no_verdicts
@@ -91,14 +90,9 @@ class Flight:
         Raises
         ------
         ProtocolError
-            If a message of the simulation is missing or cannot be read.
+            If a message of the simulation is missing, or a count falls.
         """
-        try:
-            self._interface.read(self._inbox)
-        except (KeyError, TypeError, ValueError) as error:
-            raise ProtocolError(
-                f"the simulation's messages cannot be read: {type(error).__name__}: {error}"
-            ) from error
+        self._interface.read(self._inbox)
         answer(
             self._functions,
             self.world,

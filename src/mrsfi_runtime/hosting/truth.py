@@ -1,6 +1,7 @@
 """The true state of a robot as one message: for the judge of true verdicts, never for the CI."""
 
 from mrsfi_runtime.errors import ProtocolError
+from mrsfi_runtime.hosting.heard import Heard
 from mrsfi_runtime.kernel.state import State
 
 
@@ -19,27 +20,29 @@ def true_values(world: State, index: int) -> list[float]:
     return values
 
 
-def take_true_values(world: State, index: int, values: object) -> None:
-    """Make a state agree with what ``true_values`` said of a robot.
+def take_true_values(world: State, index: int, told: Heard) -> None:
+    """Make a state agree with what ``true_values`` said of a robot in this tick.
 
     Raises
     ------
     ProtocolError
-        If the values do not fit the robot.
+        If nothing was said, or values that do not fit the robot, or a count that fell.
     """
     robot = world.robots[index]
+    values = told.take()["data"]
     expected = 5 + 2 * robot.n_sensors
-    if (
-        not isinstance(values, list)
-        or len(values) != expected
-        or not all(isinstance(value, int | float) for value in values)
-    ):
+    if len(values) != expected:
         raise ProtocolError(
-            f"the true state of robot {index} is {values!r}; expected {expected} numbers: "
+            f"{told.name} carried {values!r}; expected {expected} numbers: "
             "x, y, z, speed, energy, then count and active of each of its sensors"
         )
-    robot.x, robot.y, robot.z, robot.speed, robot.energy = (float(value) for value in values[:5])
+    robot.x, robot.y, robot.z, robot.speed, robot.energy = map(float, values[:5])
     for offset in range(robot.n_sensors):
         sensor = world.sensors[robot.first_sensor + offset]
-        sensor.count = int(values[5 + 2 * offset])
-        sensor.active = int(values[6 + 2 * offset])
+        count, active = values[5 + 2 * offset : 7 + 2 * offset]
+        if active not in {0, 1} or not sensor.count <= count < 2**63 or count % 1:
+            raise ProtocolError(
+                f"{told.name} carried count {count} and active {active} of its sensor {offset + 1} "
+                f"after count {sensor.count}; expected a whole number that never falls, and 0 or 1"
+            )
+        sensor.count, sensor.active = int(count), int(active)

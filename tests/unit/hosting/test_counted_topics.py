@@ -1,5 +1,7 @@
 """Counting the messages of a tick."""
 
+import math
+
 import pytest
 
 from mrsfi_runtime.errors import ProtocolError, TransportError, TransportTimeout
@@ -90,10 +92,44 @@ def test_between_runs_nothing_counts_and_nothing_is_overdue(count):
     assert count.overdue(1e9, 1.0) is None
 
 
-@pytest.mark.usefixtures("count")
-def test_a_message_that_cannot_be_read_names_its_topic(bus):
-    with pytest.raises(ProtocolError, match=r"/a carried .* expected std_msgs/Float64"):
-        bus.advertise(SPEED)({"data": None})
+@pytest.mark.parametrize(
+    ("kind", "sound", "wrong"),
+    [
+        ("std_msgs/Float64", [0, -1.5], [None, "1", True, math.nan, math.inf, 10**400]),
+        ("std_msgs/Int64", [0, 2**63 - 1], [None, "1", True, 1.0, 2**63]),
+        ("std_msgs/Bool", [True, False], [None, "true", 1, 0.0]),
+        ("std_msgs/Float64MultiArray", [[], [1, 2.0]], [None, 1.0, "12", [1.0, None], [math.nan]]),
+    ],
+)
+def test_a_message_of_another_form_names_its_topic(kind, sound, wrong):
+    bus, received = LocalBus(), []
+    topics = CountedTopics(bus, "simulation", lambda: None)
+    topics.subscribe(Topic("/x", kind), received.append)
+    publish = bus.advertise(Topic("/x", kind))
+
+    for value in sound:
+        publish({"data": value})
+    for payload in ({}, *({"data": value} for value in wrong)):
+        with pytest.raises(ProtocolError, match=rf"^/x carried .* expected {kind} of finite"):
+            publish(payload)
+
+    assert received == [{"data": value} for value in sound]
+
+
+@pytest.mark.parametrize(
+    ("kind", "payload"),
+    [
+        ("geometry_msgs/Point", {"x": 0.0, "y": math.nan, "z": 0.0}),
+        ("geometry_msgs/Vector3", {"x": 0.0, "z": 0.0}),
+        ("rosgraph_msgs/Clock", {"clock": {"sec": 1, "nanosec": 0}}),
+    ],
+)
+def test_so_does_one_with_fields_of_its_own(kind, payload):
+    bus = LocalBus()
+    CountedTopics(bus, "simulation", lambda: None).subscribe(Topic("/x", kind), print)
+
+    with pytest.raises(ProtocolError, match=rf"^/x carried .* expected {kind} of finite"):
+        bus.advertise(Topic("/x", kind))(payload)
 
 
 def test_muted_topics_publish_nothing(bus, count):

@@ -3,6 +3,7 @@
 import pytest
 
 from mrsfi_runtime.errors import ProtocolError
+from mrsfi_runtime.hosting.heard import Heard
 from mrsfi_runtime.hosting.truth import take_true_values, true_values
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.transport.local_bus import LocalBus
@@ -12,6 +13,14 @@ from tests.support.world import paper_code
 CODE = paper_code(10)
 ACTIVE = "/r1/s2/active"
 ACTIVATION = Topic(ACTIVE, "std_msgs/Bool")
+
+
+def told(values):
+    """Return a topic of a robot's true state that has said this."""
+    bus = LocalBus()
+    heard = Heard(bus, CODE.truth[0])
+    bus.advertise(CODE.truth[0])({"data": values})
+    return heard
 
 
 @pytest.fixture
@@ -37,7 +46,7 @@ def test_the_true_state_of_every_robot_is_told_whole(simulation, said):
     simulation.publish_truth()
 
     for index, topic in enumerate(CODE.truth):
-        take_true_values(mirror, index, said[topic.name][-1]["data"])
+        take_true_values(mirror, index, told(said[topic.name][-1]["data"]))
 
     assert (mirror.robots, mirror.sensors) == (simulation.world.robots, simulation.world.sensors)
 
@@ -68,13 +77,24 @@ def test_a_new_run_tells_activation_again(simulation, said):
 
 
 @pytest.mark.parametrize(
-    "values", [None, [], [1.0] * 8, [1.0] * 10, [1.0, None] * 4 + [1.0], "123456789"]
+    ("values", "problem"),
+    [
+        ([], "expected 9 numbers"),
+        ([1.0] * 8, "expected 9 numbers"),
+        ([1.0] * 10, "expected 9 numbers"),
+        ([1.0] * 5 + [6.0, 1.0, 7.0, 1.0], "carried count 6.0 and active 1.0 of its sensor 1"),
+        ([1.0] * 5 + [7.0, 1.0, 7.5, 1.0], "carried count 7.5 and active 1.0 of its sensor 2"),
+        ([1.0] * 5 + [7.0, 1.0, 1e300, 1.0], "carried count 1e"),
+        ([1.0] * 5 + [7.0, 1.0, 8.0, 2.0], "carried count 8.0 and active 2.0 of its sensor 2"),
+    ],
 )
-def test_values_that_do_not_fit_a_robot_are_refused(values):
+def test_values_that_do_not_fit_a_robot_are_refused(values, problem):
     world = initial_state(CODE.mission, 3)
+    for sensor in world.sensors:
+        sensor.count = 7
 
-    with pytest.raises(ProtocolError, match="expected 9 numbers"):
-        take_true_values(world, 0, values)
+    with pytest.raises(ProtocolError, match=f"^/truth/r1 .*{problem}"):
+        take_true_values(world, 0, told(values))
 
 
 def test_values_are_numbers_of_position_speed_energy_then_of_each_sensor():
