@@ -46,28 +46,7 @@ _ATTEMPT = 2.0
 
 
 class BusLockstep:
-    """Flies runs over a transport, one after the other.
-
-    Attributes
-    ----------
-    tick
-        The tick that the run has reached.
-    interface
-        Brings a flight the messages of the simulation, and takes its commands.
-
-    Parameters
-    ----------
-    transport
-        Moves the messages.
-    mission
-        The mission.
-    interface
-        The generated class.
-    truth
-        Topics of the robots' true states, in model order.
-    patience
-        How long the simulation may take.
-    """
+    """Flies runs over a transport, one after the other; ``truth`` are topics in model order."""
 
     def __init__(
         self,
@@ -104,20 +83,7 @@ class BusLockstep:
     def fly(self, flight: Flight, seed: int) -> None:
         """Fly a run to its end; its true state is moved by what the simulation says is true.
 
-        Parameters
-        ----------
-        flight
-            A flight over ``interface`` that has not begun.
-        seed
-            Mission seed.
-
-        Raises
-        ------
-        TransportError
-            If messages were lost, the connection is gone, or the simulation is late or of other
-            semantics; the message names run and tick.
-        Exception
-            If the code of a region failed.
+        What goes wrong on the bus is raised as a ``TransportError`` that names run and tick.
         """
         try:
             self._prepare(seed)

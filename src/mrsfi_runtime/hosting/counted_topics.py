@@ -38,30 +38,11 @@ _FORMS: Final[Mapping[str, Callable[[Payload], bool]]] = {
 class CountedTopics:
     """The topics of generated code on one side of a run, every message counted in and out.
 
-    Each topic speaks at most once a tick. The last message of a tick announces how many there
-    were.
-
-    Attributes
-    ----------
-    tick
-        The tick whose messages are expected.
-    n_before
-        Messages that came in the ticks of the run before this one.
-    n_sent
-        Messages published since the beginning of the run.
-    is_open
-        Whether a run is on; otherwise nothing that comes in counts.
-    is_muted
-        Whether what is published is dropped, because no tick follows that it could act on.
-
-    Parameters
-    ----------
-    transport
-        Moves the messages.
-    sender
-        The other side, for messages.
-    proceed
-        Called when a late message completes a tick that was announced before.
+    Each topic speaks at most once a tick. The last message of a tick announces how many there were;
+    ``proceed`` is called when a late one completes a tick that was announced before. ``tick`` is
+    that whose messages are expected, ``n_before`` counts those that came before it, ``n_sent`` what
+    was published in the run. Unless a run ``is_open``, nothing that comes in counts; while it
+    ``is_muted``, what is published is dropped, because no tick follows that it could act on.
     """
 
     def __init__(self, transport: PubSub, sender: str, proceed: Callable[[], None]) -> None:
@@ -118,13 +99,7 @@ class CountedTopics:
         self._transport.subscribe(topic, receive)
 
     def count(self, topic: str) -> bool:
-        """Count a message that came in; return whether it completes its tick.
-
-        Raises
-        ------
-        ProtocolError
-            If the topic has spoken before in this tick, or more came than was announced.
-        """
+        """Count a message that came in; return whether it completes its tick."""
         if not self.is_open:
             return False
         if topic in self._received:
@@ -133,13 +108,7 @@ class CountedTopics:
         return self._is_complete()
 
     def announced(self, tick: int, n_messages: int) -> bool:
-        """Take the number of messages of a tick; return whether all of them are there.
-
-        Raises
-        ------
-        ProtocolError
-            If it is not the tick expected, or more came than announced.
-        """
+        """Take the number of messages of a tick; return whether all of them are there."""
         if tick != self.tick or self._n_expected is not None:
             raise ProtocolError(
                 f"the {self._sender} announced tick {tick}; expected tick "

@@ -5,15 +5,7 @@ from mrsfi_runtime.transport.topics import Payload, PubSub, Topic
 
 
 class Heard:
-    """The message of a topic that came in this tick, if one did.
-
-    Parameters
-    ----------
-    transport
-        Brings it.
-    topic
-        The topic.
-    """
+    """The message of a topic that came in this tick, if one did."""
 
     def __init__(self, transport: PubSub, topic: Topic) -> None:
         self.name = topic.name
@@ -30,13 +22,7 @@ class Heard:
         self._payload = None
 
     def take(self) -> Payload:
-        """Return the message of this tick, once.
-
-        Raises
-        ------
-        ProtocolError
-            If none came.
-        """
+        """Return the message of this tick, once; raise ``ProtocolError`` if none came."""
         payload, self._payload = self._payload, None
         if payload is None:
             raise self.missing()

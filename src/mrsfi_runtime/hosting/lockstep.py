@@ -69,15 +69,9 @@ class Flight:
         self._observer = observer
 
     def begin(self, world: State, *, tells_all: bool = False) -> None:
-        """Send the commands that act from the very first motion.
+        """Send the commands that act from the very first motion on.
 
-        Parameters
-        ----------
-        world
-            The true state before the first tick.
-        tells_all
-            Whether to send all of them, to a simulation that may not know the first headings;
-            otherwise the forged ones alone.
+        The forged ones alone; all, to a simulation that may not know the first headings.
         """
         self.world = world
         self._interface.reset()
@@ -85,13 +79,7 @@ class Flight:
         self._send(tells_all=tells_all)
 
     def step(self, tick: int) -> None:
-        """Judge a tick that the simulation has flown, and let the CI answer it.
-
-        Raises
-        ------
-        ProtocolError
-            If a message of the simulation is missing, or a count falls.
-        """
+        """Judge a tick that the simulation has flown, and let the CI answer it."""
         self._interface.read(self._inbox)
         answer(
             self._functions,

@@ -21,13 +21,7 @@ def true_values(world: State, index: int) -> list[float]:
 
 
 def take_true_values(world: State, index: int, told: Heard) -> None:
-    """Make a state agree with what ``true_values`` said of a robot in this tick.
-
-    Raises
-    ------
-    ProtocolError
-        If nothing was said, or values that do not fit the robot, or a count that fell.
-    """
+    """Make a state agree with what ``true_values`` said of a robot in this tick."""
     robot = world.robots[index]
     values = told.take()["data"]
     expected = 5 + 2 * robot.n_sensors
