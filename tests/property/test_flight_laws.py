@@ -120,3 +120,14 @@ def test_violations_are_counted_once_per_goal_and_tick(specification, seed):
         assert outcome.believed[goal] == sum(believed for _, believed in pairs)
         assert outcome.phantom[goal] == sum(believed and not true for true, believed in pairs)
         assert outcome.masked[goal] == sum(true and not believed for true, believed in pairs)
+
+
+def test_a_digest_holds_what_each_fault_did_in_the_order_of_the_specification():
+    first = TimedFault(POOL[0].id, 5, 20, POOL[0].values)
+    idle = TimedFault(POOL[1].id, DURATION - 1, DURATION - 1, POOL[1].values)
+    orders = ((first,), (first, idle), (idle, first))
+
+    flights = [ReferenceEngine(CODE, 1).evaluate(order) for order in orders]
+
+    assert len({flight.true + flight.believed for flight in flights}) == 1
+    assert len({flight.digest for flight in flights}) == 3
