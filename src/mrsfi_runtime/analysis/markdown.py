@@ -260,5 +260,6 @@ def table_row(cells: Iterable[object]) -> str:
 
 
 def plain(text: str) -> str:
-    """Return text that cannot break out of its line or cell."""
-    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
+    """Return text that cannot break out of its line or cell, nor steer a terminal."""
+    line = " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
+    return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in line)

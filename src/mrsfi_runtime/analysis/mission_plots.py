@@ -19,15 +19,16 @@ from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.text import Annotation
 
 from mrsfi_runtime.analysis.plots import (
+    BELIEVED,
     BLUE,
     GRID,
     INK,
     MANY_POINTS,
-    ORANGE,
     PAPER,
     ROCK,
     SERIES,
     SOFT,
+    TRUE,
     drawing,
     legend_below,
     whole_numbers,
@@ -142,7 +143,7 @@ def flight_timeline(story: Story) -> Figure:
             first, last = fault.window
             axes.barh(row, last - first + 1, left=first, height=0.62, color=INK, alpha=0.75)
         for row, said in enumerate(story.goals, len(faults)):
-            for windows, place, colour in ((said.believed, -0.2, BLUE), (said.true, 0.2, ORANGE)):
+            for windows, place, colour in ((said.believed, -0.2, BELIEVED), (said.true, 0.2, TRUE)):
                 bars = [(first, last - first + 1) for first, last in windows]
                 axes.broken_barh(bars, (row + place - 0.19, 0.38), color=colour, lw=0)
             if said.missed is not None:
@@ -161,8 +162,8 @@ def flight_timeline(story: Story) -> Figure:
         axes.grid(visible=False, axis="y")
         keys: list[Line2D | Patch] = [
             Patch(fc=INK, alpha=0.75, label="fault active"),
-            Patch(fc=BLUE, label="believed violated"),
-            Patch(fc=ORANGE, label="truly violated"),
+            Patch(fc=BELIEVED, label="believed violated"),
+            Patch(fc=TRUE, label="truly violated"),
             Line2D([], [], ls="none", marker="|", ms=12, mew=2.2, color=INK, label="missed from"),
         ]
         legend_below(figure, handles=keys)

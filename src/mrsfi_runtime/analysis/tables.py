@@ -17,6 +17,7 @@ Cell: TypeAlias = str | int | float | None
 Rows: TypeAlias = list[tuple[Cell, ...]]
 """A table: the first row names the columns."""
 
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _MOST_LISTED = 100_000  # evaluations of a table
 
 
@@ -49,7 +50,12 @@ def as_csv(rows: Rows) -> bytes:
 
 def write_csv(file: TextIO, rows: Iterable[tuple[Cell, ...]]) -> None:
     """Write rows as CSV into a file that leaves line feeds as they are, one after the other."""
-    csv.writer(file, lineterminator="\n").writerows(rows)
+    csv.writer(file, lineterminator="\n").writerows(map(_inert, row) for row in rows)
+
+
+def _inert(cell: Cell) -> Cell:
+    """Return a cell that no spreadsheet takes for a formula: a name may begin like one."""
+    return f"'{cell}" if isinstance(cell, str) and cell.startswith(_FORMULA) else cell
 
 
 def map_table(mission: Mission) -> Rows:

@@ -234,3 +234,9 @@ def test_a_pick_is_far_when_it_is_off_by_more_than_a_quarter(violations, expecte
     pick = plots.Pick(PICK.ratio, FrontPoint(0, violations), FRONT.goals)
 
     assert pick.distance_in_words == expected
+
+
+def test_figures_and_pages_have_the_same_colours_for_believed_and_true():
+    css = (Path(plots.__file__).parent / "page" / "assets" / "page.css").read_text("utf-8")
+
+    assert f"--believed: {plots.BELIEVED}; --true: {plots.TRUE};" in css
