@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 
 from jinja2 import Environment
 
-from m2t.emit import GenerationPlan, plan_files, write
+from m2t.emit import GenerationPlan, plan_files
 from m2t.environment import remark, template_environment
 from m2t.line_difference import unified_difference
 from m2t.load import LoadedModels, load_mission_folder
@@ -31,6 +31,8 @@ from m2t.visitors import (
     mission_loader,
     topics,
 )
+from mrsfi_runtime.errors import GenerationError, UsageError
+from mrsfi_runtime.files import changing
 
 Visitor: TypeAlias = Callable[[LoadedModels], Mapping[str, Any]]
 """Computes what a template needs, free of metamodel objects."""
@@ -79,8 +81,13 @@ def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPl
     GenerationError
         If hand-written code would be lost, or a file cannot be written.
     """
-    planned = plan(models, target, force=force)
-    write(planned)
+    place = models if os.access(models, os.W_OK) else target
+    with changing(place) as change:
+        planned = plan(models, target, force=force)
+        try:
+            change.replace(planned.changes)
+        except UsageError as error:
+            raise GenerationError(f"{error}; mend the cause and generate again") from error
     return planned
 
 

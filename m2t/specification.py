@@ -16,8 +16,9 @@ from m2t.load import LoadedModels, load_mission_folder
 from m2t.metaclasses import slots
 from m2t.metamodels import load_metamodels
 from m2t.saving import addresses
-from m2t.write.xmi import dumps, write_atomically
+from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.model.faults import numbered
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
@@ -32,7 +33,20 @@ def write_specification(
     identifier: str,
     names: Sequence[str] | None = None,
 ) -> None:
-    """Write timed faults as XMI.
+    """Write timed faults as XMI, as ``specification_content`` says, into a file as a whole."""
+    content = specification_content(models, rows, path, identifier=identifier, names=names)
+    write_atomically(path, content)
+
+
+def specification_content(
+    models: Path | LoadedModels,
+    rows: Sequence[SpecificationRow],
+    path: Path,
+    *,
+    identifier: str,
+    names: Sequence[str] | None = None,
+) -> bytes:
+    """Return timed faults as XMI.
 
     Parameters
     ----------
@@ -41,7 +55,7 @@ def write_specification(
     rows
         The timed faults, in the order in which they are written.
     path
-        File to write, replaced as a whole.
+        File in which that is going to stand.
     identifier
         ID of the fault specification.
     names
@@ -81,7 +95,7 @@ def write_specification(
         _set_values(fault, given)
         specification.faults.append(fault)
     hrefs = addresses(models, path.parent)
-    write_atomically(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
+    return dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids)
 
 
 def _set_values(fault: Any, given: Mapping[str, float]) -> None:

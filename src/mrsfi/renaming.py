@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from m2t.emit import write
 from m2t.line_difference import unified_difference
 from m2t.new_ids import with_new_ids
-from mrsfi.files import write_all
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.files import changing
 from mrsfi_runtime.record.regressions import folder_of
 
 if TYPE_CHECKING:
@@ -76,19 +75,18 @@ class Renaming:
         written = () if code is None else (code.target / name for name in code.written)
         return (*self.contents, *written)
 
-    def write(self) -> None:
-        """Change them.
+    @property
+    def changes(self) -> dict[Path, bytes | None]:
+        """New content of all files that change, by path."""
+        return {**self.contents, **({} if self.code is None else self.code.changes)}
 
-        Raises
-        ------
-        UsageError
-            If a file cannot be written; nothing is changed then.
-        GenerationError
-            If generated code cannot be.
-        """
-        write_all(self.contents)
-        if self.code is not None:
-            write(self.code)
+
+def rename(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
+    """Give elements other IDs, as ``renaming`` says, in all files or in none."""
+    with changing(folders.models) as change:
+        found = renaming(folders, names)
+        change.replace(found.changes)
+    return found
 
 
 def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:

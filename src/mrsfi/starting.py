@@ -10,6 +10,7 @@ from m2t.importing.importer import import_published
 from m2t.metamodels import load_metamodels, metamodel_folder
 from mrsfi.folders import find_mission
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.files import whole_folder
 
 _TEMPLATE = Path(__file__).parent / "template"
 _PLACES = {
@@ -53,18 +54,15 @@ def start(name: str, source: str | None = None, published: Path | None = None) -
     if folder.exists():
         raise UsageError(f"{folder}: exists; expected a name that is free here")
     begun_from = None if source is None else find_mission(source).models.resolve()
-    try:
-        _fill(folder, begun_from, published)
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
+    with whole_folder(folder) as new:
+        _fill(new, name, begun_from, published)
     return folder
 
 
-def _fill(folder: Path, source: Path | None, published: Path | None) -> None:
-    models = folder / "models" / folder.name
+def _fill(folder: Path, mission: str, source: Path | None, published: Path | None) -> None:
+    models = folder / "models" / mission
     for name, place in _PLACES.items():
-        _write(_TEMPLATE / name, folder / place, folder.name)
+        _write(_TEMPLATE / name, folder / place, mission)
     shutil.copytree(metamodel_folder(), folder / "metamodels")
     if published is not None:
         import_published(published, models)
@@ -76,8 +74,8 @@ def _fill(folder: Path, source: Path | None, published: Path | None) -> None:
                 shutil.copy(path, copy)
     else:
         for name in _MISSION:
-            _write(_TEMPLATE / "mission" / name, models / name, folder.name)
-    generate(models, folder / "generated" / folder.name)
+            _write(_TEMPLATE / "mission" / name, models / name, mission)
+    generate(models, folder / "generated" / mission)
     write_classes(folder / "generated" / "metamodel", class_files(load_metamodels().packages))
 
 
