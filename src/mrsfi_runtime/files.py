@@ -6,6 +6,7 @@ process, one with what is to replace what, and, once all that is new is on the d
 replaces, the line ``"whole"``. Who holds the lock next replaces then, or removes what is new.
 """
 
+import errno
 import fcntl
 import json
 import os
@@ -131,6 +132,8 @@ class Change:
             new = self.begin(contents)
             for path, staged in new.items():
                 with telling(path, "nothing is changed"):
+                    if path.is_dir():
+                        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
                     staged.parent.mkdir(parents=True, exist_ok=True)
                     with staged.open("xb") as file:
                         file.write(contents[path] or b"")
@@ -147,7 +150,8 @@ class Change:
             target = path.resolve() if content is not None else path.parent.resolve() / path.name
             staged = target.with_name(f".{os.getpid()}-{number}.mrsfi-new")
             entry = [os.path.relpath(each, self._root) for each in (target, staged)]
-            entries.append((*entry, _time(target), content is None))
+            with telling(path, "nothing is changed"):
+                entries.append((*entry, _time(target), content is None))
             if content is not None:
                 new[path] = staged
         self.note(entries)
@@ -165,20 +169,17 @@ class Change:
         """Finish what was noted as whole, undo what was not; return what was done, in words."""
         notes = _notes(self._journal)
         entries = next((note for note in notes if isinstance(note, list)), [])
-        done = "undid what a command that was ended had begun to change; nothing had been replaced"
-        aside: list[str] = []
+        end, done = (_finish, "finished") if _WHOLE in notes else (_undo, "undid")
         with telling(self._folder, "a change is half done; mend that, and any command ends it"):
-            for target, staged, *how in entries:
-                paths = self._root / target, self._root / staged
-                if _WHOLE in notes:
-                    aside += _finish(*paths, *how)
-                else:
-                    _undo(paths[1])
-            if _WHOLE in notes:
-                done = f"finished what a command that was ended had begun: {len(entries)} files"
-                self._keep_names(self._root / entry[0] for entry in entries)
+            found = [
+                name
+                for target, new, *how in entries
+                for name in end(self._root / target, self._root / new, *how)
+            ]
+            self._keep_names(self._root / entry[0] for entry in entries if _WHOLE in notes)
             os.ftruncate(self._journal, 0)
-        return "; edited since, and kept: ".join((done, *aside)) if entries else ""
+        told = f"{done} what a command that was ended had begun to change: {', '.join(found)}"
+        return told if found else ""
 
     def _keep_names(self, paths: Iterable[Path]) -> None:
         for folder in {path.parent for path in paths}:
@@ -193,26 +194,26 @@ def _notes(journal: int) -> list[Any]:
     return []
 
 
-def _finish(target: Path, new: Path, time: int | None, is_removed: bool) -> list[str]:
-    """Replace or remove a file, unless that is done; return where an edit of it since is kept."""
-    aside = []
-    if not is_removed and not new.exists():
-        return []
-    if _time(target) not in {None, time}:
-        edited = target.with_name(f"{target.name}.edited")
-        aside.append(str(target.replace(edited)))
-    if is_removed:
-        target.unlink(missing_ok=True)
-    else:
-        new.replace(target)
-    return aside
+def _finish(target: Path, new: Path, time: int | None, is_removed: bool) -> Iterator[str]:
+    """Replace or remove a file, unless that is done; yield its name, and where an edit is kept."""
+    if is_removed or new.exists():
+        if _time(target) not in {None, time}:
+            kept = target.replace(target.with_name(f"{target.name}.edited"))
+            yield f"{kept.name} (edited since then)"
+        if is_removed:
+            target.unlink(missing_ok=True)
+        else:
+            new.replace(target)
+        yield target.name
 
 
-def _undo(new: Path) -> None:
-    """Remove what was to be new, and its folder if nothing else is in it."""
-    if new.is_dir():
-        shutil.rmtree(new)
-    new.unlink(missing_ok=True)
+def _undo(target: Path, new: Path, *_: object) -> Iterator[str]:
+    """Remove what was to be new, and its folder if nothing else is in it; yield its name."""
+    if new.exists():
+        yield target.name
+        if new.is_dir():
+            shutil.rmtree(new)
+        new.unlink(missing_ok=True)
     with suppress(OSError):
         new.parent.rmdir()
 
