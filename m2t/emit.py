@@ -18,20 +18,10 @@ from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
 
 @dataclass(frozen=True, slots=True)
 class GenerationPlan:
-    """What a generation would do.
+    """What a generation would do: texts that stand in the folder, and are to stand there, by name.
 
-    Attributes
-    ----------
-    target
-        Folder of the generated files.
-    existing
-        Texts that stand in the folder, by file name; only files that are or were generated.
-    contents
-        Texts that are to stand there, merged with hand-written code.
-    removed
-        Files of earlier generations that are to go.
-    manifest
-        Text of the coming manifest.
+    Standing texts are only those of files that are or were generated; coming ones are merged with
+    hand-written code. Files of earlier generations are to go.
     """
 
     target: Path
@@ -62,12 +52,11 @@ class GenerationPlan:
 
     @property
     def changes(self) -> dict[Path, bytes | None]:
-        """New content by path of all that is stale; ``None`` for what is to go."""
+        """New content by path of all that changes; ``None`` for what is to go."""
         texts = {**self.contents, MANIFEST: self.manifest}
-        return {
-            self.target / name: texts[name].encode() if name in texts else None
-            for name in self.stale
-        }
+        new = {name: text for name, text in texts.items() if self.existing.get(name) != text}
+        contents = {self.target / name: text.encode() for name, text in new.items()}
+        return {**contents, **{self.target / name: None for name in self.removed}}
 
 
 def plan_files(
@@ -78,27 +67,11 @@ def plan_files(
     force: bool = False,
     rewrite: Callable[[str, str], str] = lambda _, text: text,
 ) -> GenerationPlan:
-    """Merge rendered files with those that stand in a folder; write nothing.
+    """Merge rendered files, by name, with those that stand in a folder; write nothing.
 
-    Parameters
-    ----------
-    target
-        Folder of the generated files; need not exist.
-    rendered
-        Text of every file by name, as its template renders it.
-    sources
-        SHA-256 of every model and metamodel by file name.
-    force
-        Overwrite edits outside protected regions.
-    rewrite
-        Edits the text of a standing file, by its name, before it is merged.
-
-    Raises
-    ------
-    ProtectedRegionError
-        If hand-written code would be lost.
-    GenerationError
-        If the folder cannot be read.
+    Sources are the SHA-256 of every model and metamodel by file name. Edits outside protected
+    regions are refused unless forced, hand-written code that would be lost is in any case. A text
+    that stands there may be rewritten, by its name, before it is merged.
     """
     recorded = _read(target / MANIFEST)
     known = {} if recorded is None else loads(recorded, str(target / MANIFEST))

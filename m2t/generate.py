@@ -58,28 +58,11 @@ VISITORS: Mapping[str, Visitor] = MappingProxyType(
 
 
 def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPlan:
-    """Bring the generated code of a mission up to date.
+    """Bring the generated code of a mission up to date; say what was written and removed.
 
-    Parameters
-    ----------
-    models
-        Mission folder with ``mission.xmi`` and ``faults.xmi``.
-    target
-        Folder for the generated files.
-    force
-        Overwrite edits outside protected regions.
-
-    Returns
-    -------
-    GenerationPlan
-        Says which files were written, left as they were, and removed.
-
-    Raises
-    ------
-    ModelError
-        With all errors of the models.
-    GenerationError
-        If hand-written code would be lost, or a file cannot be written.
+    Edits outside protected regions are refused unless forced. Errors of the models are a
+    ``ModelError``; hand-written code in danger, or a file that cannot be written, is a
+    ``GenerationError``. A folder of models that cannot be written is locked by that of the code.
     """
     place = models if os.access(models, os.W_OK) else target
     with changing(place) as change:

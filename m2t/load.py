@@ -164,7 +164,7 @@ def inspect_folder(folder: Path) -> Inspection:
 
 def inspect_specification(path: Path) -> Inspection:
     """Load a fault specification and its mission; return everything that was found."""
-    settle(*path.resolve().parents)
+    settle(*(place for place in path.resolve().parents if (place / MISSION_XMI).is_file()))
     report = Report()
     files = ModelFiles(report)
     file = files.read(path)

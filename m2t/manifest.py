@@ -22,15 +22,7 @@ GENERATOR = "1"
 
 
 def dumps(sources: Mapping[str, str], files: Mapping[str, FileRecord]) -> str:
-    """Return a manifest as JSON with sorted keys and a newline at the end.
-
-    Parameters
-    ----------
-    sources
-        SHA-256 of every model and metamodel by file name.
-    files
-        What to remember of every generated file, by its name.
-    """
+    """Return a manifest as JSON: the SHA-256 of what was read, by name, and what was generated."""
     document = {
         "schema": SCHEMA,
         "generator": GENERATOR,

@@ -6,7 +6,7 @@ Source paper, section III-A, step 6, and section III-B b).
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -32,21 +32,9 @@ def write_specification(
     *,
     identifier: str,
     names: Sequence[str] | None = None,
+    write: Callable[[Path, bytes], object] = write_atomically,
 ) -> None:
-    """Write timed faults as XMI, as ``specification_content`` says, into a file as a whole."""
-    content = specification_content(models, rows, path, identifier=identifier, names=names)
-    write_atomically(path, content)
-
-
-def specification_content(
-    models: Path | LoadedModels,
-    rows: Sequence[SpecificationRow],
-    path: Path,
-    *,
-    identifier: str,
-    names: Sequence[str] | None = None,
-) -> bytes:
-    """Return timed faults as XMI.
+    """Write timed faults as XMI.
 
     Parameters
     ----------
@@ -55,11 +43,13 @@ def specification_content(
     rows
         The timed faults, in the order in which they are written.
     path
-        File in which that is going to stand.
+        File to write, replaced as a whole.
     identifier
         ID of the fault specification.
     names
         IDs of the timed faults; those of ``numbered`` if left out.
+    write
+        What writes them.
 
     Raises
     ------
@@ -95,7 +85,7 @@ def specification_content(
         _set_values(fault, given)
         specification.faults.append(fault)
     hrefs = addresses(models, path.parent)
-    return dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids)
+    write(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
 
 
 def _set_values(fault: Any, given: Mapping[str, float]) -> None:

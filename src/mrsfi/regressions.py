@@ -5,12 +5,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import monotonic
 
-from m2t.load import load_mission_folder
-from m2t.specification import specification_content
 from mrsfi.campaign_folders import OpenCampaign, findings_of
 from mrsfi.engines import Tell, opened, silent
 from mrsfi.folders import MissionFolders, find_mission
-from mrsfi.loading import load_fresh, read_specification
+from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.causes.cause import find_cause
 from mrsfi_runtime.causes.cause_set import KEEP
@@ -115,24 +113,29 @@ def keep(
     counts = dict(zip(goals, getattr(found.outcome, settings.violations), strict=True))
     regression = replace(regression, limits=counts if limits is None else limits)
     regression.counts(goals, found.outcome)  # refuses goals that there are not
+    _require_new(regression, folders)
     specification = tuple(fault.timed for fault in found.faults)
-    with changing(folders.models) as change, telling(regression.path, "choose another --name"):
+    contents: dict[Path, bytes] = {regression.path: regression.text().encode()}
+    specification_writer(folders.models, contents.__setitem__)(
+        specification_rows(campaign.pool, specification),
+        regression.specification,
+        "kept",
+        [fault.name for fault in found.faults],
+    )
+    with changing(folders.models) as change:
+        _require_new(regression, folders)
+        change.replace(contents)
+    return regression
+
+
+def _require_new(regression: Regression, folders: MissionFolders) -> None:
+    """Refuse to keep what is kept already, or what has a name that no file can have."""
+    with telling(regression.path, "choose another name with --name"):
         if regression.path.exists() or regression.specification.exists():
             raise UsageError(
                 f"{regression.path}: is kept already; choose another name with --name, or take new "
                 f"limits over with: mrsfi keep {folders.name} --update"
             )
-        content = specification_content(
-            load_mission_folder(folders.models),
-            specification_rows(campaign.pool, specification),
-            regression.specification,
-            identifier="kept",
-            names=[fault.name for fault in found.faults],
-        )
-        change.replace(
-            {regression.specification: content, regression.path: regression.text().encode()}
-        )
-    return regression
 
 
 def write_limits(folders: MissionFolders, regressions: Sequence[Regression]) -> None:

@@ -27,23 +27,10 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
 
 def start(name: str, source: str | None = None, published: Path | None = None) -> Path:
-    """Make the folder of a new project, and return it.
+    """Make the folder of a new project with a mission of its name, whole or not at all; return it.
 
-    Parameters
-    ----------
-    name
-        Of the folder, and of its mission.
-    source
-        Name or folder of a mission that it begins with, in place of a small one.
-    published
-        A model of the paper's prototype that it begins with.
-
-    Raises
-    ------
-    UsageError
-        If the name cannot be one, something stands there, or there is no such mission.
-    ModelError
-        If the published model cannot be used.
+    It begins with a mission that has a name or folder, or with a published model of the paper's
+    prototype, in place of a small one. A name that cannot be one, or is taken, is a ``UsageError``.
     """
     if not _NAME.fullmatch(name):
         raise UsageError(
@@ -51,10 +38,10 @@ def start(name: str, source: str | None = None, published: Path | None = None) -
             "becomes part of Python's names"
         )
     folder = Path(name)
-    if folder.exists():
-        raise UsageError(f"{folder}: exists; expected a name that is free here")
     begun_from = None if source is None else find_mission(source).models.resolve()
     with whole_folder(folder) as new:
+        if folder.exists():
+            raise UsageError(f"{folder}: exists; expected a name that is free here")
         _fill(new, name, begun_from, published)
     return folder
 
@@ -63,20 +50,24 @@ def _fill(folder: Path, mission: str, source: Path | None, published: Path | Non
     models = folder / "models" / mission
     for name, place in _PLACES.items():
         _write(_TEMPLATE / name, folder / place, mission)
-    shutil.copytree(metamodel_folder(), folder / "metamodels")
+    _copy(metamodel_folder(), folder / "metamodels", "*")
     if published is not None:
         import_published(published, models)
     elif source is not None:
-        for pattern in _MODELS:
-            for path in sorted(source.rglob(pattern)):
-                copy = models / path.relative_to(source)
-                copy.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(path, copy)
+        _copy(source, models, *_MODELS)
     else:
         for name in _MISSION:
             _write(_TEMPLATE / "mission" / name, models / name, mission)
     generate(models, folder / "generated" / mission)
     write_classes(folder / "generated" / "metamodel", class_files(load_metamodels().packages))
+
+
+def _copy(source: Path, target: Path, *patterns: str) -> None:
+    for path in sorted(path for pattern in patterns for path in source.rglob(pattern)):
+        if path.is_file():
+            copy = target / path.relative_to(source)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, copy)
 
 
 def _write(template: Path, place: Path, name: str) -> None:

@@ -80,7 +80,7 @@ def whole_folder(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def changing(folder: Path) -> Iterator["Change"]:
+def changing(folder: Path, *, waits: bool = True) -> Iterator["Change"]:
     """Let nobody else change the files that belong to a folder, such as a mission's.
 
     First, what a command that was killed had begun is finished or undone, and told on standard
@@ -89,7 +89,7 @@ def changing(folder: Path) -> Iterator["Change"]:
     """
     with telling(folder, "nothing is changed"):
         folder.mkdir(parents=True, exist_ok=True)
-        descriptor = _locked(folder)
+        descriptor = _locked(folder, _PATIENCE if waits else 0.0)
     change = Change(folder, descriptor)
     try:
         if done := change.settle():
@@ -109,8 +109,10 @@ def settle(*folders: Path) -> None:
     for folder in folders:
         journal = folder / JOURNAL
         with suppress(FileNotFoundError):
-            if journal.is_file() and b"[" in journal.read_bytes():
-                with changing(folder):
+            if journal.is_file():
+                is_begun = b"[" in journal.read_bytes()
+                unless = () if is_begun else (UsageError,)  # nothing is replaced, or will soon be
+                with suppress(*unless), changing(folder, waits=is_begun):
                     pass
 
 
@@ -218,15 +220,17 @@ def _undo(target: Path, new: Path, *_: object) -> Iterator[str]:
         new.parent.rmdir()
 
 
-def _locked(folder: Path) -> int:
+def _locked(folder: Path, patience: float) -> int:
     """Return the journal of a folder, locked: the lock is the operating system's, and ends so."""
     journal = folder / JOURNAL
-    until = monotonic() + _PATIENCE
+    until = monotonic() + patience
     while True:
         with ExitStack() as opened:
             flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
             descriptor = os.open(journal, flags, 0o666)
             opened.callback(os.close, descriptor)
+            if os.fstat(descriptor).st_uid != os.geteuid():  # it says what to replace
+                raise PermissionError(errno.EPERM, f"{JOURNAL} is another user's")
             with suppress(BlockingIOError, FileNotFoundError):  # somebody has it, or removed it
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 if os.path.samestat(os.fstat(descriptor), journal.stat()):

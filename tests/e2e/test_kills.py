@@ -10,15 +10,12 @@ from tests.support.crashes import killed
 from tests.support.rendezvous import NAME
 from tests.tiers import slow
 
-JOURNAL = ".mrsfi-change"
-
 
 def files(folder: Path) -> dict[str, bytes]:
-    """Return every file, but a journal that has nothing to tell."""
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and path.parent.name != "__pycache__" and path.name != JOURNAL
+        if path.is_file() and path.parent.name != "__pycache__"
     }
 
 
@@ -36,7 +33,7 @@ def all_or_nothing(place, work, words, then, every=1):
     return found.count(True), found.count(False)
 
 
-@pytest.mark.parametrize("every", [16, pytest.param(1, marks=slow)])
+@pytest.mark.parametrize("every", [12, pytest.param(1, marks=slow)])
 def test_a_killed_rename_is_done_or_not_at_all(tmp_path, every):
     place = workspace(tmp_path / "place")
     words = ("rename", MISSION, "r1=leader", "g3=power")
@@ -45,8 +42,8 @@ def test_a_killed_rename_is_done_or_not_at_all(tmp_path, every):
         place, tmp_path, words, ("generate", MISSION, "--check"), every
     )
 
-    assert n_done * every >= 8
-    assert n_undone * every >= 16
+    assert n_done * every >= 12
+    assert n_undone * every >= 24
 
 
 @slow
@@ -55,9 +52,11 @@ def test_a_killed_generation_is_done_or_not_at_all(tmp_path):
     mission = place / "models" / MISSION / "mission.xmi"
     mission.write_text(mission.read_text().replace('"LEN"', '"LENA"'))
 
-    n_done, n_undone = all_or_nothing(place, tmp_path, ("generate", MISSION), ("validate", MISSION))
+    n_done, n_undone = all_or_nothing(
+        place, tmp_path, ("generate", MISSION), ("validate", MISSION), 3
+    )
 
-    assert min(n_done, n_undone) > 1
+    assert min(n_done, n_undone) > 0
 
 
 @pytest.mark.parametrize("every", [6, pytest.param(1, marks=slow)])

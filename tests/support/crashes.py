@@ -46,10 +46,15 @@ sys.addaudithook(_COUNTED.count)
 
 
 @contextmanager
-def crash_after(n_steps: int) -> Iterator[None]:
-    """Let a body do so many steps on files and crash at the next; end quietly in either case."""
+def crash_after(n_steps: int, *, is_lasting: bool = True) -> Iterator[None]:
+    """Let a body do so many steps on files and crash at the next; end quietly in either case.
+
+    An interrupt does not last: what comes after it may do steps again.
+    """
 
     def crash() -> NoReturn:
+        if not is_lasting:
+            _COUNTED.then = None
         raise Crash
 
     _COUNTED.left, _COUNTED.then = n_steps, crash
