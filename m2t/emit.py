@@ -1,19 +1,5 @@
-"""Write generated files so that a crash at any moment loses nothing.
+"""Merge generated files with what stands in their folder: what is to be written, what is to go."""
 
-All texts are staged in a folder beside the target first. Then, in this order:
-
-1. the manifest is replaced by one that remembers every file as it was and as it will be;
-2. every changed file is replaced by its staged text, one ``os.replace`` each;
-3. files that are no longer generated are removed;
-4. the manifest is replaced by that of the new files alone, which ends the generation.
-
-A crash leaves every single file either old or new, and hand-written code is in both. If it
-comes between 1 and 4, a text that the manifest remembers in either way counts as generated: a
-half-done generation is not mistaken for edits by hand.
-"""
-
-import os
-import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,27 +15,13 @@ from m2t.protected_regions import (
 )
 from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
 
-_BOTH = "manifest of both"
-
 
 @dataclass(frozen=True, slots=True)
 class GenerationPlan:
-    """What a generation would do.
+    """What a generation would do: texts that stand in the folder, and are to stand there, by name.
 
-    Attributes
-    ----------
-    target
-        Folder of the generated files.
-    existing
-        Texts that stand in the folder, by file name; only files that are or were generated.
-    contents
-        Texts that are to stand there, merged with hand-written code.
-    removed
-        Files of earlier generations that are to go.
-    manifest
-        Text of the coming manifest.
-    manifest_of_both
-        Text of the manifest that stands while files are replaced.
+    Standing texts are only those of files that are or were generated; coming ones are merged with
+    hand-written code. Files of earlier generations are to go.
     """
 
     target: Path
@@ -57,7 +29,6 @@ class GenerationPlan:
     contents: Mapping[str, str]
     removed: tuple[str, ...]
     manifest: str
-    manifest_of_both: str
 
     @property
     def written(self) -> tuple[str, ...]:
@@ -79,6 +50,14 @@ class GenerationPlan:
         is_recorded = self.existing.get(MANIFEST) == self.manifest
         return self.written + self.removed + (() if is_recorded else (MANIFEST,))
 
+    @property
+    def changes(self) -> dict[Path, bytes | None]:
+        """New content by path of all that changes; ``None`` for what is to go."""
+        texts = {**self.contents, MANIFEST: self.manifest}
+        new = {name: text for name, text in texts.items() if self.existing.get(name) != text}
+        contents = {self.target / name: text.encode() for name, text in new.items()}
+        return {**contents, **{self.target / name: None for name in self.removed}}
+
 
 def plan_files(
     target: Path,
@@ -88,27 +67,11 @@ def plan_files(
     force: bool = False,
     rewrite: Callable[[str, str], str] = lambda _, text: text,
 ) -> GenerationPlan:
-    """Merge rendered files with those that stand in a folder; write nothing.
+    """Merge rendered files, by name, with those that stand in a folder; write nothing.
 
-    Parameters
-    ----------
-    target
-        Folder of the generated files; need not exist.
-    rendered
-        Text of every file by name, as its template renders it.
-    sources
-        SHA-256 of every model and metamodel by file name.
-    force
-        Overwrite edits outside protected regions.
-    rewrite
-        Edits the text of a standing file, by its name, before it is merged.
-
-    Raises
-    ------
-    ProtectedRegionError
-        If hand-written code would be lost.
-    GenerationError
-        If the folder cannot be read.
+    Sources are the SHA-256 of every model and metamodel by file name. Edits outside protected
+    regions are refused unless forced, hand-written code that would be lost is in any case. A text
+    that stands there may be rewritten, by its name, before it is merged.
     """
     recorded = _read(target / MANIFEST)
     known = {} if recorded is None else loads(recorded, str(target / MANIFEST))
@@ -118,64 +81,17 @@ def plan_files(
         name: parse(rewrite(name, text), str(target / name)) for name, text in existing.items()
     }
     contents: dict[str, str] = {}
-    coming: dict[str, tuple[FileRecord, ...]] = {}
+    coming: dict[str, FileRecord] = {}
     for name, text in rendered.items():
         generated = parse(text, f"{target / name} (as generated)")
-        coming[name] = (record_of(generated),)
+        coming[name] = record_of(generated)
         old = standing.get(name)
         contents[name] = merge(generated, old, known.get(name, ()), force=force) if old else text
     removed = tuple(name for name in known if name in standing and name not in rendered)
     for name in removed:
         _require_no_code(standing[name], known[name])
-    both = {name: known.get(name, ()) + coming.get(name, ()) for name in (*known, *coming)}
     existing |= {} if recorded is None else {MANIFEST: recorded}
-    return GenerationPlan(
-        target, existing, contents, removed, dumps(sources, coming), dumps(sources, both)
-    )
-
-
-def write(plan: GenerationPlan) -> None:
-    """Carry out a plan, as the module describes; what does not change is not touched.
-
-    A file that cannot be written raises a ``GenerationError``; the folder stays usable.
-    """
-    if plan.stale:
-        try:
-            _replace(plan)
-        except OSError as error:
-            raise GenerationError(
-                f"{plan.target}: cannot be written ({error}); "
-                "no hand-written code is lost; mend the cause and generate again"
-            ) from error
-
-
-def _replace(plan: GenerationPlan) -> None:
-    target = plan.target.resolve()
-    staging = target.parent / f".{target.name}.staging"
-    if staging.exists():
-        shutil.rmtree(staging)
-    target.mkdir(parents=True, exist_ok=True)
-    staging.mkdir()
-    try:
-        for name in plan.written:
-            _stage(staging / name, plan.contents[name])
-        _stage(staging / _BOTH, plan.manifest_of_both)
-        _stage(staging / MANIFEST, plan.manifest)
-        (staging / _BOTH).replace(target / MANIFEST)
-        for name in plan.written:
-            (staging / name).replace(target / name)
-        for name in plan.removed:
-            (target / name).unlink()
-        (staging / MANIFEST).replace(target / MANIFEST)
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
-
-
-def _stage(path: Path, text: str) -> None:
-    with path.open("w", encoding="utf-8", newline="\n") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
+    return GenerationPlan(target, existing, contents, removed, dumps(sources, coming))
 
 
 def _read(path: Path) -> str | None:

@@ -42,8 +42,10 @@ class Mending:
     ----------
     fixed
         The defects that are gone afterwards, each with the title of its fix.
-    contents
-        New content by path, of the files that change.
+    folder
+        That of the mission.
+    contents, before
+        New and old content by path, of the files that change.
     difference
         Lines of the unified diff of these files.
     respelt
@@ -51,7 +53,9 @@ class Mending:
     """
 
     fixed: tuple[tuple[Diagnostic, str], ...]
+    folder: Path
     contents: Mapping[Path, bytes]
+    before: Mapping[Path, bytes]
     difference: tuple[str, ...]
     respelt: tuple[Path, ...]
 
@@ -101,7 +105,7 @@ def mend(inspection: Inspection) -> Mending | None:
     )
     fixed = tuple((found, titles[found.constraint]) for found in fixable)
     lines = tuple(difference(draft, old, contents))
-    return Mending(fixed, MappingProxyType(contents), lines, respelt)
+    return Mending(fixed, draft.mission_path.parent, contents, old, lines, respelt)
 
 
 def _elements_by_place(draft: LoadedModels) -> Mapping[tuple[Path, int, str], list[Any]]:

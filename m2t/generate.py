@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 
 from jinja2 import Environment
 
-from m2t.emit import GenerationPlan, plan_files, write
+from m2t.emit import GenerationPlan, plan_files
 from m2t.environment import remark, template_environment
 from m2t.line_difference import unified_difference
 from m2t.load import LoadedModels, load_mission_folder
@@ -31,6 +31,8 @@ from m2t.visitors import (
     mission_loader,
     topics,
 )
+from mrsfi_runtime.errors import GenerationError, UsageError
+from mrsfi_runtime.files import changing
 
 Visitor: TypeAlias = Callable[[LoadedModels], Mapping[str, Any]]
 """Computes what a template needs, free of metamodel objects."""
@@ -56,31 +58,19 @@ VISITORS: Mapping[str, Visitor] = MappingProxyType(
 
 
 def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPlan:
-    """Bring the generated code of a mission up to date.
+    """Bring the generated code of a mission up to date; say what was written and removed.
 
-    Parameters
-    ----------
-    models
-        Mission folder with ``mission.xmi`` and ``faults.xmi``.
-    target
-        Folder for the generated files.
-    force
-        Overwrite edits outside protected regions.
-
-    Returns
-    -------
-    GenerationPlan
-        Says which files were written, left as they were, and removed.
-
-    Raises
-    ------
-    ModelError
-        With all errors of the models.
-    GenerationError
-        If hand-written code would be lost, or a file cannot be written.
+    Edits outside protected regions are refused unless forced. Errors of the models are a
+    ``ModelError``; hand-written code in danger, or a file that cannot be written, is a
+    ``GenerationError``. A folder of models that cannot be written is locked by that of the code.
     """
-    planned = plan(models, target, force=force)
-    write(planned)
+    place = models if os.access(models, os.W_OK) else target
+    with changing(place) as change:
+        planned = plan(models, target, force=force)
+        try:
+            change.replace(planned.changes)
+        except UsageError as error:
+            raise GenerationError(f"{error}; mend the cause and generate again") from error
     return planned
 
 

@@ -19,6 +19,7 @@ from m2t.read.addresses import local_path
 from m2t.read.model_files import ModelFiles
 from m2t.read.nodes import Node, Spelling
 from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.files import settle
 
 MISSION_XMI = "mission.xmi"
 FAULTS_XMI = "faults.xmi"
@@ -156,12 +157,14 @@ def inspect_folder(folder: Path) -> Inspection:
     Constraints of sense are checked on a file whose structure is sound: what they would say about
     missing parts helps nobody.
     """
+    settle(folder)
     faults_path = folder / FAULTS_XMI
     return _Loading().inspect(folder / MISSION_XMI, faults_path if _is_there(faults_path) else None)
 
 
 def inspect_specification(path: Path) -> Inspection:
     """Load a fault specification and its mission; return everything that was found."""
+    settle(*(place for place in path.resolve().parents if (place / MISSION_XMI).is_file()))
     report = Report()
     files = ModelFiles(report)
     file = files.read(path)

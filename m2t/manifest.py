@@ -21,32 +21,22 @@ GENERATOR = "1"
 """Version of visitors and templates together; raised when generated text changes."""
 
 
-def dumps(sources: Mapping[str, str], files: Mapping[str, tuple[FileRecord, ...]]) -> str:
-    """Return a manifest as JSON with sorted keys and a newline at the end.
-
-    Parameters
-    ----------
-    sources
-        SHA-256 of every model and metamodel by file name.
-    files
-        What to remember of every generated file, by its name: one record, or several while a
-        generation replaces files, which stand there in the form of any of them.
-    """
+def dumps(sources: Mapping[str, str], files: Mapping[str, FileRecord]) -> str:
+    """Return a manifest as JSON: the SHA-256 of what was read, by name, and what was generated."""
     document = {
         "schema": SCHEMA,
         "generator": GENERATOR,
         "semantics": SEMANTICS,
         "sources": dict(sources),
-        "files": {
-            name: _entry(*records) if len(records) == 1 else [_entry(each) for each in records]
-            for name, records in files.items()
-        },
+        "files": {name: _entry(record) for name, record in files.items()},
     }
     return json.dumps(document, indent=2, sort_keys=True) + "\n"
 
 
 def loads(text: str, name: str) -> dict[str, tuple[FileRecord, ...]]:
-    """Return the files that a manifest remembers, as ``dumps`` takes them.
+    """Return what a manifest remembers of files, by name: what is as any record was generated.
+
+    Several stand there where an earlier mrsfi was killed while it generated.
 
     What is no manifest, or one of a newer mrsfi, raises a ``GenerationError`` about ``name``.
     """

@@ -8,11 +8,12 @@ from urllib.parse import quote
 
 from m2t.line_difference import unified_difference
 from m2t.load import LoadedFile, LoadedModels
-from m2t.write.xmi import dumps_file, write_atomically
+from m2t.write.xmi import dumps_file
+from mrsfi_runtime.files import changing
 
 
 def save(models: LoadedModels) -> tuple[Path, ...]:
-    """Write loaded models back to their files, each as a whole.
+    """Write loaded models back to their files: all of them, or none.
 
     Parameters
     ----------
@@ -28,11 +29,13 @@ def save(models: LoadedModels) -> tuple[Path, ...]:
     ------
     ModelError
         As ``saved``; no file is written then.
+    UsageError
+        If a file cannot be written.
     """
     contents = saved(models)
     changed = {path: new for path, new in contents.items() if path.read_bytes() != new}
-    for path, content in changed.items():
-        write_atomically(path, content)
+    with changing(models.mission_path.parent) as change:
+        change.replace(changed)
     return tuple(changed)
 
 

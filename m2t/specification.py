@@ -6,7 +6,7 @@ Source paper, section III-A, step 6, and section III-B b).
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -16,8 +16,9 @@ from m2t.load import LoadedModels, load_mission_folder
 from m2t.metaclasses import slots
 from m2t.metamodels import load_metamodels
 from m2t.saving import addresses
-from m2t.write.xmi import dumps, write_atomically
+from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.model.faults import numbered
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
@@ -31,6 +32,7 @@ def write_specification(
     *,
     identifier: str,
     names: Sequence[str] | None = None,
+    write: Callable[[Path, bytes], object] = write_atomically,
 ) -> None:
     """Write timed faults as XMI.
 
@@ -46,6 +48,8 @@ def write_specification(
         ID of the fault specification.
     names
         IDs of the timed faults; those of ``numbered`` if left out.
+    write
+        What writes them.
 
     Raises
     ------
@@ -81,7 +85,7 @@ def write_specification(
         _set_values(fault, given)
         specification.faults.append(fault)
     hrefs = addresses(models, path.parent)
-    write_atomically(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
+    write(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
 
 
 def _set_values(fault: Any, given: Mapping[str, float]) -> None:

@@ -18,8 +18,9 @@ from m2t.importing.reading import PublishedReader
 from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metamodels import load_metamodels
 from m2t.read.nodes import Node, read_root
-from m2t.write.xmi import dumps, write_atomically
+from m2t.write.xmi import dumps
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.files import changing, whole_folder
 
 _COUNTED = ("robots", "servers", "obstacles", "goals")
 
@@ -174,7 +175,7 @@ def _require_sound(mission: Any, pools: list[Any], reader: PublishedReader, repo
 
 
 def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:
-    """Write each file as a whole; campaign files only where there are none."""
+    """Write all files or none; campaign files only where there are none."""
     mission = models[MISSION_XMI]
     contents = {
         name: dumps(root, hrefs={} if root is mission else {mission: MISSION_XMI})
@@ -182,14 +183,13 @@ def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:
     }
     cases = campaign_files(mission)
     contents |= {name: text for name, text in cases.items() if not (folder / name).exists()}
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, content in contents.items():
-            write_atomically(folder / name, content)
-    except OSError as error:
-        raise UsageError(
-            f"{folder}: cannot be written: {error.strerror or error}; name another with --out"
-        ) from error
+    if folder.exists():
+        with changing(folder) as change:
+            change.replace({folder / name: content for name, content in contents.items()})
+    else:
+        with whole_folder(folder) as new:
+            for name, content in contents.items():
+                (new / name).write_bytes(content)
     return tuple(contents)
 
 

@@ -4,12 +4,9 @@ pyecore's own serializer is not used: it orders features differently, writes def
 and truncates the file before it knows that it can write the new content.
 """
 
-import os
 import re
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -20,6 +17,7 @@ from m2t.metaclasses import Slot, slots
 from m2t.namespaces import XMI, XSI
 from m2t.read.nodes import Spelling
 from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.files import write_atomically as write_atomically  # noqa: PLC0414 - for scripts
 
 _NOTHING: Mapping[Any, str] = MappingProxyType({})
 
@@ -99,22 +97,6 @@ def _encoded(text: str, encoding: str) -> bytes:
 
 def _lacks(encoding: str, character: str) -> bool:
     return not character.encode(encoding, "ignore")
-
-
-def write_atomically(path: Path, content: bytes) -> None:
-    """Replace a file as a whole: after a crash it has either its old or its new content."""
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    temporary = Path(name)
-    try:
-        with os.fdopen(descriptor, "wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.chmod(path.stat().st_mode & 0o777 if path.exists() else 0o644)
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
 
 
 def java_double(value: float) -> str:

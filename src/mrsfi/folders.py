@@ -8,6 +8,7 @@ from m2t.generate import stale
 from m2t.load import LoadedModels
 from mrsfi.project import from_here, project
 from mrsfi_runtime.errors import GenerationError, UsageError
+from mrsfi_runtime.files import settle
 from mrsfi_runtime.semantics_of_code import require_semantics
 
 _MODELS, _GENERATED = "models", "generated"
@@ -50,7 +51,7 @@ class MissionFolders:
 
 
 def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
-    """Return the folders of a mission.
+    """Return the folders of a mission; what a command that was killed left there is settled first.
 
     Parameters
     ----------
@@ -67,6 +68,7 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
     for models in _places(mission):
         folder = models.resolve()
         usual = generated or _generated(folder)
+        settle(models, usual)
         return MissionFolders(folder.name, models, usual)
     place = project().models
     known = sorted(path.parent.name for path in place.glob(f"*/{_MISSION_FILE}"))

@@ -1,6 +1,6 @@
 """What flies: the code of missions, and fault specifications in files."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -12,6 +12,7 @@ from m2t.specification import SpecificationRow, write_specification
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.engine.flights import require_effects
 from mrsfi_runtime.errors import SpecificationError, UsageError
+from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.mission import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
@@ -45,14 +46,16 @@ def load_fresh(folders: MissionFolders, loaded: LoadedModels | None = None) -> M
     return load_code(folders.generated)
 
 
-def specification_writer(folder: Path) -> "SpecificationWriter":
+def specification_writer(
+    folder: Path, put: Callable[[Path, bytes], object] = write_atomically
+) -> "SpecificationWriter":
     """Return what writes specifications of the pool in a mission folder, loaded for the first."""
     models = cache(partial(load_mission_folder, folder))
 
     def write(
         rows: Sequence[SpecificationRow], path: Path, identifier: str, names: Sequence[str]
     ) -> None:
-        write_specification(models(), rows, path, identifier=identifier, names=names)
+        write_specification(models(), rows, path, identifier=identifier, names=names, write=put)
 
     return write
 

@@ -142,10 +142,9 @@ class Mission:
         GenerationError
             If generated code is stale, or was edited outside its regions.
         """
-        from mrsfi.renaming import renaming  # noqa: PLC0415 - brings m2t
+        from mrsfi.renaming import rename  # noqa: PLC0415 - brings m2t
 
-        renamed = renaming(self.folders, names)
-        renamed.write()
+        renamed = rename(self.folders, names)
         self.__dict__.pop("code", None)
         return renamed.paths
 

@@ -6,7 +6,7 @@ Each part of m2t is imported when it is first needed.
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.files import changing
 
 if TYPE_CHECKING:
     from m2t.difference import Change
@@ -89,16 +89,13 @@ def write_models(folder: Path | str, mission: Any, faults: Any) -> None:
     UsageError
         If the folder cannot be made or written.
     """
-    from m2t.write.xmi import dumps, write_atomically  # noqa: PLC0415 - as above
+    from m2t.write.xmi import dumps  # noqa: PLC0415 - as above
 
     place = Path(folder)
-    contents = {
-        "mission.xmi": dumps(mission),
-        "faults.xmi": dumps(faults, hrefs={mission: "mission.xmi"}),
-    }
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-        for name, content in contents.items():
-            write_atomically(place / name, content)
-    except OSError as error:
-        raise UsageError(f"{place}: cannot be written: {error.strerror}") from error
+    with changing(place) as change:
+        change.replace(
+            {
+                place / "mission.xmi": dumps(mission),
+                place / "faults.xmi": dumps(faults, hrefs={mission: "mission.xmi"}),
+            }
+        )

@@ -1,13 +1,12 @@
 """Findings that are kept beside the models of a mission, and flown against those of today."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import monotonic
 
 from mrsfi.campaign_folders import OpenCampaign, findings_of
 from mrsfi.engines import Tell, opened, silent
-from mrsfi.files import whole_file
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import specification_rows
@@ -18,6 +17,7 @@ from mrsfi_runtime.causes.recorded import NO_FAULT, sentences
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
+from mrsfi_runtime.files import changing, telling
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.measure import Measure
@@ -113,36 +113,35 @@ def keep(
     counts = dict(zip(goals, getattr(found.outcome, settings.violations), strict=True))
     regression = replace(regression, limits=counts if limits is None else limits)
     regression.counts(goals, found.outcome)  # refuses goals that there are not
-    if regression.path.exists() or regression.specification.exists():
-        raise UsageError(
-            f"{regression.path}: is kept already; choose another name with --name, or take new "
-            f"limits over with: mrsfi keep {folders.name} --update"
-        )
+    _require_new(regression, folders)
     specification = tuple(fault.timed for fault in found.faults)
-    try:
-        folder.mkdir(exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"{folder}: cannot be made: {error.strerror}") from error
-    specification_writer(folders.models)(
+    contents: dict[Path, bytes] = {regression.path: regression.text().encode()}
+    specification_writer(folders.models, contents.__setitem__)(
         specification_rows(campaign.pool, specification),
         regression.specification,
         "kept",
         [fault.name for fault in found.faults],
     )
-    write_limits(regression)
+    with changing(folders.models) as change:
+        _require_new(regression, folders)
+        change.replace(contents)
     return regression
 
 
-def write_limits(regression: Regression) -> None:
-    """Write what a kept finding may have, as a whole file.
+def _require_new(regression: Regression, folders: MissionFolders) -> None:
+    """Refuse to keep what is kept already, or what has a name that no file can have."""
+    with telling(regression.path, "choose another name with --name"):
+        if regression.path.exists() or regression.specification.exists():
+            raise UsageError(
+                f"{regression.path}: is kept already; choose another name with --name, or take new "
+                f"limits over with: mrsfi keep {folders.name} --update"
+            )
 
-    Raises
-    ------
-    UsageError
-        If it cannot be written.
-    """
-    with whole_file(regression.path) as file:
-        file.write(regression.text().encode())
+
+def write_limits(folders: MissionFolders, regressions: Sequence[Regression]) -> None:
+    """Write what kept findings of a mission may have, of all of them or of none."""
+    with changing(folders.models) as change:
+        change.replace({each.path: each.text().encode() for each in regressions})
 
 
 def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:

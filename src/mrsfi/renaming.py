@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from m2t.emit import write
 from m2t.line_difference import unified_difference
 from m2t.new_ids import with_new_ids
-from mrsfi.files import write_all
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.files import changing
 from mrsfi_runtime.record.regressions import folder_of
 
 if TYPE_CHECKING:
@@ -49,18 +48,10 @@ _LIMITS = _Place(
 class Renaming:
     """What other IDs would change.
 
-    Attributes
-    ----------
-    contents
-        New content by path, of models, specifications, campaign files and limits.
-    code
-        Plan of the generated files; ``None`` if nothing is generated.
-    difference
-        Lines of the unified diff of all this.
-    respelt
-        Models that change beyond their IDs: they are not spelt as Eclipse writes them.
-    scripts
-        Where Python files beside the models name an old ID: path, line and ID.
+    New content by path, of models, specifications, campaign files and limits; the plan of the
+    generated files, if there are any; lines of the unified diff of all this; models that change
+    beyond their IDs, as they are not spelt as Eclipse writes them; and where Python files beside
+    the models name an old ID: path, line and ID.
     """
 
     contents: Mapping[Path, bytes]
@@ -76,39 +67,25 @@ class Renaming:
         written = () if code is None else (code.target / name for name in code.written)
         return (*self.contents, *written)
 
-    def write(self) -> None:
-        """Change them.
+    @property
+    def changes(self) -> dict[Path, bytes | None]:
+        """New content of all files that change, by path."""
+        return {**self.contents, **({} if self.code is None else self.code.changes)}
 
-        Raises
-        ------
-        UsageError
-            If a file cannot be written; nothing is changed then.
-        GenerationError
-            If generated code cannot be.
-        """
-        write_all(self.contents)
-        if self.code is not None:
-            write(self.code)
+
+def rename(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
+    """Give elements other IDs, as ``renaming`` says, in all files or in none."""
+    with changing(folders.models) as change:
+        found = renaming(folders, names)
+        change.replace(found.changes)
+    return found
 
 
 def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
-    """Return what other IDs of elements would change; write nothing.
+    """Return what other IDs would change, by old ones, all at once; write nothing.
 
-    Parameters
-    ----------
-    folders
-        The mission.
-    names
-        New IDs by old ones, of elements of the mission and of its pool; all change at once.
-
-    Raises
-    ------
-    UsageError
-        If nothing has an old ID, a new one cannot be or is taken, or a file cannot be edited.
-    ModelError
-        If the models, or a specification beside them, are not sound.
-    GenerationError
-        If generated code is stale, or was edited outside its regions.
+    An old ID that nothing has, and a new one that cannot be or is taken, are a ``UsageError``, as
+    are files that cannot be edited.
     """
     if folders.generated.is_dir():
         folders.require_fresh()

@@ -10,6 +10,7 @@ from m2t.importing.importer import import_published
 from m2t.metamodels import load_metamodels, metamodel_folder
 from mrsfi.folders import find_mission
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.files import whole_folder
 
 _TEMPLATE = Path(__file__).parent / "template"
 _PLACES = {
@@ -26,23 +27,10 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
 
 def start(name: str, source: str | None = None, published: Path | None = None) -> Path:
-    """Make the folder of a new project, and return it.
+    """Make the folder of a new project with a mission of its name, whole or not at all; return it.
 
-    Parameters
-    ----------
-    name
-        Of the folder, and of its mission.
-    source
-        Name or folder of a mission that it begins with, in place of a small one.
-    published
-        A model of the paper's prototype that it begins with.
-
-    Raises
-    ------
-    UsageError
-        If the name cannot be one, something stands there, or there is no such mission.
-    ModelError
-        If the published model cannot be used.
+    It begins with a mission that has a name or folder, or with a published model of the paper's
+    prototype, in place of a small one. A name that cannot be one, or is taken, is a ``UsageError``.
     """
     if not _NAME.fullmatch(name):
         raise UsageError(
@@ -50,35 +38,36 @@ def start(name: str, source: str | None = None, published: Path | None = None) -
             "becomes part of Python's names"
         )
     folder = Path(name)
-    if folder.exists():
-        raise UsageError(f"{folder}: exists; expected a name that is free here")
     begun_from = None if source is None else find_mission(source).models.resolve()
-    try:
-        _fill(folder, begun_from, published)
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
+    with whole_folder(folder) as new:
+        if folder.exists():
+            raise UsageError(f"{folder}: exists; expected a name that is free here")
+        _fill(new, name, begun_from, published)
     return folder
 
 
-def _fill(folder: Path, source: Path | None, published: Path | None) -> None:
-    models = folder / "models" / folder.name
+def _fill(folder: Path, mission: str, source: Path | None, published: Path | None) -> None:
+    models = folder / "models" / mission
     for name, place in _PLACES.items():
-        _write(_TEMPLATE / name, folder / place, folder.name)
-    shutil.copytree(metamodel_folder(), folder / "metamodels")
+        _write(_TEMPLATE / name, folder / place, mission)
+    _copy(metamodel_folder(), folder / "metamodels", "*")
     if published is not None:
         import_published(published, models)
     elif source is not None:
-        for pattern in _MODELS:
-            for path in sorted(source.rglob(pattern)):
-                copy = models / path.relative_to(source)
-                copy.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(path, copy)
+        _copy(source, models, *_MODELS)
     else:
         for name in _MISSION:
-            _write(_TEMPLATE / "mission" / name, models / name, folder.name)
-    generate(models, folder / "generated" / folder.name)
+            _write(_TEMPLATE / "mission" / name, models / name, mission)
+    generate(models, folder / "generated" / mission)
     write_classes(folder / "generated" / "metamodel", class_files(load_metamodels().packages))
+
+
+def _copy(source: Path, target: Path, *patterns: str) -> None:
+    for path in sorted(path for pattern in patterns for path in source.rglob(pattern)):
+        if path.is_file():
+            copy = target / path.relative_to(source)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, copy)
 
 
 def _write(template: Path, place: Path, name: str) -> None:

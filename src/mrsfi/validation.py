@@ -13,12 +13,12 @@ from m2t.load import (
     inspect_specification,
 )
 from mrsfi.engines import Tell, silent
-from mrsfi.files import write_all
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.loading import load_fresh
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
-from mrsfi_runtime.errors import EvaluationError, MrsfiError
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
+from mrsfi_runtime.files import changing
 
 _LONGEST_FLIGHT = 100_000
 """Ticks that a validation flies at most, which takes a few seconds."""
@@ -101,8 +101,12 @@ def mending(mission: str, generated: Path | None = None) -> tuple[Inspection, Me
 
 
 def write_mended(mended: Mending) -> None:
-    """Write the files of a mending, all of them or none."""
-    write_all(mended.contents)
+    """Write the files of a mending, all of them or none, unless one changed since it was read."""
+    with changing(mended.folder) as change:
+        for path in mended.contents:
+            if path.read_bytes() != mended.before[path]:
+                raise UsageError(f"{path}: was changed since it was read; fix it again")
+        change.replace(mended.contents)
 
 
 def n_errors(diagnostics: Sequence[Diagnostic]) -> int:

@@ -1,10 +1,11 @@
 """``mrsfi rename``: other IDs everywhere at once, or nothing."""
 
 import shutil
+import subprocess
 
 import pytest
 
-from tests.support.cli import MISSION, contents, edit, mrsfi, mrsfi_json, workspace
+from tests.support.cli import MISSION, command_line, contents, edit, mrsfi, mrsfi_json, workspace
 from tests.support.edited import write_body
 from tests.support.tree import ROOT
 
@@ -157,10 +158,14 @@ def test_a_file_that_cannot_be_edited_is_named_and_nothing_is_written(name, old,
     _refused(place, "g3=power", "g1=first", told=told)
 
 
-def test_where_one_file_cannot_be_written_all_stay_as_they_were(place):
-    kept = place / MODELS / "regressions"
-    longest = "x" * 250  # what is written beside a file, before it replaces it, has a longer name
-    for suffix in (".xmi", ".toml"):
-        shutil.copy(kept / f"case_a_1{suffix}", kept / f"{longest}{suffix}")
+def test_where_the_disk_is_full_all_stay_as_they_were(place):
+    before = contents(place)
+    words = command_line("rename", MISSION, "g3=power")
+    shell = 'ulimit -f 20 && PYTHONDONTWRITEBYTECODE=1 exec "$@"'  # models are smaller
+    command = ["sh", "-c", shell, "sh", *words]
 
-    _refused(place, "g3=power", told=f"{longest}.toml: cannot be written: File name too long")
+    done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
+
+    assert done.returncode == 2
+    assert "mission_loader.py: cannot be written: File too large; nothing is changed" in done.stderr
+    assert contents(place) == before

@@ -8,7 +8,6 @@ from xml.etree import ElementTree as ET
 import click
 from rich.table import Table
 
-from mrsfi.files import whole_file
 from mrsfi.folders import find_mission, missions
 from mrsfi.regressions import Checked, check_all
 from mrsfi_runtime.cli.console import print_json, tell
@@ -17,6 +16,7 @@ from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import LimitExceeded, UsageError
+from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.measure import NONE
 from mrsfi_runtime.record.regressions import kept
 

@@ -45,16 +45,14 @@ def _update(mission: str, name: str | None, engine: EngineOptions) -> None:
     failures = [each.error for each in checked if each.error is not None]
     if failures:
         raise failures[0]
-    n_changed = 0
-    for each in checked:
+    changed = [each for each in checked if each.counts != each.regression.limits]
+    if changed:
+        write_limits(folders, [replace(each.regression, limits=each.counts) for each in changed])
+    for each in changed:
         before = each.regression.limits
-        if each.counts == before:
-            continue
-        n_changed += 1
-        write_limits(replace(each.regression, limits=each.counts))
         click.echo(each.regression.name)
         for goal, ticks in each.counts.items():
             if ticks != before[goal]:
                 click.echo(f"  {goal}: {before[goal]} → {ticks}")
-    if not n_changed:
+    if not changed:
         click.echo("no difference")

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mrsfi.engines import opened
-from mrsfi.files import written_file
 from mrsfi.folders import find_mission
 from mrsfi.loading import load_fresh, read_specification
 from mrsfi_runtime.cli.console import print_json, tell
@@ -19,6 +18,7 @@ from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.files import written_file
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission

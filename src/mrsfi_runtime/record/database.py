@@ -10,8 +10,9 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.files import keep_names
 from mrsfi_runtime.record.encoding import COUNTS
-from mrsfi_runtime.record.folder import keep_names, new_name
+from mrsfi_runtime.record.folder import new_name
 
 SCHEMA = 2
 """Version of the layout; a file of a newer one is refused, so that no earlier mrsfi flies it.

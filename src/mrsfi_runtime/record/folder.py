@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Self
 
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.files import keep_names
 
 
 class CampaignFolder:
@@ -110,15 +111,6 @@ def hashes(folder: Path) -> dict[str, str]:
 def new_name(path: Path) -> str:
     """Return the name that a file has until it is whole."""
     return f"{path.name}.new"
-
-
-def keep_names(folder: Path) -> None:
-    """Wait until the names of a folder's files are on the disk, whatever its power does."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 @contextmanager

@@ -1,0 +1,278 @@
+"""Files that are written: one as a whole, or several as one change.
+
+A change survives a kill at any moment. ``.mrsfi-change`` in its folder is lock and journal in one,
+and there only while a command changes something, or after one was killed. It has a line with the
+process, one with what is to replace what, and, once all that is new is on the disk, beside what it
+replaces, the line ``"whole"``. Who holds the lock next replaces then, or removes what is new.
+"""
+
+import errno
+import fcntl
+import json
+import os
+import shutil
+import stat
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from time import monotonic, sleep
+from typing import IO, Any, TextIO
+
+from mrsfi_runtime.errors import UsageError
+
+JOURNAL = ".mrsfi-change"
+_WHOLE = "whole"
+_PATIENCE = 10.0
+"""Seconds that a command waits for another one."""
+
+
+@contextmanager
+def written_file(path: Path) -> Iterator[TextIO]:
+    """Open a file that the user asked for; one that cannot be written is a ``UsageError``."""
+    with telling(path), path.open("w", encoding="utf-8", newline="\n") as file:
+        yield file
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file that the user asked for, which is there when the body ends well, or not at all.
+
+    One that cannot be written is a ``UsageError``.
+    """
+    is_device = path.exists() and not path.is_file()  # or a pipe
+    with telling(path), path.open("wb") if is_device else _replacing(path) as file:
+        yield file
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Replace a file as a whole: after a crash it has either its old or its new content."""
+    with _replacing(path) as file:
+        file.write(content)
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file that takes the place of another one, through a symbolic link, at the end."""
+    target = path.resolve()
+    new = target.with_name(f".{os.getpid()}-{target.name[:200]}.mrsfi-new")
+    try:
+        with new.open("wb") as file:
+            yield file
+            _keep(file, target)
+        new.replace(target)
+    finally:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
+
+
+@contextmanager
+def whole_folder(path: Path) -> Iterator[Path]:
+    """Yield a folder to fill that is there under its name when the body ends well, or not at all.
+
+    One that cannot be written is a ``UsageError``.
+    """
+    with changing(path.parent) as change, telling(path, "name another folder"):
+        (new,) = change.begin({path: b""}).values()
+        new.mkdir()
+        yield new
+        new.rename(path)
+
+
+@contextmanager
+def changing(folder: Path, *, waits: bool = True) -> Iterator["Change"]:
+    """Let nobody else change the files that belong to a folder, such as a mission's.
+
+    First, what a command that was killed had begun is finished or undone, and told on standard
+    error. A folder that cannot be written, or that another process changes for some time, is a
+    ``UsageError``.
+    """
+    with telling(folder, "nothing is changed"):
+        folder.mkdir(parents=True, exist_ok=True)
+        descriptor = _locked(folder, _PATIENCE if waits else 0.0)
+    change = Change(folder, descriptor)
+    try:
+        if done := change.settle():
+            sys.stderr.write(f"mrsfi: {folder}: {done}\n")
+        change.note(os.getpid())
+        yield change
+    finally:
+        try:
+            change.settle()
+            (folder / JOURNAL).unlink(missing_ok=True)
+        finally:
+            os.close(descriptor)
+
+
+def settle(*folders: Path) -> None:
+    """Finish or undo what a command that was killed had begun to change in some folders."""
+    for folder in folders:
+        journal = folder / JOURNAL
+        with suppress(FileNotFoundError):
+            if journal.is_file():
+                is_begun = b"[" in journal.read_bytes()
+                unless = () if is_begun else (UsageError,)  # nothing is replaced, or will soon be
+                with suppress(*unless), changing(folder, waits=is_begun):
+                    pass
+
+
+class Change:
+    """What changes files, by the only process that may; ``changing`` has it."""
+
+    def __init__(self, folder: Path, descriptor: int) -> None:
+        self._folder = folder
+        self._root = folder.resolve()
+        self._journal = descriptor
+
+    def replace(self, contents: Mapping[Path, bytes | None]) -> None:
+        """Give files new contents, or remove those that get ``None``: all of them, or none.
+
+        Symbolic links stay, and what they lead to is replaced. A file that cannot be written is a
+        ``UsageError``.
+        """
+        try:
+            new = self.begin(contents)
+            for path, staged in new.items():
+                with telling(path, "nothing is changed"):
+                    if path.is_dir():
+                        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+                    staged.parent.mkdir(parents=True, exist_ok=True)
+                    with staged.open("xb") as file:
+                        file.write(contents[path] or b"")
+                        _keep(file, path.resolve())
+            self._keep_names(new.values())
+            self.note(_WHOLE)
+        finally:
+            self.settle()
+
+    def begin(self, contents: Mapping[Path, bytes | None]) -> dict[Path, Path]:
+        """Note what is going to be replaced, and return where what is new goes until then."""
+        new, entries = {}, []
+        for number, (path, content) in enumerate(contents.items()):
+            target = path.resolve() if content is not None else path.parent.resolve() / path.name
+            staged = target.with_name(f".{os.getpid()}-{number}.mrsfi-new")
+            entry = [os.path.relpath(each, self._root) for each in (target, staged)]
+            with telling(path, "nothing is changed"):
+                entries.append((*entry, _time(target), content is None))
+            if content is not None:
+                new[path] = staged
+        self.note(entries)
+        return new
+
+    def note(self, value: object) -> None:
+        """Write a line into the journal, and wait until it is on the disk."""
+        line = json.dumps(value).encode() + b"\n"
+        with telling(self._folder, "nothing is changed"):
+            while line:
+                line = line[os.write(self._journal, line) :]
+            os.fsync(self._journal)
+
+    def settle(self) -> str:
+        """Finish what was noted as whole, undo what was not; return what was done, in words."""
+        notes = _notes(self._journal)
+        entries = next((note for note in notes if isinstance(note, list)), [])
+        end, done = (_finish, "finished") if _WHOLE in notes else (_undo, "undid")
+        with telling(self._folder, "a change is half done; mend that, and any command ends it"):
+            found = [
+                name
+                for target, new, *how in entries
+                for name in end(self._root / target, self._root / new, *how)
+            ]
+            self._keep_names(self._root / entry[0] for entry in entries if _WHOLE in notes)
+            os.ftruncate(self._journal, 0)
+        told = f"{done} what a command that was ended had begun to change: {', '.join(found)}"
+        return told if found else ""
+
+    def _keep_names(self, paths: Iterable[Path]) -> None:
+        for folder in {path.parent for path in paths}:
+            keep_names(folder)
+
+
+def _notes(journal: int) -> list[Any]:
+    """Return the lines of a journal; one that was not written to its end is none."""
+    *lines, _ = os.pread(journal, os.fstat(journal).st_size, 0).split(b"\n")
+    with suppress(ValueError):
+        return [json.loads(line) for line in lines]
+    return []
+
+
+def _finish(target: Path, new: Path, time: int | None, is_removed: bool) -> Iterator[str]:
+    """Replace or remove a file, unless that is done; yield its name, and where an edit is kept."""
+    if is_removed or new.exists():
+        if _time(target) not in {None, time}:
+            kept = target.replace(target.with_name(f"{target.name}.edited"))
+            yield f"{kept.name} (edited since then)"
+        if is_removed:
+            target.unlink(missing_ok=True)
+        else:
+            new.replace(target)
+        yield target.name
+
+
+def _undo(target: Path, new: Path, *_: object) -> Iterator[str]:
+    """Remove what was to be new, and its folder if nothing else is in it; yield its name."""
+    if new.exists():
+        yield target.name
+        if new.is_dir():
+            shutil.rmtree(new)
+        new.unlink(missing_ok=True)
+    with suppress(OSError):
+        new.parent.rmdir()
+
+
+def _locked(folder: Path, patience: float) -> int:
+    """Return the journal of a folder, locked: the lock is the operating system's, and ends so."""
+    journal = folder / JOURNAL
+    until = monotonic() + patience
+    while True:
+        with ExitStack() as opened:
+            flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
+            descriptor = os.open(journal, flags, 0o666)
+            opened.callback(os.close, descriptor)
+            if os.fstat(descriptor).st_uid != os.geteuid():  # it says what to replace
+                raise PermissionError(errno.EPERM, f"{JOURNAL} is another user's")
+            with suppress(BlockingIOError, FileNotFoundError):  # somebody has it, or removed it
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if os.path.samestat(os.fstat(descriptor), journal.stat()):
+                    opened.pop_all()
+                    return descriptor
+            if monotonic() > until:
+                holder = next((f" ({note})" for note in _notes(descriptor)), "")
+                raise UsageError(
+                    f"{folder}: found another process{holder} changing it; expected one at a "
+                    "time; wait until it is done, or end it"
+                )
+        sleep(0.02)
+
+
+def _keep(file: IO[bytes], target: Path) -> None:
+    """Wait until what was written is on the disk; give it the rights of what it replaces."""
+    file.flush()
+    os.fsync(file.fileno())
+    with suppress(FileNotFoundError):
+        os.fchmod(file.fileno(), stat.S_IMODE(target.stat().st_mode))
+
+
+def keep_names(folder: Path) -> None:
+    """Wait until the names of a folder's files are on the disk, whatever its power does."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _time(path: Path) -> int | None:
+    """Return when a file was written, if there is one."""
+    with suppress(FileNotFoundError):
+        return path.stat().st_mtime_ns
+    return None
+
+
+@contextmanager
+def telling(path: Path, advice: str = "name another file") -> Iterator[None]:
+    """Say of a file that it cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be written: {error.strerror}; {advice}") from error
