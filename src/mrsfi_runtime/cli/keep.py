@@ -22,39 +22,46 @@ def keep(
     name: str | None,
     limits: Mapping[str, int] | None,
     update: bool,
+    n_seeds: int | None,
     engine: EngineOptions,
 ) -> None:
     """Keep a finding of a campaign, or take over what is counted today of all that is kept."""
     if update:
         if finding is not None or limits is not None:
-            raise click.UsageError("--update is about all that is kept; it takes no other option")
-        _update(target, name, engine)
+            raise click.UsageError("--update is about all that is kept; give no finding, no limits")
+        _update(target, name, n_seeds, engine)
         return
     if finding is None:
         raise click.UsageError("--finding N is missing: which finding of the campaign to keep")
     with open_campaign(Path(target)) as campaign:
-        regression = keep_finding(campaign, finding, name, limits)
+        flown_by = engine.settings(campaign.store.manifest.engine, AUTO)
+        regression = keep_finding(campaign, finding, name, limits, n_seeds or 1, flown_by)
     tell(f"kept       {regression.specification}")
     tell(f"limits     {regression.path}")
 
 
-def _update(mission: str, name: str | None, engine: EngineOptions) -> None:
+def _update(mission: str, name: str | None, n_seeds: int | None, engine: EngineOptions) -> None:
     """Take over what is counted today, and print what changed."""
     folders = find_mission(mission)
-    checked = [*check_all(folders, engine.settings(default=AUTO), tell, name=name)]
+    checked = [*check_all(folders, engine.settings(default=AUTO), tell, n_seeds, name)]
     failures = [each.error for each in checked if each.error is not None]
     if failures:
         raise failures[0]
     n_changed = 0
     for each in checked:
-        before = each.regression.limits
-        if each.counts == before:
+        before, new = (
+            each.regression,
+            replace(each.regression, mission_seeds=each.seeds, limits=each.now),
+        )
+        if new == before:
             continue
         n_changed += 1
-        write_limits(replace(each.regression, limits=each.counts))
-        click.echo(each.regression.name)
-        for goal, ticks in each.counts.items():
-            if ticks != before[goal]:
-                click.echo(f"  {goal}: {before[goal]} → {ticks}")
+        write_limits(new)
+        click.echo(before.name)
+        if new.mission_seeds != before.mission_seeds:
+            click.echo(f"  mission seeds: {len(before.mission_seeds)} → {len(each.seeds)}")
+        for goal, ticks in new.limits.items():
+            if ticks != before.limits[goal]:
+                click.echo(f"  {goal}: {before.limits[goal]} → {ticks}")
     if not n_changed:
         click.echo("no difference")
