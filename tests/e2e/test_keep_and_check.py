@@ -191,7 +191,11 @@ def as_pipe(path):
 @pytest.mark.parametrize(
     ("damage", "code", "told"),
     [
-        (lambda kept: edit(kept[".xmi"], "mission.xmi#a", "mission.xmi#gone"), 3, "which does not exist"),
+        (
+            lambda kept: edit(kept[".xmi"], "mission.xmi#a", "mission.xmi#gone"),
+            3,
+            "which does not exist",
+        ),
         (lambda kept: edit(kept[".xmi"], 'finish="119"', 'finish="120"'), 5, "beyond the mission"),
         (
             lambda kept: edit(kept[".xmi"], 'start="10" finish="119"', 'start="900" finish="999"'),
