@@ -21,7 +21,7 @@ def regression_test(
     engine
         ``auto``, ``reference``, ``compiled`` or ``rosbridge``.
     n_seeds
-        Over how many mission seeds, in place of the kept ones.
+        In how many mission seeds: those that are kept first, then others.
 
     Raises
     ------

@@ -48,15 +48,10 @@ class GoalCauses:
 
 
 def goal_causes(question: Question, goal: str) -> GoalCauses:
-    """Return the cause set of one goal, and what every fault is to it.
+    """Return the cause set of one goal, by its counts alone, and what every fault is to it.
 
-    Parameters
-    ----------
-    question
-        Asks for the counts of this goal alone. If it is not violated, that is for nothing: then
-        only a fault that hides violations, or would cause some alone, is more than a bystander.
-    goal
-        ID of the goal.
+    Where it is not violated, that is for nothing: then only a fault that hides violations, or
+    would cause some alone, is more than a bystander.
     """
     everyone = range(len(question.specification))
     places = question.minimum()

@@ -164,11 +164,11 @@ def _junit(found: Mapping[str, Sequence[Checked]]) -> bytes:
                 name=each.regression.name,
                 time=f"{each.seconds:.3f}",
             )
-            if each.failure is not None:
-                ET.SubElement(case, "error", message=str(each.failure))
-            elif each.exceeded:
+            if each.exceeded:
                 failure = ET.SubElement(case, "failure", message=each.excess)
                 failure.text = "\n".join((f"Found in {each.regression.found}", *each.why))
+            elif each.failure is not None:
+                ET.SubElement(case, "error", message=str(each.failure))
     for element in root.iter():
         element.text = element.text and _legal(element.text)
         element.attrib.update({key: _legal(value) for key, value in element.attrib.items()})

@@ -49,10 +49,8 @@ def _update(mission: str, name: str | None, n_seeds: int | None, engine: EngineO
         raise failures[0]
     n_changed = 0
     for each in checked:
-        before, new = (
-            each.regression,
-            replace(each.regression, mission_seeds=each.seeds, limits=each.now),
-        )
+        before = each.regression
+        new = replace(before, mission_seeds=each.seeds, limits=each.now)
         if new == before:
             continue
         n_changed += 1
