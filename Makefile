@@ -19,14 +19,19 @@ SETUP := pyproject.toml constraints.txt
 PYTEST := $(BIN)/python -m pytest --numprocesses auto
 OURS := --dist worksteal --ignore=tests/interop --ignore=tests/release
 
-mission = $(or $(MISSION),uuv_sampling)
-pythons = $(or $(PYTHON),python3 python3.13 python3.12 python3.11)
-seed = $(if $(SEED),--seed "$(SEED)")
-workers = $(if $(WORKERS),--workers "$(WORKERS)")
-engine = $(if $(ENGINE),--engine "$(ENGINE)") $(if $(URL),--url "$(URL)")
-out = $(if $(OUT),--out "$(OUT)")
-new = "$(mission)" --case "$(or $(CASE),a)" $(seed) $(out)
-campaign = $(if $(RESUME),--resume "$(RESUME)",$(new))
+# What they hold is data: make takes it as it stands, and the shell finds it quoted.
+VARIABLES := MISSION CASE SEED ENGINE URL OUT RESUME WORKERS PYTHON
+$(foreach name,$(VARIABLES),$(eval override $(name) := $$(value $(name))))
+quoted = '$(subst ','\'',$(1))'
+
+mission = $(call quoted,$(or $(MISSION),uuv_sampling))
+pythons = $(if $(PYTHON),$(call quoted,$(PYTHON)),python3 python3.13 python3.12 python3.11)
+seed = $(if $(SEED),--seed $(call quoted,$(SEED)))
+workers = $(if $(WORKERS),--workers $(call quoted,$(WORKERS)))
+engine = $(if $(ENGINE),--engine $(call quoted,$(ENGINE))) $(if $(URL),--url $(call quoted,$(URL)))
+out = $(if $(OUT),--out $(call quoted,$(OUT)))
+new = $(mission) --case $(call quoted,$(or $(CASE),a)) $(seed) $(out)
+campaign = $(if $(RESUME),--resume $(call quoted,$(RESUME)),$(new))
 
 # Pinned twice: for what is installed, and for the isolated environment that builds the package.
 export PIP_CONSTRAINT := constraints.txt
@@ -42,7 +47,7 @@ help: ## print this list
 	@echo "Targets:"
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
 	@echo
-	@echo "Variables: MISSION=$(MISSION) CASE=$(CASE) SEED=$(SEED) ENGINE=$(ENGINE) URL=$(URL) OUT=$(OUT) RESUME=$(RESUME) WORKERS=$(WORKERS) PYTHON=$(PYTHON)"
+	@printf '%s\n' $(call quoted,Variables: $(foreach name,$(VARIABLES),$(name)=$($(name))))
 	@echo "           CASE is a, b or a campaign file; ENGINE is auto, compiled, reference or rosbridge,"
 	@echo "           the last with a server at URL or its own; OUT is a campaign folder; RESUME is one"
 	@echo "           that was interrupted, and goes on as it began. Empty leaves the default."
@@ -51,23 +56,23 @@ help: ## print this list
 install: $(BASE) ## make the virtual environment .venv and install mrsfi into it
 
 generate: $(BASE) ## generate the middleware of MISSION from its models
-	$(BIN)/mrsfi generate "$(mission)"
+	$(BIN)/mrsfi generate $(mission)
 	$(BIN)/python -m m2t.classes generated/metamodel
 
 validate: $(BASE) ## check the models of MISSION
-	$(BIN)/mrsfi validate "$(mission)"
+	$(BIN)/mrsfi validate $(mission)
 
 simulate: generate ## fly MISSION once without faults
-	$(BIN)/mrsfi simulate "$(mission)" $(seed) $(engine)
+	$(BIN)/mrsfi simulate $(mission) $(seed) $(engine)
 
 evolve: generate ## search critical fault specifications of MISSION; ends with what breaks it
 	$(BIN)/mrsfi evolve $(campaign) $(engine) $(workers)
 
 report: $(BASE) ## write the report of campaign folder OUT anew (default: the latest of runs/)
-	$(BIN)/mrsfi report $(if $(OUT),"$(OUT)")
+	$(BIN)/mrsfi report $(if $(OUT),$(call quoted,$(OUT)))
 
 regressions: generate ## fly the kept findings of MISSION; fails where one came back
-	$(BIN)/mrsfi check "$(mission)" $(engine)
+	$(BIN)/mrsfi check $(mission) $(engine)
 
 quick: $(DEV) ## run the units and laws of the tests, in less than a minute
 	$(PYTEST) $(OURS) --tier quick
@@ -126,13 +131,13 @@ $(DEV): $(SETUP) | $(VENV)/.created
 	@touch $(BASE) $@
 
 $(VENV)/.created:
-	@python=; \
-	for candidate in $(pythons); do \
+	@python=; set -- $(pythons); \
+	for candidate; do \
 	  if "$$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; \
 	  then python="$$candidate"; break; fi; \
 	done; \
 	if [ -z "$$python" ]; then \
-	  echo "mrsfi needs Python 3.11 or newer, and found none among: $(pythons)." >&2; \
+	  echo "mrsfi needs Python 3.11 or newer, and found none among: $$*." >&2; \
 	  echo "Install one, or name it: make evolve PYTHON=/path/to/python3.11" >&2; \
 	  exit 1; \
 	fi; \

@@ -148,6 +148,8 @@ UniqueMessageField (mission): a message reports a field once
 FieldOfSender (mission): a message reports what its sender has
 AvoidCollisionMembers (mission): robots that avoid collisions are members of their goal
 DeadlineInsideMission (mission): a deadline lies inside the mission
+FigureInsideMission (mission): speeds, distances and tolerances are no longer than the mission area
+    is wide, periods no longer than the mission lasts
 FaultFieldCarried (faults): the message of a fault carries the field that the fault falsifies
 WindowInsideMission (faults): a fault starts before the mission ends
 """

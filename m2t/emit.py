@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from m2t.manifest import MANIFEST, dumps, loads
+from m2t.manifest import MANIFEST, dumps, is_alike, loads
 from m2t.protected_regions import (
     FileRecord,
     GeneratedFile,
@@ -46,8 +46,8 @@ class GenerationPlan:
 
     @property
     def stale(self) -> tuple[str, ...]:
-        """Everything that the generation would write or remove, the manifest included."""
-        is_recorded = self.existing.get(MANIFEST) == self.manifest
+        """What does not follow from what the models mean, the manifest included."""
+        is_recorded = is_alike(self.existing.get(MANIFEST), self.manifest)
         return self.written + self.removed + (() if is_recorded else (MANIFEST,))
 
     @property

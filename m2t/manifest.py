@@ -56,6 +56,15 @@ def loads(text: str, name: str) -> dict[str, tuple[FileRecord, ...]]:
         ) from error
 
 
+def is_alike(one: str | None, other: str) -> bool:
+    """Return whether manifests differ at most in how models were spelt that mean the same."""
+    return one is not None and _but_sources(one) == _but_sources(other)
+
+
+def _but_sources(text: str) -> dict[str, Any]:
+    return {**json.loads(text), "sources": None}
+
+
 def _entry(record: FileRecord) -> dict[str, Any]:
     return {"skeleton": record.skeleton, "regions": dict(record.regions)}
 

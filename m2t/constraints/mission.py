@@ -21,6 +21,12 @@ from mrsfi_runtime.model.mission import ROBOT_RADIUS
 
 ROBOT_FIELDS = ("POSITION", "SPEED", "ENERGY")
 FIELD_TYPES = ("Coordinates", "Int", "Double", "String")
+_LENGTHS = {
+    "Robot": ("speed", "maxSpeed"),
+    "Visit": ("tolerance",),
+    "Track": ("tolerance",),
+    "FixedDistanceBetweenRobots": ("fixedDistance", "tolerance"),
+}
 
 
 def check_mission(mission: Any, findings: Findings) -> None:
@@ -91,6 +97,7 @@ def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:
             f"has speed {number(robot.speed)} above maxSpeed {number(robot.maxSpeed)}; expected a "
             "nominal speed that it can reach; correct one of them",
         )
+    _check_figures(mission, robot, findings)
     area = mission.missionArea
     if distance(point(robot.position), point(area.center)) > area.radius:
         findings.add(
@@ -155,11 +162,28 @@ def _check_goal(mission: Any, goal: Any, findings: Findings) -> None:
             "GoalDependsOnOthers",
             "depends on itself; expected other goals; delete it from dependentGoals",
         )
+    _check_figures(mission, goal.task, findings)
     check = _TASK_CHECKS.get(base_class(goal.task.eClass).name)
     if check is not None:
         check(mission, goal, findings)
     for message in goal.messages:
         _check_message(goal, message, findings)
+
+
+def _check_figures(mission: Any, element: Any, findings: Findings) -> None:
+    """Check that no figure is so far outside its mission that it was meant in another unit."""
+    base, width = base_class(element.eClass).name, 2 * mission.missionArea.radius
+    limits = dict.fromkeys(_LENGTHS.get(base, ()), (width, f"an area {number(width)} wide"))
+    if base == "Patrol":
+        limits["period"] = (mission.duration, f"{mission.duration} ticks")
+    for name, (most, size) in limits.items():
+        if is_set(element, name) and getattr(element, name) > most:
+            findings.add(
+                element,
+                "FigureInsideMission",
+                f"has {name} {number(getattr(element, name))} in a mission of {size}; expected no "
+                "more than that; correct one of them, or the unit",
+            )
 
 
 def _check_gather_samples(_: Any, goal: Any, findings: Findings) -> None:

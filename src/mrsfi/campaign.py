@@ -145,11 +145,15 @@ class Campaign:
                 return case.explain(many, engine, subject, keep)
 
     def keep(
-        self, finding: int = 1, name: str | None = None, limits: Mapping[str, int] | None = None
+        self,
+        finding: int = 1,
+        name: str | None = None,
+        limits: Mapping[str, int] | None = None,
+        n_seeds: int = 1,
     ) -> Regression:
         """Keep a finding beside the models of its mission, as ``mrsfi.regressions.keep`` does."""
         with open_campaign(self.folder) as campaign:
-            return keep(campaign, finding, name, limits)
+            return keep(campaign, finding, name, limits, n_seeds)
 
     def report(self, ratio: str | None = None) -> Path:
         """Write tables, figures, models and page into the folder; return the report's file.

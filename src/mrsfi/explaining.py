@@ -30,18 +30,9 @@ CAUSE_SET, SIMPLEST = "cause set", "simplest form"
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """A specification that is to be explained.
+    """A specification that is to be explained, and what a campaign found under it, if it is of one.
 
-    Attributes
-    ----------
-    name
-        Stem of what is written about it.
-    title
-        What it is, for people.
-    faults
-        Its timed faults.
-    recorded
-        What a campaign found under it, if it comes from one.
+    The name is the stem of what is written about it; the title says what it is, for people.
     """
 
     name: str
@@ -59,20 +50,8 @@ class Subject:
 class Case:
     """All that specifications are explained with.
 
-    Attributes
-    ----------
-    code
-        The mission, its pool that of the specifications.
-    measure
-        What is counted.
-    mission_seeds
-        Weathers that are counted together.
-    write
-        Writes faults of the specifications as a model.
-    folder
-        Where the cause sets are written.
-    source
-        The file, or the campaign.
+    The code has the pool of the specifications; counts of all mission seeds are summed; ``write``
+    writes faults as a model, into ``folder``; ``source`` is the file, or the campaign.
     """
 
     code: MissionCode
@@ -98,13 +77,7 @@ class Case:
         return find_out(flights, engine, subject.specification, keep)
 
     def write_sets(self, subject: Subject, found: Explanation | None) -> Mapping[str, Path]:
-        """Write cause sets and the simplest form as XMI; return the files by what they are.
-
-        Raises
-        ------
-        UsageError
-            If one cannot be written.
-        """
+        """Write cause sets and the simplest form as XMI; return the files by what they are."""
         if found is None:
             return {}
         cause, whole = found.cause, subject.specification
@@ -148,23 +121,10 @@ def case_of_file(
     out: Path | None,
     tell: Tell,
 ) -> tuple[Case, Subject]:
-    """Return a written specification, and what it is explained with.
+    """Return a written specification, and what it is explained with; tell what is odd about it.
 
-    Parameters
-    ----------
-    kind, seed
-        What is counted, believed violations if nothing is said, and the mission seed, 1 if none is.
-    out
-        Where cause sets go; beside the file if nothing is said.
-    tell
-        Told what is odd about the specification.
-
-    Raises
-    ------
-    UsageError
-        If it is a kept finding, beside which no cause set may stand.
-    MrsfiError
-        If mission or specification cannot be flown.
+    Believed violations are counted if no other kind is named, in mission seed 1 if none is. Cause
+    sets go beside the file if no folder is named, but never among kept findings.
     """
     if out is None and path.resolve().parent == folder_of(folders.models).resolve():
         raise UsageError(
@@ -231,13 +191,7 @@ def _subject(campaign: FlyableCampaign, evaluation: Evaluation) -> Subject:
 
 
 def require_repeatable(engine: Engine, subject: Subject) -> None:
-    """Refuse somebody else's simulation on which the same specification flies differently.
-
-    Raises
-    ------
-    ReplayMismatch
-        If two flights of it differ.
-    """
+    """Refuse somebody else's simulation on which the same specification flies differently."""
     first, second = (engine.evaluate(subject.specification) for _ in range(2))
     if first != second:
         raise ReplayMismatch(

@@ -66,10 +66,9 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
         If there is no such mission.
     """
     for models in _places(mission):
-        folder = models.resolve()
-        usual = generated or _generated(folder)
-        settle(models, usual)
-        return MissionFolders(folder.name, models, usual)
+        folders = folders_at(models, generated)
+        settle(models, folders.generated)
+        return folders
     place = project().models
     known = sorted(path.parent.name for path in place.glob(f"*/{_MISSION_FILE}"))
     raise UsageError(
@@ -79,10 +78,10 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
     )
 
 
-def missions() -> Iterator[MissionFolders]:
-    """Yield the missions in ``models``, by name."""
-    for path in sorted(project().models.glob(f"*/{_MISSION_FILE}")):
-        yield find_mission(path.parent.name)
+def folders_at(models: Path, generated: Path | None = None) -> MissionFolders:
+    """Return the folders of the mission whose models are, or were, in a folder."""
+    folder = models.resolve()
+    return MissionFolders(folder.name, models, generated or _generated(folder))
 
 
 def is_mission(mission: str) -> bool:

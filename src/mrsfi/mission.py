@@ -362,7 +362,7 @@ class Mission:
         engine
             As ``fly`` takes it.
         n_seeds
-            Over how many mission seeds, in place of the kept ones.
+            In how many mission seeds: those that are kept first, then others.
 
         Raises
         ------

@@ -1,14 +1,15 @@
 """Findings that are kept beside the models of a mission, and flown against those of today."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
 
-from mrsfi.campaign_folders import OpenCampaign, findings_of
+from mrsfi.campaign_folders import OpenCampaign, findings_of, open_to_fly
 from mrsfi.engines import Tell, opened, silent
-from mrsfi.folders import MissionFolders, find_mission
+from mrsfi.folders import MissionFolders, find_mission, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
+from mrsfi.project import project
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.causes.cause import find_cause
 from mrsfi_runtime.causes.cause_set import KEEP
@@ -16,7 +17,7 @@ from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.recorded import NO_FAULT, sentences
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.files import changing, telling
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import Specification
@@ -34,11 +35,15 @@ class Checked:
     ----------
     regression
         The finding.
+    seeds
+        Mission seeds in which it is flown.
     counts
-        What each goal that has a limit had at most, over the mission seeds, by its ID; empty if
-        it could not be flown.
+        What each goal that has a limit had at most, in those of them for which limits are kept,
+        by its ID; empty if it could not be flown.
+    others
+        The same in the other seeds; empty if there are none.
     error
-        Why it could not, if so.
+        Why it could not be flown, if so.
     gone
         Faults of it that the pool of today does not have; it carries copies of them.
     why
@@ -48,11 +53,13 @@ class Checked:
     """
 
     regression: Regression
-    counts: dict[str, int]
-    error: MrsfiError | None
-    gone: tuple[str, ...]
-    why: tuple[str, ...]
-    seconds: float
+    seeds: tuple[int, ...]
+    counts: Mapping[str, int] = field(default_factory=dict)
+    others: Mapping[str, int] = field(default_factory=dict)
+    error: MrsfiError | None = None
+    gone: tuple[str, ...] = ()
+    why: tuple[str, ...] = ()
+    seconds: float = 0.0
 
     @property
     def exceeded(self) -> tuple[str, ...]:
@@ -62,8 +69,30 @@ class Checked:
     @property
     def excess(self) -> str:
         """What exceeds its limit, in words."""
+        return self._excess(self.counts)
+
+    @property
+    def now(self) -> dict[str, int]:
+        """The most that each goal that has a limit had in any seed."""
+        return {goal: max(most, self.others.get(goal, 0)) for goal, most in self.counts.items()}
+
+    @property
+    def failure(self) -> MrsfiError | None:
+        """Why it cannot be judged, if so: not flown, or worse where nothing was ever kept."""
+        if self.exceeded or not self.regression.exceeded(self.others):
+            return self.error
+        path = self.regression.path
+        return UsageError(
+            f"{path}: limits are kept for mission seeds "
+            f"{', '.join(map(str, self.regression.mission_seeds))}; found more in others: "
+            f"{self._excess(self.others)}; to keep what these have, too: mrsfi keep "
+            f"{path.parent.parent} --update --name {path.stem} --seeds {len(self.seeds)}"
+        )
+
+    def _excess(self, counts: Mapping[str, int]) -> str:
         limits, kind = self.regression.limits, self.regression.violations
-        found = (f"{goal} {self.counts[goal]}, kept {limits[goal]}" for goal in self.exceeded)
+        goals = self.regression.exceeded(counts)
+        found = (f"{goal} {counts[goal]}, kept {limits[goal]}" for goal in goals)
         return f"{self.regression.name}: {kind} {'; '.join(found)}"
 
 
@@ -72,22 +101,15 @@ def keep(
     number: int = 1,
     name: str | None = None,
     limits: Mapping[str, int] | None = None,
+    n_seeds: int = 1,
+    engine: EngineSettings | None = None,
 ) -> Regression:
-    """Keep a finding of a campaign beside the models of its mission.
+    """Keep a finding of a campaign, by its number from 1 on, beside the models of its mission.
 
-    Parameters
-    ----------
-    number
-        Which finding, from 1 on.
-    name
-        Of its two files; after the campaign if left out.
-    limits
-        What each goal may have at most, by its ID; what the finding has if left out.
-
-    Raises
-    ------
-    UsageError
-        If there is no such finding, goal or mission, or something of that name is kept already.
+    Its files have a name after the campaign's unless one is given. Limits are the most over so many
+    mission seeds, from the campaign's on, unless they are given, by the IDs of goals; the engine
+    flies the campaign's own code in those seeds in which the campaign did not. What there is not,
+    or is kept already, is a ``UsageError``.
     """
     path = campaign.folder.path
     campaign.store.require_flyable()  # counts of other rules are no limits of today's
@@ -106,15 +128,15 @@ def keep(
         folder / f"{stem}.toml",
         f"{path}, finding {number}: {found.sentence}",
         settings.violations,
-        (settings.mission_seed,),
-        {},
+        following(settings.mission_seed, n_seeds),
+        dict.fromkeys(campaign.mission.goal_ids, 0) if limits is None else limits,
     )
-    goals = campaign.mission.goal_ids
-    counts = dict(zip(goals, getattr(found.outcome, settings.violations), strict=True))
-    regression = replace(regression, limits=counts if limits is None else limits)
-    regression.counts(goals, found.outcome)  # refuses goals that there are not
+    counts = regression.counts(campaign.mission.goal_ids, found.outcome)  # refuses other goals
     _require_new(regression, folders)
     specification = tuple(fault.timed for fault in found.faults)
+    if limits is None:
+        others = _flown(path, regression, specification, engine or EngineSettings(AUTO))
+        regression = replace(regression, limits=_most([counts, *others]))
     contents: dict[Path, bytes] = {regression.path: regression.text().encode()}
     specification_writer(folders.models, contents.__setitem__)(
         specification_rows(campaign.pool, specification),
@@ -138,6 +160,20 @@ def _require_new(regression: Regression, folders: MissionFolders) -> None:
             )
 
 
+def _flown(
+    path: Path, regression: Regression, specification: Specification, settings: EngineSettings
+) -> Iterator[dict[str, int]]:
+    """Yield what a finding's cause set has in all mission seeds but that of its campaign."""
+    first, *others = regression.mission_seeds
+    if others:
+        with open_to_fly(path) as campaign:
+            settings = _at_once(settings, campaign.code, first, silent)
+            with opened(campaign.code, first, settings) as engine:
+                for seed in others:
+                    outcome = engine.evaluate(specification, seed)
+                    yield regression.counts(campaign.mission.goal_ids, outcome)
+
+
 def write_limits(folders: MissionFolders, regressions: Sequence[Regression]) -> None:
     """Write what kept findings of a mission may have, of all of them or of none."""
     with changing(folders.models) as change:
@@ -145,20 +181,23 @@ def write_limits(folders: MissionFolders, regressions: Sequence[Regression]) -> 
 
 
 def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:
-    """Return the findings that are kept of a mission.
-
-    Raises
-    ------
-    UsageError
-        If there is none, which is no pass; or if limits cannot be read.
-    """
+    """Return the findings that are kept of a mission; none at all is no pass, but refused."""
     regressions = kept(folders.models)
     if not regressions:
         raise UsageError(
             f"{folders.models}: nothing is kept; expected at least one finding in regressions/; "
             "keep one with: mrsfi keep CAMPAIGN --finding 1"
         )
-    return tuple(regressions)
+    return regressions
+
+
+def missions_with_findings() -> Iterator[MissionFolders]:
+    """Yield where findings are kept below ``models``, at any depth, with a mission or without."""
+    models = project().models
+    for folder in sorted({*models.glob("*/regressions"), *models.rglob("regressions")}):
+        if kept(folder.parent):
+            name = folder.parent.relative_to(models).as_posix()
+            yield replace(folders_at(folder.parent), name=name)
 
 
 def check_all(
@@ -168,27 +207,10 @@ def check_all(
     n_seeds: int | None = None,
     name: str | None = None,
 ) -> Iterator[Checked]:
-    """Fly everything that is kept of a mission, and yield what became of each, by name.
+    """Fly everything that is kept of a mission, or one by its name; yield what became of each.
 
-    Parameters
-    ----------
-    folders
-        The mission.
-    engine
-        Which engine flies; auto is compiled if that is built, and else reference.
-    tell
-        Told what cannot be compiled.
-    n_seeds
-        Number of mission seeds, from the first of each on, in place of its own.
-    name
-        The only one that is flown, if it is one.
-
-    Raises
-    ------
-    UsageError
-        If nothing is kept, or nothing of that name, or limits cannot be read.
-    MrsfiError
-        If the mission cannot be flown at all.
+    With auto, compiled flies if that is built, and else reference. With a number of mission seeds,
+    each is flown in so many: its own first, then those that follow its first one.
     """
     regressions = all_kept(folders)
     chosen = [each for each in regressions if name in {None, each.name}]
@@ -197,52 +219,73 @@ def check_all(
         raise UsageError(
             f"{folders.models}: found --name {name}; expected one that is kept: {names}"
         )
-    code = load_fresh(folders)
-    if engine.name == AUTO:
-        engine = engine.tried(code, regressions[0].mission_seeds[0], tell, waits=False)
-        engine = replace(engine, name=REFERENCE) if engine.name == AUTO else engine
-    for regression in chosen:
-        if n_seeds is not None:
-            seeds = following(regression.mission_seeds[0], n_seeds)
-            regression = replace(regression, mission_seeds=seeds)  # noqa: PLW2901
-        yield _checked(regression, code, engine, tell)
+    fresh = [Checked(each, _seeds(each, n_seeds), error=each.defect) for each in chosen]
+    try:
+        code = load_fresh(folders)
+        seed = next((each.seeds[0] for each in fresh if each.seeds), 1)
+        engine = _at_once(engine, code, seed, tell)
+    except MrsfiError as error:
+        yield from (replace(each, error=each.error or error) for each in fresh)
+        return
+    for each in fresh:
+        yield each if each.error else _checked(each, code, engine, tell)
 
 
-def _checked(
-    regression: Regression, code: MissionCode, settings: EngineSettings, tell: Tell
-) -> Checked:
-    began = monotonic()
-    counts: dict[str, int] = {}
-    gone: tuple[str, ...] = ()
-    why: tuple[str, ...] = ()
-    failure = None
+def _seeds(regression: Regression, n_seeds: int | None) -> tuple[int, ...]:
+    """Return so many mission seeds: a finding's own first, then those that follow its first one."""
+    own = regression.mission_seeds
+    if n_seeds is None or not own:
+        return own
+    return tuple(dict.fromkeys((*own, *following(own[0], n_seeds))))[:n_seeds]
+
+
+def _at_once(engine: EngineSettings, code: MissionCode, seed: int, tell: Tell) -> EngineSettings:
+    """Return settings that fly without a wait: auto is compiled if that is built, or reference."""
+    if engine.name != AUTO:
+        return engine
+    engine = engine.tried(code, seed, tell, waits=False)
+    return replace(engine, name=REFERENCE) if engine.name == AUTO else engine
+
+
+def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: Tell) -> Checked:
+    """Return what becomes of a finding that was not flown yet."""
+    began, regression = monotonic(), found.regression
     try:
         written = read_specification(regression.specification, code)
-        gone = written.unknown
+        if written.late:
+            late = replace(written, unknown=()).oddities(regression.specification, code.mission)
+            raise SpecificationError(
+                f"{'; '.join(late)}; expected the mission that it was kept for"
+            )
         flown = replace(code, pool=written.pool)
-        with opened(flown, regression.mission_seeds[0], settings, tell) as engine:
-            counts, worst = _worst(regression, engine, written.specification)
-            if back := regression.exceeded(counts):
-                why = _why(regression, engine, back, worst)
+        with opened(flown, found.seeds[0], settings, tell) as engine:
+            others = {
+                seed: regression.counts(
+                    flown.mission.goal_ids, engine.evaluate(written.specification, seed)
+                )
+                for seed in found.seeds
+            }
+            own = {seed: others.pop(seed) for seed in regression.mission_seeds if seed in others}
+            found = replace(
+                found,
+                gone=written.unknown,
+                counts=_most(own.values()),
+                others=_most(others.values()),
+            )
+            if found.exceeded:
+                worst = max(own, key=lambda seed: sum(own[seed].values()))
+                found = replace(found, why=_why(regression, engine, found.exceeded, worst))
     except MrsfiError as error:
-        failure = error
-    return Checked(regression, counts, failure, gone, why, monotonic() - began)
+        found = replace(found, error=error)
+    return replace(found, seconds=monotonic() - began)
 
 
-def _worst(
-    regression: Regression, engine: Engine, specification: Specification
-) -> tuple[dict[str, int], int]:
-    """Return the most that each goal has in any weather, and the seed of the worst weather."""
-    goals = engine.code.mission.goal_ids
-    found = {
-        seed: regression.counts(goals, engine.evaluate(specification, seed))
-        for seed in regression.mission_seeds
-    }
-    limits = regression.limits
-    return (
-        {goal: max(counts[goal] for counts in found.values()) for goal in limits},
-        max(found, key=lambda seed: sum(found[seed][goal] - limits[goal] for goal in limits)),
-    )
+def _most(counts: Iterable[Mapping[str, int]]) -> dict[str, int]:
+    """Return the most that each goal has in any of some counts."""
+    most: dict[str, int] = {}
+    for each in counts:
+        most |= {goal: max(ticks, most.get(goal, 0)) for goal, ticks in each.items()}
+    return most
 
 
 def _why(

@@ -21,7 +21,7 @@ def regression_test(
     engine
         ``auto``, ``reference``, ``compiled`` or ``rosbridge``.
     n_seeds
-        Over how many mission seeds, in place of the kept ones.
+        In how many mission seeds: those that are kept first, then others.
 
     Raises
     ------
@@ -42,8 +42,8 @@ def regression_test(
     @pytest.mark.parametrize("finding", names)
     def test_kept_finding(finding: str) -> None:
         (checked,) = check_all(folders, EngineSettings(engine), n_seeds=n_seeds, name=finding)
-        if checked.error is not None:
-            raise checked.error
+        if checked.failure is not None:
+            raise checked.failure
         found = f"came back: {checked.excess}; found in {checked.regression.found}"
         assert not checked.exceeded, "\n".join((found, *checked.why))
 

@@ -1,7 +1,7 @@
 """What is wrong with the models of a mission, and with its code."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from m2t.diagnostics import Diagnostic
@@ -49,6 +49,14 @@ class Validated:
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """All that was found, what is wrong with the models first."""
         return (*self.models, *self.code)
+
+    def strict(self) -> "Validated":
+        """Return the same with its warnings as errors."""
+        models, code = (
+            tuple(replace(found, severity="error") for found in some)
+            for some in (self.models, self.code)
+        )
+        return replace(self, models=models, code=code)
 
 
 def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -> Validated:

@@ -198,7 +198,7 @@ def failed(
     directory
         Folder of the generated code; its line nearest to the error is named.
     what
-        What failed, such as ``mission 'x' failed at tick 7``.
+        What failed, such as ``the mission failed at tick 7``.
     file
         What to name where no line of that folder took part.
     """

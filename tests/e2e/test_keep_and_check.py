@@ -1,6 +1,7 @@
 """What was found is kept beside the models, and a build server is told when it comes back."""
 
 import json
+import os
 import shutil
 from xml.etree import ElementTree as ET
 
@@ -13,6 +14,7 @@ from tests.support.tree import ROOT
 
 REFERENCE = ("--engine", "reference")
 WORSE = "return ci.mission.tick > 20"
+WORSE_IN_SEED_3 = "return ci.mission.tick > 20 and ci.robots[0].y < -1.0"
 
 
 @pytest.fixture
@@ -36,11 +38,11 @@ def limits(place, name="it-finding-3"):
     return regressions(place) / f"{name}.toml"
 
 
-def worsen(place):
+def worsen(place, body=WORSE):
     """Let the check of goal g1 find it violated earlier; return what mends it."""
     path = place / "generated" / NAME / COLLECTIVE
     before = path.read_bytes()
-    write_body(path, "g1.check", indented(WORSE))
+    write_body(path, "g1.check", indented(body))
     return lambda: path.write_bytes(before)
 
 
@@ -153,23 +155,107 @@ def test_what_came_back_is_told_though_it_cannot_be_explained(kept):
     assert "as without faults" in done.stdout
 
 
-def test_more_mission_seeds_are_flown_if_asked(kept):
-    (checked,) = mrsfi_json("check", "--seeds", "3", *REFERENCE, cwd=kept)[NAME]
+def test_only_in_seeds_for_which_limits_are_kept_does_it_come_back(kept):
+    mrsfi("keep", "runs/it", "--finding", "1", "--name", "wide", "--seeds", "3", cwd=kept)
+    worsen(kept, WORSE_IN_SEED_3)
 
-    assert checked["mission_seeds"] == [1, 2, 3]
+    failed = mrsfi("check", *REFERENCE, cwd=kept, expected=10)
+    limits(kept, "wide").unlink()
+    regressions(kept).joinpath("wide.xmi").unlink()
+    holds = mrsfi("check", "--seeds", "2", *REFERENCE, cwd=kept)
+    unknown = mrsfi("check", "--seeds", "3", *REFERENCE, "--junit", "j.xml", cwd=kept, expected=2)
+    new = mrsfi("keep", NAME, "--update", "--seeds", "3", *REFERENCE, cwd=kept)
+    (checked,) = mrsfi_json("check", *REFERENCE, cwd=kept)[NAME]
+
+    assert (
+        f"{NAME}: 1 of 2 hold (mission seeds: limits of 1 to 3, flown in 1 to 3)" in failed.stdout
+    )
+    assert "came back: wide: believed g1 " in failed.stderr
+    assert f"{NAME}: 1 of 1 hold (mission seeds: limits of 1, flown in 2)" in holds.stdout
+    assert f"{NAME}: 0 of 1 hold (mission seeds: limits of 1, flown in 3)" in unknown.stdout
+    assert (
+        "limits are kept for mission seeds 1; found more in others: it-finding-3" in unknown.stderr
+    )
+    assert f"mrsfi keep models/{NAME} --update --name it-finding-3 --seeds 3" in unknown.stderr
+    assert [*ET.parse(kept / "j.xml").getroot().iter("error")]
+    assert "  mission seeds: 1 → 3\n  g1: " in new.stdout
+    assert checked["mission_seeds"] == checked["kept_seeds"] == [1, 2, 3]
+    assert checked["max"] == checked["now"]
 
 
-def test_a_target_that_is_gone_is_an_error_and_the_others_are_flown(kept):
-    mrsfi("keep", "runs/it", "--finding", "2", cwd=kept)
-    edit(regressions(kept) / "it-finding-2.xmi", "mission.xmi#a", "mission.xmi#gone")
+def as_pipe(path):
+    path.unlink()
+    os.mkfifo(path)
 
-    done = mrsfi("check", *REFERENCE, "--junit", "found.xml", cwd=kept, expected=3)
 
-    assert "it-finding-2.xmi" in done.stderr
-    assert "gone" in done.stderr
+@pytest.mark.parametrize(
+    ("damage", "code", "told"),
+    [
+        (
+            lambda kept: edit(kept[".xmi"], "mission.xmi#a", "mission.xmi#gone"),
+            3,
+            "which does not exist",
+        ),
+        (lambda kept: edit(kept[".xmi"], 'finish="119"', 'finish="120"'), 5, "beyond the mission"),
+        (
+            lambda kept: edit(kept[".xmi"], 'start="10" finish="119"', 'start="900" finish="999"'),
+            5,
+            "has the window 900 … 999, which ends beyond the mission; its last tick is 119",
+        ),
+        (lambda kept: as_pipe(kept[".xmi"]), 5, ".xmi: found no plain file"),
+        (lambda kept: as_pipe(kept[".toml"]), 5, ".toml: found no plain file"),
+        (lambda kept: kept[".xmi"].unlink(), 2, ".xmi: no such file"),
+        (lambda kept: kept[".toml"].unlink(), 2, "found no limits; expected it-finding-1.toml"),
+        (lambda kept: edit(kept[".toml"], "g3 = 50\n", ""), 2, "found 2 limits; expected 3"),
+        (lambda kept: edit(kept[".toml"], "goals = 3", "goals = true"), 2, "goals: found True"),
+    ],
+)
+def test_what_cannot_be_judged_is_no_pass_and_the_others_are_flown(kept, damage, code, told):
+    mrsfi("keep", "runs/it", "--finding", "1", cwd=kept)
+    damage({kind: regressions(kept) / f"it-finding-1{kind}" for kind in (".xmi", ".toml")})
+
+    done = mrsfi("check", *REFERENCE, "--junit", "found.xml", cwd=kept, expected=code)
+
+    assert told in done.stderr
+    assert f"it-finding-1 cannot be judged: models/{NAME}/" in done.stdout
     assert f"{NAME}: 1 of 2 hold" in done.stdout
     (error,) = ET.parse(kept / "found.xml").getroot().iter("error")
-    assert "gone" in error.attrib["message"]
+    assert told in error.attrib["message"]
+
+
+def test_findings_are_looked_for_at_any_depth_and_without_a_mission(kept):
+    mission = kept / "models" / NAME
+    shutil.copytree(mission, kept / "models" / "a" / "b")
+    mrsfi("generate", "models/a/b", cwd=kept)
+    shutil.copytree(mission, kept / "models" / "stale")
+    mrsfi("generate", "stale", cwd=kept)
+    (kept / "generated" / "stale" / "topics.py").unlink()
+    (mission / "mission.xmi").unlink()
+
+    done = mrsfi("check", *REFERENCE, cwd=kept, expected=3)
+
+    assert "a/b: 1 of 1 hold" in done.stdout
+    assert f"{NAME}: 0 of 1 hold\n" in done.stdout
+    assert f"models/{NAME}/mission.xmi:1: mission.xmi cannot be read: No such file" in done.stderr
+    assert "it-finding-3 cannot be judged: generated/stale: stale" in done.stdout
+
+    worsen_nested = kept / "models" / "a" / "generated" / "b" / COLLECTIVE
+    write_body(worsen_nested, "g1.check", indented(WORSE))
+
+    assert "; 2 cannot be judged" in mrsfi("check", *REFERENCE, cwd=kept, expected=10).stderr
+
+
+def test_names_and_texts_of_any_characters_leave_a_file_that_build_servers_can_read(kept):
+    for kind in (".xmi", ".toml"):
+        (regressions(kept) / f"it-finding-3{kind}").rename(regressions(kept) / f"a\x01\udcff{kind}")
+    edit(limits(kept, "a\x01\udcff"), 'found = "', 'found = "\\u0002')
+    worsen(kept)
+
+    mrsfi("check", *REFERENCE, "--junit", "found.xml", "--json", cwd=kept, expected=10)
+
+    (case,) = ET.parse(kept / "found.xml").getroot().iter("testcase")
+    assert case.attrib["name"] == r"a\x01\udcff"
+    assert r"Found in \x02runs/it" in case.findtext("failure")
 
 
 def test_a_fault_that_left_the_pool_is_named_and_flown(kept):
@@ -211,7 +297,7 @@ def test_what_cannot_be_kept_is_refused_and_nothing_is_written(kept, words, told
         ("mission_seeds = [1]", "mission_seeds = []", "mission_seeds: found []; expected a list"),
         ('"believed"', '"guessed"', "violations: found 'guessed'; expected one of believed, true"),
         ("g1 = ", "g1 = -", "max: found {'g1': -"),
-        ("g1 = ", "g7 = 0\ng1 = ", "max: found goal 'g7'; expected goals of the mission: g1"),
+        ("g1 = ", "g7 = 0 # ", "max: found goal 'g7'; expected goals of the mission: g1"),
         ("[max]", "[max", "cannot be read ("),
     ],
 )
@@ -222,11 +308,3 @@ def test_limits_that_make_no_sense_are_named(kept, text, replaced, told):
 
     assert "it-finding-3.toml" in done.stderr
     assert told in done.stderr
-
-
-def test_a_specification_without_limits_is_named(kept):
-    limits(kept).unlink()
-
-    done = mrsfi("check", NAME, cwd=kept, expected=2)
-
-    assert "it-finding-3.xmi: found no limits; expected it-finding-3.toml beside it" in done.stderr

@@ -65,12 +65,49 @@ def test_variables_reach_the_command_and_empty_ones_leave_the_defaults(clone):
     empty = make("-n", "evolve", "MISSION=", "CASE=", "SEED=", "ENGINE=", cwd=clone).stdout
 
     assert " ".join(given.split("\n")[-2].split()) == (
-        '.venv/bin/mrsfi evolve "uuv_sampling" --case "b" --seed "7" --out "runs/x" --workers "2"'
+        ".venv/bin/mrsfi evolve 'uuv_sampling' --case 'b' --seed '7' --out 'runs/x' --workers '2'"
     )
     assert " ".join(bus.split("\n")[-2].split()) == (
-        '.venv/bin/mrsfi evolve --resume "r" --engine "rosbridge" --url "ws://h:1"'
+        ".venv/bin/mrsfi evolve --resume 'r' --engine 'rosbridge' --url 'ws://h:1'"
     )
-    assert empty.split("\n")[-2].strip() == '.venv/bin/mrsfi evolve "uuv_sampling" --case "a"'
+    assert empty.split("\n")[-2].strip() == ".venv/bin/mrsfi evolve 'uuv_sampling' --case 'a'"
+
+
+@pytest.mark.parametrize("text", ["`touch x`", "$(touch x)", "$(shell touch x)", "'; touch x; '"])
+def test_what_variables_hold_is_data_to_make_and_to_the_shell(text, clone):
+    names = ("MISSION", "CASE", "SEED", "ENGINE", "URL", "OUT", "WORKERS", "PYTHON")
+    given = [f"{name}={text.replace('$', '$$') if name == 'OUT' else text}" for name in names]
+    bin_ = clone / ".venv" / "bin"
+    bin_.mkdir(parents=True)
+    for stamp in (".created", ".installed"):
+        (clone / ".venv" / stamp).touch()
+    for name, script in (("mrsfi", "printf '<%s>' \"$@\""), ("python", "exit 0")):
+        (bin_ / name).write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+        (bin_ / name).chmod(0o755)
+
+    done = make("-s", "help", "generate", "evolve", "report", *given, cwd=clone)
+    shutil.rmtree(clone / ".venv")
+    make("-s", "install", *given, cwd=clone)
+
+    assert done.returncode == 0, done.stderr
+    assert f"Variables: MISSION={text} CASE={text} " in done.stdout
+    assert f"<generate><{text}>" in done.stdout
+    assert f"<evolve><{text}><--case><{text}><--seed><{text}><--out><" in done.stdout
+    assert not (clone / "x").exists()
+
+
+@pytest.mark.parametrize("text", ["`touch x`", "$(shell touch x)", "'; touch x; '"])
+def test_the_same_holds_in_a_project_of_ones_own(text, tmp_path, monkeypatch):
+    shutil.copy(ROOT / "src" / "mrsfi" / "template" / "Makefile", tmp_path)
+    (tmp_path / "mrsfi").write_text("#!/bin/sh\nprintf '<%s>' \"$@\"\n", encoding="utf-8")
+    (tmp_path / "mrsfi").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+
+    done = make("-s", "evolve", "regressions", f"MISSION={text}", f"CASE={text}", cwd=tmp_path)
+
+    assert f"<evolve><{text}><--case><{text}>" in done.stdout
+    assert f"<check><{text}><--junit>" in done.stdout
+    assert not (tmp_path / "x").exists()
 
 
 @pytest.mark.parametrize(("target", "has_tools"), [("evolve", False), ("test", True)])

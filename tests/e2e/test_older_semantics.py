@@ -42,7 +42,7 @@ def test_an_older_campaign_is_reported(old, tmp_path):
 
     assert found["semantics"] == 1
     assert found["digest"] == DIGEST_OF_1
-    assert found["mission"] == "tight margins"
+    assert found["mission"] == "tight_margins"
     assert found["best"]["evaluation"] == 1
     assert (found["best"]["believed"]["energy"], found["best"]["true"]["depths"]) == (171, 139)
     assert {*found["best"]["missed"].values(), *found["best"]["missed_since"].values()} == {None}

@@ -50,6 +50,19 @@ def test_validate_of_a_broken_model_ends_with_3_and_names_the_line(place):
     assert "1 error" in text.splitlines()[-1]
 
 
+def test_a_figure_in_another_unit_is_a_warning_and_with_strict_an_error(place):
+    mrsfi("validate", MISSION, "--strict", cwd=place)
+    mission = place / "models" / MISSION / "mission.xmi"
+    edit(mission, 'name="LEN" speed="5.0"', 'name="LEN" speed="40000.0"')
+
+    warned = mrsfi("validate", MISSION, cwd=place).stdout
+    refused = mrsfi("validate", MISSION, "--strict", cwd=place, expected=3).stdout
+
+    assert "warning: robots 'r1' has speed 40000.0 in a mission of an area 4000.0 wide" in warned
+    assert "error: robots 'r1' has speed 40000.0 in a mission of an area 4000.0 wide" in refused
+    assert refused.splitlines()[-1] == f"{MISSION}: 1 error, 0 warnings"
+
+
 def test_validate_checks_a_written_specification(place):
     models = place / "models" / MISSION
     sound = stop_specification(models / "sound.xmi", [(100, 200)])

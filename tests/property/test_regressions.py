@@ -28,5 +28,6 @@ def test_any_text_and_any_name_of_a_goal_are_read_as_written(found, violations, 
         "found": found,
         "violations": violations,
         "mission_seeds": list(seeds),
+        "goals": len(limits),
         "max": limits,
     }

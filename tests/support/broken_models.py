@@ -163,6 +163,14 @@ AvoidCollisionMembers | members="r2 r3 r1" | members="r2 r3" | mission:AvoidColl
 DeadlineInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
     <task xsi:type="mission:Visit" deadline="1000"><coordinates/></task> | Visit
     task of goals 'g2' | has deadline 1000 in a mission of 1000 ticks
+FigureInsideMission | speed="4.0" | speed="40000.0" | ID="r2"
+    robots 'r2' | has speed 40000.0 in a mission of an area 4000.0 wide; expected no more than that
+FigureInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
+    <task xsi:type="mission:Patrol" period="1001"><area ID="p" radius="9.0"/></task> | Patrol
+    task of goals 'g2' | has period 1001 in a mission of 1000 ticks
+FigureInsideMission | <task xsi:type="mission:StayWithinMissionArea"/>
+    <task xsi:type="mission:Visit" deadline="9" tolerance="4000.5"><coordinates/></task> | Visit
+    task of goals 'g2' | has tolerance 4000.5
 """
 
 _IN_FAULTS = r"""

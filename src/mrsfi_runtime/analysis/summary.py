@@ -124,7 +124,7 @@ def summarise(
     sets = [chosen(tops[cause.index], cause.places) for cause in causes]
     summary = Summary(
         folder=folder,
-        mission=mission.name,
+        mission=store.manifest.mission or mission.name,
         settings=store.settings,
         measure=measure,
         semantics=store.manifest.semantics,

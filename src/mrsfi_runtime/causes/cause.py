@@ -69,30 +69,11 @@ class Cause:
 def find_cause(
     flights: Flights, engine: Engine, specification: Specification, keep: float
 ) -> Cause | None:
-    """Find out what a specification's violations are due to.
+    """Find out what a specification's violations are due to; ``None`` if there are none.
 
-    Parameters
-    ----------
-    flights
-        Flies its faults.
-    engine
-        Records flights that have to be looked at, in the first of the mission seeds.
-    specification
-        All its faults.
-    keep
-        Share of every count that a cause set keeps, above 0, at most 1.
-
-    Returns
-    -------
-    Cause or None
-        ``None`` if it violates nothing that is counted.
-
-    Raises
-    ------
-    EvaluationError
-        If the mission's own code fails.
-    BudgetSpentError
-        If that takes more flights than there may be.
+    An engine records what has to be looked at, in the first of the mission seeds. A cause set keeps
+    a share of every count, above 0, at most 1. If the mission's own code fails, that is an
+    ``EvaluationError``; more flights than there may be are a ``BudgetSpentError``.
     """
     with flights.on(ALL_OR_NONE):
         counts, fault_free = flights.counts(specification), flights.counts(())

@@ -41,17 +41,7 @@ def floor(counts: Counts, keep: float, columns: Iterable[int]) -> Floor:
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Which faults of a specification some counts are due to.
-
-    Attributes
-    ----------
-    flights
-        Flies sets of the faults.
-    specification
-        All faults.
-    floor
-        What has to be left.
-    """
+    """Which faults of a specification some counts are due to, of which a floor has to be left."""
 
     flights: Flights
     specification: Specification
@@ -65,11 +55,8 @@ class Question:
     def minimum(self, order: Iterable[int] | None = None) -> Places:
         """Return a 1-minimal set: without any one of its faults, some count is too low.
 
-        Parameters
-        ----------
-        order
-            The places of all faults, in which to look for what can go; that of the specification
-            if left out. Another order may lead to another set.
+        What can go is looked for in the order of the specification, or in another one, which may
+        lead to another set.
         """
         places = range(len(self.specification)) if order is None else order
         return tuple(sorted(_minimum(tuple(places), self.is_kept_by)))

@@ -103,12 +103,7 @@ def chains(
 ) -> tuple[Chain, ...]:
     """Return the chain of each fault of a specification, against all of it but the fault.
 
-    Parameters
-    ----------
-    record
-        Flies specifications of the mission, all in the same weather.
-    mission, specification
-        The mission, and the faults.
+    What records flies specifications of the mission, all in the same weather.
     """
     whole = record(specification)
     return tuple(

@@ -37,25 +37,16 @@ class BudgetSpentError(Exception):
 class Flights:
     """Flies fault specifications of a mission, each once, and counts violations.
 
-    Parameters
+    Attributes
     ----------
-    evaluate_many
-        Flies them.
     measure
         Names the goals that are counted, and the violations, beside the true ones.
     mission_seeds
         Weathers that are counted together, the first one first.
-    most
-        How many flights there may be; without it, any number.
-
-    Attributes
-    ----------
-    measure, mission_seeds
-        See above.
     columns
         What is counted: for each goal first its violations in the measure, then the true ones.
     n_flown
-        Number of flights until now, by what they were for.
+        Number of flights until now, by what they were for; there may be a most that they may be.
     """
 
     def __init__(
@@ -86,31 +77,16 @@ class Flights:
             self._purpose = before
 
     def spend(self, n_flights: int) -> None:
-        """Count flights that are about to begin.
-
-        Raises
-        ------
-        BudgetSpentError
-            If they are too many.
-        """
+        """Count flights that are about to begin; too many are a ``BudgetSpentError``."""
         if self._most is not None and self.n_flown.total() + n_flights > self._most:
             raise BudgetSpentError
         self.n_flown[self._purpose] += n_flights
 
     def fly(self, specifications: Iterable[Specification], seed: int | None = None) -> None:
-        """Fly specifications all at once, as far as they are not known.
+        """Fly specifications all at once, as far as they are not known, in one weather or in all.
 
-        Parameters
-        ----------
-        seed
-            Weather to fly in; if left out, in those of all mission seeds.
-
-        Raises
-        ------
-        EvaluationError
-            If the mission's own code fails in one of them.
-        BudgetSpentError
-            If they are too many.
+        If the mission's own code fails in one of them, that is an ``EvaluationError``; too many are
+        a ``BudgetSpentError``.
         """
         wanted = tuple(dict.fromkeys(specifications))
         for one in self.mission_seeds if seed is None else (seed,):

@@ -52,22 +52,10 @@ class Explanation:
 def explain(
     flights: Flights, engine: Engine, specification: Specification, keep: float
 ) -> Explanation | None:
-    """Find out why a specification breaks goals.
+    """Find out why a specification breaks goals, by what ``find_cause`` takes.
 
-    Parameters
-    ----------
-    flights, engine, specification, keep
-        As ``find_cause`` takes them.
-
-    Returns
-    -------
-    Explanation or None
-        ``None`` if it violates nothing that is counted.
-
-    Raises
-    ------
-    EvaluationError
-        If the mission's own code fails.
+    ``None`` if it violates nothing that is counted; an ``EvaluationError`` if the mission's own
+    code fails.
     """
     cause = find_cause(flights, engine, specification, keep)
     if cause is None:

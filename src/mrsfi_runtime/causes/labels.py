@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from mrsfi_runtime.causes.cause_set import Places, Question, chosen, without
+from mrsfi_runtime.model.faults import Specification
 
 SOLE = "sole"
 """In the goal's cause set, and enough alone."""
@@ -17,6 +18,9 @@ REDUNDANT = "redundant"
 
 MASKING = "masking"
 """Outside, and without it a count of the goal is higher."""
+
+LESSER = "lesser"
+"""None of these, and yet it breaks the goal alone: others break it more, or hide it."""
 
 BYSTANDER = "bystander"
 """None of these."""
@@ -44,15 +48,10 @@ class GoalCauses:
 
 
 def goal_causes(question: Question, goal: str) -> GoalCauses:
-    """Return the cause set of one goal, and what every fault is to it.
+    """Return the cause set of one goal, by its counts alone, and what every fault is to it.
 
-    Parameters
-    ----------
-    question
-        Asks for the counts of this goal alone. If it is not violated, that is for nothing: then
-        only a fault that hides violations is more than a bystander.
-    goal
-        ID of the goal.
+    Where it is not violated, that is for nothing: then only a fault that hides violations, or
+    would cause some alone, is more than a bystander.
     """
     everyone = range(len(question.specification))
     places = question.minimum()
@@ -66,8 +65,10 @@ def goal_causes(question: Question, goal: str) -> GoalCauses:
     for other in others:
         if any(map(question.is_kept_by, _swaps(places, other))):
             labels[other] = REDUNDANT
+        elif _hides(question, other, goal):
+            labels[other] = MASKING
         else:
-            labels[other] = MASKING if _hides(question, other, goal) else BYSTANDER
+            labels[other] = LESSER if _breaks(question, other, goal) else BYSTANDER
     return GoalCauses(goal, places, tuple(labels[place] for place in everyone))
 
 
@@ -77,8 +78,19 @@ def _swaps(places: Places, other: int) -> Iterator[tuple[int, ...]]:
 
 
 def _hides(question: Question, other: int, goal: str) -> bool:
-    """Return whether a count of a goal rises where a fault is left out."""
-    flights, specification = question.flights, question.specification
-    lacking = flights.counts(without(specification, other))
-    found = zip(flights.columns, flights.counts(specification), lacking, strict=True)
-    return any(left > _RISE * count for column, count, left in found if column.goal == goal)
+    """Return whether a count of a goal rises by more than a little where a fault is left out."""
+    whole = question.specification
+    return _rises(question, goal, whole, without(whole, other), _RISE)
+
+
+def _breaks(question: Question, other: int, goal: str) -> bool:
+    """Return whether a count of a goal is higher under a fault alone than under none."""
+    return _rises(question, goal, (), (question.specification[other],), Fraction(1))
+
+
+def _rises(
+    question: Question, goal: str, first: Specification, second: Specification, by: Fraction
+) -> bool:
+    flights = question.flights
+    found = zip(flights.columns, flights.counts(first), flights.counts(second), strict=True)
+    return any(after > by * count for column, count, after in found if column.goal == goal)

@@ -17,20 +17,11 @@ _DIGITS = (1, 2, 3)  # of a round number, the fewest first
 def simplest(
     flights: Flights, mission: Mission, pool: FaultPool, specification: Specification
 ) -> Specification:
-    """Return a specification with shorter windows and plainer values that keeps its counts.
+    """Return a cause set with shorter windows and plainer values that keeps its counts.
 
     Fault by fault, what can go is cut from the start of the window, then from its finish, in steps
     that begin with half of it; then each value becomes the first of the pool's own, a bound, and
     the number itself in one, two or three digits with which enough is kept.
-
-    Parameters
-    ----------
-    flights
-        Flies what is tried.
-    mission, pool
-        Give values and bounds.
-    specification
-        The cause set.
     """
     columns = range(len(flights.columns))
     least = floor(flights.counts(specification), KEEP, columns)

@@ -27,18 +27,8 @@ from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 class Shown:
     """What is said of a specification beside its explanation.
 
-    Attributes
-    ----------
-    code, measure
-        The mission, and what is counted.
-    title
-        What the specification is.
-    faults
-        Its timed faults.
-    keep
-        Share of the counts that the cause set keeps.
-    paths
-        Where cause sets were written, by what they are.
+    ``keep`` is the share of the counts that its cause set keeps; ``paths`` say where cause sets
+    were written, by what they are.
     """
 
     code: MissionCode

@@ -22,37 +22,45 @@ def keep(
     name: str | None,
     limits: Mapping[str, int] | None,
     update: bool,
+    n_seeds: int | None,
     engine: EngineOptions,
 ) -> None:
     """Keep a finding of a campaign, or take over what is counted today of all that is kept."""
     if update:
         if finding is not None or limits is not None:
-            raise click.UsageError("--update is about all that is kept; it takes no other option")
-        _update(target, name, engine)
+            raise click.UsageError("--update is about all that is kept; give no finding, no limits")
+        _update(target, name, n_seeds, engine)
         return
     if finding is None:
         raise click.UsageError("--finding N is missing: which finding of the campaign to keep")
     with open_campaign(Path(target)) as campaign:
-        regression = keep_finding(campaign, finding, name, limits)
+        flown_by = engine.settings(campaign.store.manifest.engine, AUTO)
+        regression = keep_finding(campaign, finding, name, limits, n_seeds or 1, flown_by)
     tell(f"kept       {regression.specification}")
     tell(f"limits     {regression.path}")
 
 
-def _update(mission: str, name: str | None, engine: EngineOptions) -> None:
+def _update(mission: str, name: str | None, n_seeds: int | None, engine: EngineOptions) -> None:
     """Take over what is counted today, and print what changed."""
     folders = find_mission(mission)
-    checked = [*check_all(folders, engine.settings(default=AUTO), tell, name=name)]
+    checked = [*check_all(folders, engine.settings(default=AUTO), tell, n_seeds, name)]
     failures = [each.error for each in checked if each.error is not None]
     if failures:
         raise failures[0]
-    changed = [each for each in checked if each.counts != each.regression.limits]
+    updated = [
+        (each.regression, replace(each.regression, mission_seeds=each.seeds, limits=each.now))
+        for each in checked
+    ]
+    changed = [(before, new) for before, new in updated if new != before]
     if changed:
-        write_limits(folders, [replace(each.regression, limits=each.counts) for each in changed])
-    for each in changed:
-        before = each.regression.limits
-        click.echo(each.regression.name)
-        for goal, ticks in each.counts.items():
-            if ticks != before[goal]:
-                click.echo(f"  {goal}: {before[goal]} → {ticks}")
+        write_limits(folders, [new for _, new in changed])
+    for before, new in changed:
+        click.echo(before.name)
+        if new.mission_seeds != before.mission_seeds:
+            n_before, n_new = len(before.mission_seeds), len(new.mission_seeds)
+            click.echo(f"  mission seeds: {n_before} → {n_new}")
+        for goal, ticks in new.limits.items():
+            if ticks != before.limits[goal]:
+                click.echo(f"  {goal}: {before.limits[goal]} → {ticks}")
     if not changed:
         click.echo("no difference")

@@ -20,6 +20,7 @@ def validate(
     is_json: bool,
     is_fix: bool,
     is_agreed: bool,
+    is_strict: bool,
 ) -> None:
     """Check the models of a mission and print every defect."""
     if is_fix and is_json:
@@ -30,6 +31,8 @@ def validate(
     if is_fix:
         _fix(mission, generated, is_agreed=is_agreed)
     found = validated(mission, generated, tell)
+    if is_strict:
+        found = found.strict()
     if is_json:
         print_json(_as_json(found))
     else:

@@ -229,7 +229,7 @@ class PlainEngine(Engine):
         except MrsfiError:
             raise
         except Exception as error:
-            what = f"mission '{code.mission.name}' failed at tick {flight.world.mission.tick}"
+            what = f"the mission failed at tick {flight.world.mission.tick}"
             raise failed(error, code.directory, what) from error
         return _outcome(flight, laid_out)
 

@@ -83,7 +83,7 @@ def _found(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     except KeyError as error:
         raise SpecificationError(
             f"fault '{fault.id}' ({fault.type}) refers to {error.args[0]!r}; "
-            f"mission '{mission.name}' has no such {kind.struck.value}"
+            f"the mission has no such {kind.struck.value}"
         ) from None
 
 

@@ -5,6 +5,7 @@ its limits, ``NAME.toml``.
 """
 
 import json
+import os
 import re
 import tomllib
 from collections.abc import Callable, Mapping
@@ -12,12 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import VIOLATIONS
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-_KEYS = ("found", "violations", "mission_seeds", "max")
+_KEYS = ("found", "violations", "mission_seeds", "goals", "max")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +37,8 @@ class Regression:
         Weathers in which it is flown; the limits hold in each.
     limits
         The most that a goal may have, by its ID; other goals are not looked at.
+    defect
+        Why nothing of this is known, if its files cannot be read.
     """
 
     path: Path
@@ -43,6 +46,7 @@ class Regression:
     violations: str
     mission_seeds: tuple[int, ...]
     limits: Mapping[str, int]
+    defect: MrsfiError | None = None
 
     @property
     def name(self) -> str:
@@ -55,20 +59,7 @@ class Regression:
         return self.path.with_suffix(".xmi")
 
     def counts(self, goals: tuple[str, ...], outcome: Outcome) -> dict[str, int]:
-        """Return what a flight has of what is limited.
-
-        Parameters
-        ----------
-        goals
-            IDs of the mission's goals, in the order of an outcome's counts.
-        outcome
-            What came of the flight.
-
-        Raises
-        ------
-        UsageError
-            If the mission has no such goal.
-        """
+        """Return what a flight has of what is limited; a goal that there is not is refused."""
         found = dict(zip(goals, getattr(outcome, self.violations), strict=True))
         for goal in self.limits:
             if goal not in found:
@@ -89,18 +80,13 @@ class Regression:
             f"found = {_quoted(self.found)}\n"
             f"violations = {json.dumps(self.violations)}\n"
             f"mission_seeds = {list(self.mission_seeds)}\n"
+            f"goals = {len(self.limits)}\n"
             f"\n[max]\n{limits}"
         )
 
     @classmethod
     def load(cls, path: Path) -> Self:
-        """Read the file of some limits.
-
-        Raises
-        ------
-        UsageError
-            If it cannot be read, has an unknown key, lacks one, or has one of a wrong kind.
-        """
+        """Read the file of some limits; what it lacks, or has of a wrong kind, is refused."""
         try:
             content = tomllib.loads(path.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
@@ -115,23 +101,40 @@ class Regression:
             if not accepts(value):
                 found = "nothing" if value is None else repr(value)
                 raise UsageError(f"{path}: {key}: found {found}; expected {expected}")
-        seeds = tuple(content["mission_seeds"])
-        return cls(path, content["found"], content["violations"], seeds, content["max"])
+        seeds, limits = tuple(content["mission_seeds"]), content["max"]
+        if content.get("goals", len(limits)) != len(limits):  # files of before do not say
+            raise UsageError(
+                f"{path}: max: found {len(limits)} limits; expected {content['goals']}, as many as "
+                "goals says; restore the file, or correct goals if that is wanted"
+            )
+        return cls(path, content["found"], content["violations"], seeds, limits)
 
 
 def kept(models: Path) -> tuple[Regression, ...]:
-    """Return what is kept beside the models of a mission, by name.
-
-    Raises
-    ------
-    UsageError
-        If the limits of one cannot be read, or a specification has none.
-    """
+    """Return what is kept beside the models of a mission, by name, also what cannot be read."""
     folder = folder_of(models)
-    for path in sorted(folder.glob("*.xmi")):
-        if not path.with_suffix(".toml").is_file():
-            raise UsageError(f"{path}: found no limits; expected {path.stem}.toml beside it")
-    return tuple(Regression.load(path) for path in sorted(folder.glob("*.toml")))
+    if not os.path.lexists(folder):
+        return ()
+    try:
+        found = {path.stem for path in folder.iterdir() if path.suffix in (".xmi", ".toml")}
+    except OSError as error:
+        defect = UsageError(f"{folder}: cannot be read: {error.strerror}; expected a folder")
+        return (Regression(folder, "", "", (), {}, defect),)
+    return tuple(_read(folder / f"{name}.toml") for name in sorted(found))
+
+
+def _read(path: Path) -> Regression:
+    """Return what is kept in two files; a pipe among them would let whoever reads it wait."""
+    specification = path.with_suffix(".xmi")
+    try:
+        for file in (specification, path):
+            if file.exists() and not file.is_file():
+                raise SpecificationError(f"{file}: found no plain file; expected a kept finding")
+        if not path.exists():
+            raise UsageError(f"{specification}: found no limits; expected {path.name} beside it")
+        return Regression.load(path)
+    except MrsfiError as error:
+        return Regression(path, "", "", (), {}, error)
 
 
 def folder_of(models: Path) -> Path:
@@ -158,6 +161,10 @@ _RULES: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
     "mission_seeds": (
         "a list of whole numbers >= 0, at least one",
         lambda value: isinstance(value, list) and bool(value) and all(map(_is_count, value)),
+    ),
+    "goals": (
+        "a whole number >= 0, that of the limits",
+        lambda value: value is None or _is_count(value),
     ),
     "max": (
         "a table with a whole number >= 0 for at least one goal",

@@ -83,6 +83,8 @@ class CampaignSettings:
         Number of failed evaluations that ends the run.
     source
         Where the settings come from, for messages.
+    options
+        Names of those that were given beside it.
 
     References
     ----------
@@ -110,6 +112,7 @@ class CampaignSettings:
     evaluations: int | None = None
     max_failures: int = 10
     source: str = field(default="settings", compare=False)
+    options: frozenset[str] = field(default=frozenset(), compare=False)
 
     @classmethod
     def load(cls, path: Path, **overrides: object) -> Self:
@@ -145,7 +148,8 @@ class CampaignSettings:
             )
         values = _checked(table, f"{source}: [search]")
         given = {key: value for key, value in overrides.items() if value is not None}
-        return cls(**(values | _checked(given, "option")), source=source)
+        values |= _checked(given, "option")
+        return cls(**values, source=source, options=frozenset(given))
 
     @classmethod
     def from_json(cls, values: Mapping[str, object], source: str = "record") -> Self:
@@ -154,10 +158,14 @@ class CampaignSettings:
         return cls(**_checked(given, source), source=source)
 
     def as_json(self) -> dict[str, Any]:
-        """Return all settings but their source, as values of JSON."""
+        """Return all settings but where they come from, as values of JSON."""
         values = asdict(self)
-        del values["source"]
+        del values["source"], values["options"]
         return values | {"goals": list(self.goals)}
+
+    def where(self, key: str) -> str:
+        """Return what says a setting, for messages: an option, or the campaign file."""
+        return f"option {key}" if key in self.options else f"{self.source}: [search] {key}"
 
     @property
     def mission_seeds(self) -> tuple[int, ...]:

@@ -136,7 +136,7 @@ def ea_mu_comma_lambda(space: SearchSpace, settings: CampaignSettings) -> Algori
     n_offspring = settings.offspring or 2 * settings.population
     if n_offspring < settings.population:
         raise UsageError(
-            f"{settings.source}: [search] offspring: found {n_offspring}; eaMuCommaLambda needs "
+            f"{settings.where('offspring')}: found {n_offspring}; eaMuCommaLambda needs "
             f"at least as many as population, {settings.population}"
         )
     breeder = Breeder(space, settings)
@@ -279,15 +279,15 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
 """Algorithms by their name in a campaign file, those of ``ALGORITHM_NAMES``."""
 
 
+_MADE_BY_TEAMS = ("algorithm", "crossover_operator", "mutation_operator")
+
+
 def begin_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Begin the search that settings name; check what it makes if a team wrote a part of it."""
     algorithm = chosen(settings, "algorithm", ALGORITHMS)(space, settings)
-    named = (settings.algorithm, settings.crossover_operator, settings.mutation_operator)
-    written = [name for name in named if ":" in name]
-    if not written:
-        return algorithm
-    where = f"{settings.source}: [search] {' or '.join(repr(name) for name in written)}"
-    return _UserAlgorithm(algorithm, space, where)
+    named = {key: getattr(settings, key) for key in _MADE_BY_TEAMS}
+    written = [f"{settings.where(key)} {name!r}" for key, name in named.items() if ":" in name]
+    return _UserAlgorithm(algorithm, space, " or ".join(written)) if written else algorithm
 
 
 @dataclass(frozen=True, slots=True)

@@ -94,16 +94,15 @@ def require_settings(
         chosen(settings, key, table)
     if settings.minimise and settings.algorithm in ALGORITHMS.keys() - MINIMISING:
         raise UsageError(
-            f"{settings.source}: [search] minimise: found '{settings.minimise}' with algorithm "
+            f"{settings.where('minimise')}: found '{settings.minimise}' with algorithm "
             f"'{settings.algorithm}', which knows fitness alone; expected algorithm "
             f"{' or '.join(map(repr, MINIMISING))}, or no minimise"
         )
     for goal in settings.goals:
         if goal not in mission.goal_ids:
-            known = ", ".join(mission.goal_ids)
             raise UsageError(
-                f"{settings.source}: [search] goals: found '{goal}'; "
-                f"mission '{mission.name}' has {known}"
+                f"{settings.where('goals')}: found '{goal}'; expected goals of the mission: "
+                f"{', '.join(mission.goal_ids)}"
             )
 
 

@@ -36,7 +36,7 @@ def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
         If the table has no such entry, or there is no such function.
     """
     name = getattr(settings, key)
-    where = f"{settings.source}: [search] {key}"
+    where = settings.where(key)
     if ":" in name:
         return cast("T", user_function(name, where))
     if name not in table:

@@ -38,7 +38,7 @@ def test_an_error_in_a_region_names_its_line_mission_tick_and_cause(tmp_path):
     with pytest.raises(EvaluationError) as failed:
         ReferenceEngine(load_code(folder), 1).evaluate(())
 
-    expected = f"{path}:{line}: mission '1000' failed at tick 500: ZeroDivisionError: "
+    expected = f"{path}:{line}: the mission failed at tick 500: ZeroDivisionError: "
     assert str(failed.value).startswith(expected)
 
 

@@ -170,7 +170,9 @@ def test_what_an_operator_must_not_make_is_refused(operator, message):
     with pytest.raises(SpecificationError, match=message) as refused:
         run(campaign(mutation_operator=f"own_functions:{operator}"))
 
-    assert f"case.toml: [search] 'own_functions:{operator}' made" in str(refused.value)
+    assert f"case.toml: [search] mutation_operator 'own_functions:{operator}' made" in str(
+        refused.value
+    )
 
 
 def test_a_name_that_no_table_has_is_refused():

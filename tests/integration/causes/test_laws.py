@@ -12,7 +12,7 @@ from mrsfi_runtime.causes.attribution import attribute
 from mrsfi_runtime.causes.cause_set import Question, floor
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import explain
-from mrsfi_runtime.causes.labels import BYSTANDER, JOINT, MASKING, REDUNDANT, SOLE
+from mrsfi_runtime.causes.labels import BYSTANDER, JOINT, LESSER, MASKING, REDUNDANT, SOLE
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.measure import Measure
@@ -106,7 +106,9 @@ def _label(of, places, place, columns):
         if is_kept(of[swapped], whole, columns):
             return REDUNDANT
     without = of[tuple(k for k in everyone if k != place)]
-    return MASKING if any(20 * without[k] > 21 * whole[k] for k in columns) else BYSTANDER
+    if any(20 * without[k] > 21 * whole[k] for k in columns):
+        return MASKING
+    return LESSER if any(of[place,][k] > of[()][k] for k in columns) else BYSTANDER
 
 
 def _require_shares(of, found):

@@ -1,7 +1,15 @@
 import pytest
 
 from mrsfi_runtime.causes.cause_set import Question, floor
-from mrsfi_runtime.causes.labels import BYSTANDER, JOINT, MASKING, REDUNDANT, SOLE, goal_causes
+from mrsfi_runtime.causes.labels import (
+    BYSTANDER,
+    JOINT,
+    LESSER,
+    MASKING,
+    REDUNDANT,
+    SOLE,
+    goal_causes,
+)
 from tests.support.planted import faults, flights
 
 
@@ -39,7 +47,11 @@ def labels(violations, names="abcd", *, goal="g1"):
         ),
         (
             lambda flown: (10 * ("a" in flown and "b" not in flown), 0),
-            (BYSTANDER, MASKING, BYSTANDER, BYSTANDER),
+            (LESSER, MASKING, BYSTANDER, BYSTANDER),
+        ),
+        (
+            lambda flown: (max(90 * ("a" in flown), 9 * ("b" in flown)), 4),
+            (SOLE, LESSER, BYSTANDER, BYSTANDER),
         ),
         (lambda flown: (0, 0), (BYSTANDER,) * 4),
     ],
@@ -52,6 +64,7 @@ def labels(violations, names="abcd", *, goal="g1"):
         "of true violations",
         "a rise of a twentieth is none",
         "one hides all that another does",
+        "one does less than another",
         "nothing",
     ],
 )

@@ -209,7 +209,14 @@ def test_a_result_too_few_is_noticed():
             "mutation_operator: found 'magic'; expected one",
         ),
         (CampaignSettings(crossover_operator="x"), "crossover_operator: found 'x'; expected one"),
-        (CampaignSettings(goals=("g1", "g9")), "goals: found 'g9'; mission 'uuv_sampling' has g1"),
+        (
+            CampaignSettings.parse("[search]", "case.toml", goals=["g9"]),
+            "option goals: found 'g9'; expected goals of the mission: g1",
+        ),
+        (
+            CampaignSettings(goals=("g1", "g9")),
+            "goals: found 'g9'; expected goals of the mission: g1",
+        ),
         (
             CampaignSettings(minimise="faults"),
             "algorithm 'paper', which knows fitness alone; expected algorithm 'nsga2' or 'guided'",

@@ -13,8 +13,9 @@ from mrsfi_runtime.record.manifest import BOTH, CI
 _HELP = """Fly every kept finding of MISSION against today's models and code.
 
 Without MISSION it goes through all of models/. Where a goal has more violations than is kept, the
-finding came back: it says why, and ends with exit code 10. What cannot be flown any more, because
-a robot is gone, say, is an error, with the exit code of its kind. Nothing kept is no pass either.
+finding came back: it says why, and ends with exit code 10. What cannot be judged any more, because
+a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error: the others
+are flown all the same, and the exit code is the lowest of such. Nothing kept is no pass either.
 
 \b
 Examples:
@@ -33,7 +34,8 @@ Examples:
     "n_seeds",
     type=click.IntRange(1, 1000),
     metavar="N",
-    help="Fly in N mission seeds, from the first of each on; the limits hold in all.",
+    help="Fly in N mission seeds: those that are kept first, then others, of which limits say "
+    "nothing unless they hold there too.",
 )
 @click.option(
     "--junit",

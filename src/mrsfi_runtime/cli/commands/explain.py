@@ -36,6 +36,7 @@ fault is to each goal:
   joint      in the goal's cause set with others
   redundant  could take the place of one in it
   masking    without it there would be more violations
+  lesser     none of these, but alone it breaks the goal: others break it more, or hide it
   bystander  none of these
 
 Of several specifications, those are one finding whose cause sets have the same faults in windows

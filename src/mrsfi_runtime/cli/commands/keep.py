@@ -21,6 +21,7 @@ difference.
 Examples:
   mrsfi keep runs/uuv_sampling-a-1 --finding 1
   mrsfi keep runs/uuv_sampling-a-1 --finding 2 --name surfacing --max g2=0,g4=10
+  mrsfi keep runs/uuv_sampling-a-1 --finding 3 --seeds 5
   mrsfi keep uuv_sampling --update
   mrsfi keep uuv_sampling --update --name surfacing
 """
@@ -49,6 +50,13 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
     metavar="G=N,…",
     callback=_limits,
     help="Limit these goals alone, to so many ticks each.",
+)
+@click.option(
+    "--seeds",
+    "n_seeds",
+    type=click.IntRange(1, 1000),
+    metavar="N",
+    help="Limits are the most over N mission seeds; with --update, those of each so far.",
 )
 @click.option("--update", is_flag=True, help="Take over what is counted today of MISSION's.")
 @engine_options(BOTH, CI, default=AUTO)

@@ -21,11 +21,11 @@ Examples:
 
 Each defect is one line: file, line, severity, what was found and what was expected, and
 the constraint. Errors of the models end with exit code 3, those of the generated code's
-regions alone with 6, warnings alone with 0. A name or a field that does not exist is such an
-error, whether or not a flight reaches it. A mission without errors is flown once without
-faults, if its generated code is fresh: a flight that fails is an error too, a goal that is
-violated even then is worth a warning. So is what the compiled engine could not compile in a
-region, or would compile to something else.
+regions alone with 6, warnings alone with 0, or as if they were errors with --strict. A name
+or a field that does not exist is such an error, whether or not a flight reaches it. A mission
+without errors is flown once without faults, if its generated code is fresh: a flight that
+fails is an error too, a goal that is violated even then is worth a warning. So is what the
+compiled engine could not compile in a region, or would compile to something else.
 
 With --fix, what has one sensible remedy is mended first: the change is shown as a diff, and
 written once you agree (--yes agrees in advance). Files are written as Eclipse writes them.
@@ -40,6 +40,7 @@ without it.
 @click.option("--json", "is_json", is_flag=True, help="Print the diagnostics for a script.")
 @click.option("--fix", "is_fix", is_flag=True, help="Mend what has one remedy; show a diff first.")
 @click.option("--yes", "is_agreed", is_flag=True, help="With --fix: write without asking.")
+@click.option("--strict", "is_strict", is_flag=True, help="Take warnings for errors.")
 @click.pass_context
 def command(ctx: click.Context, /, **given: Any) -> None:
     """Check the models of a mission and print every defect."""
