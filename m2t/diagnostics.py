@@ -118,7 +118,7 @@ PeriodPositive (mission): a patrol period is at least 1 tick
 DeadlinePositive (mission): a deadline is at least tick 1
 TolerancePositive (mission): a tolerance is above 0
 FixedDistancePositive (mission): a fixed distance is above 0
-DelayNotNegative (faults): delays and block durations are not below 0
+DelayNotNegative (faults): delays and block durations are 0 to 2,147,483,647
 WindowNotNegative (faults): the window of a fault does not begin or end before tick 0
 SpeedWithinMaximum (mission): a nominal speed is not above the maximum of its robot
 MessageFieldName (mission): a message reports POSITION, SPEED, ENERGY or a sensor type

@@ -5,20 +5,20 @@ References
 Source paper, section III-A, step 6, and section III-B b).
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from m2t.constraints.faults import fault_types
 from m2t.elements import copies
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.metaclasses import slots
-from m2t.metamodels import load_metamodels
+from m2t.metamodels import load_metamodels, meaning
 from m2t.saving import addresses
 from m2t.write.xmi import dumps, write_atomically
-from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.errors import SpecificationError, expected
 from mrsfi_runtime.model.faults import numbered
+from mrsfi_runtime.model.gate import at_work
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
 """ID of a pool fault, first tick, last tick, and values by parameter name."""
@@ -67,35 +67,18 @@ def write_specification(
     names = numbered(row[0] for row in rows) if names is None else names
     for name, (fault_id, start, finish, given) in zip(names, rows, strict=True):
         if fault_id not in pool:
-            known = ", ".join(pool) or "none"
-            raise SpecificationError(
-                f"fault '{fault_id}' is not in the pool of {folder}; it has: {known}"
-            )
-        if not 0 <= start <= finish:
-            raise SpecificationError(
-                f"fault '{fault_id}' has window {start} ... {finish}; expected 0 <= start <= finish"
-            )
+            what = f"fault '{fault_id}' is not in the pool of {folder}"
+            raise SpecificationError(f"{what}; {expected(fault_id, pool)}")
         fault = copies([pool[fault_id]])[pool[fault_id]]
-        fault.ID = name
-        fault.start, fault.finish = start, finish
-        _set_values(fault, given)
+        (kind,) = fault_types(fault)
+        means = meaning(kind)
+        usual = {known.name: getattr(kind, known.name) for known in means.parameters}
+        timed = at_work(fault_id, means, start, finish, {**usual, **given})
+        fault.ID, fault.start, fault.finish = name, timed.start, timed.finish
+        for known, value in zip(means.parameters, timed.values, strict=True):
+            if known.name in given:
+                is_integer = slots(kind.eClass)[known.name].type.name == "EInt"
+                setattr(kind, known.name, int(value) if is_integer else value)
         specification.faults.append(fault)
     hrefs = addresses(models, path.parent)
     write_atomically(path, dumps(specification, hrefs=hrefs, xmi_ids=models.xmi_ids))
-
-
-def _set_values(fault: Any, given: Mapping[str, float]) -> None:
-    """Set the parameters of a fault."""
-    (kind,) = fault_types(fault)
-    for name, value in given.items():
-        slot = slots(kind.eClass).get(name)
-        if slot is None:
-            raise SpecificationError(
-                f"fault '{fault.ID}' ({kind.eClass.name}) has no parameter '{name}'; "
-                "give only those of its type"
-            )
-        is_integer = slot.type.name == "EInt"
-        if not math.isfinite(value) or (is_integer and value != int(value)):
-            expected = "a whole number" if is_integer else "a finite number"
-            raise SpecificationError(f"fault '{fault.ID}' has {name} {value}; expected {expected}")
-        setattr(kind, name, int(value) if is_integer else float(value))

@@ -14,8 +14,8 @@ from mrsfi_runtime.engine.flights import require_effects
 from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.mission import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import require_no_overlap
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter
@@ -117,8 +117,7 @@ def read_specification(path: Path, code: MissionCode) -> Written:
     pool = pool_from_text(fault_loader_text(models))
     try:
         require_effects(code.pool, pool)
-        specification = pool.written_specification()
-        require_no_overlap(code.mission, pool, specification)
+        specification = Gate(code.mission, pool).admitted(pool.written_specification())
     except SpecificationError as error:
         lines = {each.ID: models.nodes[each].line for each in models.pool}
         named = ", ".join(str(lines[fault]) for fault in error.faults if fault in lines)

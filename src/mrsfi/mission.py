@@ -9,8 +9,8 @@ from mrsfi.engines import Tell, evaluator, opened, own_engine, silent
 from mrsfi.folders import MissionFolders, campaign_file, find_mission
 from mrsfi.project import choose_metamodels, project
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
-from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.gate import at_work
 from mrsfi_runtime.record.settings import CampaignSettings
 
 if TYPE_CHECKING:
@@ -164,18 +164,11 @@ class Mission:
         Raises
         ------
         SpecificationError
-            If the pool has no such fault, or the fault no such parameter.
+            If the pool has no such fault, or the fault no such parameter, window or value.
         """
         found = self.pool[fault]
-        names = [parameter.name for parameter in found.kind.parameters]
-        unknown = [name for name in values if name not in names]
-        if unknown:
-            raise SpecificationError(
-                f"fault '{fault}' ({found.type}) has no parameter '{unknown[0]}'; expected one of: "
-                f"{', '.join(names) or '(it has none)'}"
-            )
-        given = {**dict(zip(names, found.values, strict=True)), **values}
-        return TimedFault(fault, start, finish, tuple(given.values()))
+        usual = found.kind.named(found.values)
+        return at_work(fault, found.kind, start, finish, usual | values)
 
     def fly(
         self,

@@ -21,8 +21,18 @@
 Programming mistakes stay ``TypeError`` and ``ValueError``.
 """
 
+from collections.abc import Iterable
+from difflib import get_close_matches
 from pathlib import Path
 from typing import ClassVar
+
+
+def expected(found: object, known: Iterable[object], what: str = "one of") -> str:
+    """Return what a message ends with about a name that is none of those known, nearest last."""
+    names = [str(name) for name in known]
+    near = get_close_matches(str(found), names, 1)
+    listed = ", ".join(names) or "(there is none)"
+    return f"expected {what} {listed}" + "".join(f"; did you mean '{name}'?" for name in near)
 
 
 class MrsfiError(Exception):

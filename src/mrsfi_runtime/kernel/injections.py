@@ -172,6 +172,7 @@ class FaultShapes(dict[str, FaultShape]):
 
     def __init__(self, mission: Mission, pool: FaultPool) -> None:
         super().__init__()
+        self.last = mission.duration - 1
         self._mission = mission
         self._pool = pool
 
@@ -221,7 +222,7 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
         a, b, c = (*map(float, values), 0.0, 0.0, 0.0)[:3]
         delay = 0
         if is_held_back:
-            finish, delay = _held_back(timed, kind.mode)
+            finish, delay = _held_back(timed, kind.mode, shapes.last)
         for place, affected, target in places:
             lists[place].append(
                 (number, affected, is_random, target, start, finish, a, b, c, n_held, delay)
@@ -235,7 +236,7 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
 def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple[int, int] | None:
     """Return the first and the last tick at which a fault is active; ``None`` if it never is.
 
-    They are those of its window, but for blocks that end before it, for delays below one tick, for
+    They are those of its window, but for blocks that end before it, for delays of no tick, for
     what no message carries, and for what lies behind the mission's end.
 
     Raises
@@ -265,17 +266,17 @@ Those of the other modes are so already: a fixed value is added to nothing, and 
 """
 
 
-def _held_back(timed: TimedFault, mode: Mode) -> tuple[int, int]:
+def _held_back(timed: TimedFault, mode: Mode, last: int) -> tuple[int, int]:
     """Return when a fault ends, and by how many ticks messages are late that arrive before.
 
-    A delay below one tick never becomes active.
+    A delay of no tick never becomes active; nothing arrives after the mission's last tick.
     """
-    ticks = round(timed.values[0])
+    ticks = int(timed.values[0])
     if mode is Mode.BLOCK:
         return min(timed.finish, timed.start + ticks - 1), 0
     if ticks < 1:
         return timed.start - 1, 0
-    return timed.finish, ticks if ticks <= timed.finish - timed.start else 0
+    return timed.finish, ticks if ticks <= min(timed.finish, last) - timed.start else 0
 
 
 def _own_rows(

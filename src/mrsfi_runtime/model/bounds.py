@@ -12,6 +12,7 @@ import math
 
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Parameter, Range, Struck
 from mrsfi_runtime.model.faults import Fault
+from mrsfi_runtime.model.gate import limits
 from mrsfi_runtime.model.mission import Mission, Robot, Sensor
 from mrsfi_runtime.model.targets import touched
 
@@ -45,7 +46,9 @@ def _bounds(
 ) -> tuple[float, float]:
     if not parameter.evolves:
         return value, value
-    lowest, highest = _default_bounds(mission, fault, parameter.range)
+    least, most = limits(parameter)
+    usual = _default_bounds(mission, fault, parameter.range)
+    lowest, highest = (min(max(bound, least), most) for bound in usual)
     model_lowest, model_highest = fault.bounds.get(parameter.name, (None, None))
     low = min(lowest if model_lowest is None else model_lowest, value)
     high = max(highest if model_highest is None else model_highest, value)

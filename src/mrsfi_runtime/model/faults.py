@@ -12,7 +12,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
-from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.errors import SpecificationError, expected
 from mrsfi_runtime.model.fault_types import FaultType
 
 OwnValue: TypeAlias = "str | float | Mapping[str, OwnValue] | tuple[OwnValue, ...] | None"
@@ -112,10 +112,10 @@ class FaultPool:
         """
         try:
             return self.by_id[fault_id]
-        except KeyError:
-            known = ", ".join(self.by_id) or "none"
+        except (KeyError, TypeError):
+            known = expected(fault_id, self.by_id)
             raise SpecificationError(
-                f"fault pool '{self.id}' has no fault '{fault_id}'; it has: {known}"
+                f"fault pool '{self.id}' has no fault {fault_id!r}; {known}"
             ) from None
 
     def __iter__(self) -> Iterator[Fault]:

@@ -12,7 +12,9 @@ from itertools import chain
 from operator import methodcaller
 from typing import Any
 
+from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.gate import plain
 from mrsfi_runtime.model.outcome import Outcome
 
 COUNTS = tuple(entry.name for entry in fields(Outcome) if entry.name != "digest")
@@ -39,27 +41,16 @@ def canonical(value: Any) -> str:
 
 
 def specification_text(specification: Specification) -> str:
-    """Return ``[["f9",100,900,[200.0,-450.0]],…]``.
-
-    Raises
-    ------
-    ValueError
-        If a value is not finite.
-    """
-    return canonical(
-        [
-            [timed.fault, int(timed.start), int(timed.finish), [float(v) for v in timed.values]]
-            for timed in specification
-        ]
-    )
+    """Return ``[["f9",100,900,[200.0,-450.0]],…]``."""
+    return canonical([plain(timed) for timed in specification])
 
 
 def specification(rows: Iterable[Any]) -> Specification:
-    """Return the specification whose text has such rows; a ValueError or TypeError if none."""
-    return tuple(
-        TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)))
-        for fault, start, finish, values in rows
-    )
+    """Return the specification whose text has such rows; a ValueError if none."""
+    try:
+        return tuple([plain(TimedFault(*row)) for row in rows])
+    except (SpecificationError, TypeError) as error:
+        raise ValueError(f"{error}") from error
 
 
 _BEGINNING = re.compile(r'\["([^"\\]*)",')  # of a timed fault, unless its ID is an odd one

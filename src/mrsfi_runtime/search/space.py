@@ -7,7 +7,6 @@ Source paper, sections III-C b) and III-E a) to c).
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from random import Random
 from types import MappingProxyType
 from typing import Self, TypeAlias
@@ -16,6 +15,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Coordinates, Mission
 from mrsfi_runtime.model.targets import conflicts
 
@@ -42,11 +42,14 @@ def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
     found = _places(mission, fault) if fault.kind.is_place else _ends(fault, bounds)
     return tuple(
         dict.fromkeys(
-            values
-            for values in (fault.values, *found)
-            if all(low <= value <= high for value, (low, high) in zip(values, bounds, strict=True))
+            values for values in (fault.values, *found) if all(map(within, values, bounds))
         )
     )
+
+
+def within(value: float, bounds: tuple[float, float]) -> bool:
+    """Return whether a value lies within its bounds."""
+    return bounds[0] <= value <= bounds[1]
 
 
 def _ends(fault: Fault, bounds: Iterable[tuple[float, float]]) -> Iterator[tuple[float, ...]]:
@@ -116,6 +119,7 @@ class SearchSpace:
 
     duration: int
     candidates: Mapping[str, Candidate]
+    gate: Gate
 
     @classmethod
     def of(cls, mission: Mission, pool: FaultPool) -> Self:
@@ -143,7 +147,7 @@ class SearchSpace:
             )
             for index, fault in enumerate(pool)
         }
-        return cls(mission.duration, MappingProxyType(candidates))
+        return cls(mission.duration, MappingProxyType(candidates), Gate(mission, pool))
 
     def clash(self, first: TimedFault, second: TimedFault) -> bool:
         """Return whether two timed faults may not stand in one specification."""
@@ -164,33 +168,21 @@ class SearchSpace:
         Raises
         ------
         SpecificationError
-            If a fault, a window or a value is none of this space, or two faults clash.
+            If the gate refuses it, or a window or a value is none of this space.
         """
-        for timed in specification:
-            if not self._has(timed):
+        try:
+            found = self.gate.admitted(specification)
+        except SpecificationError as error:
+            raise SpecificationError(f"{where} made: {error}", error.faults) from error
+        for timed in found:
+            bounds = self.candidates[timed.fault].bounds
+            is_within = map(within, timed.values, bounds)
+            if timed.finish >= self.duration or not all(is_within):
                 raise SpecificationError(
-                    f"{where} made {timed}; expected a fault of the pool, its window within "
-                    f"0 … {self.duration - 1} and its values within the bounds of the model"
+                    f"{where} made {timed}; expected its window within 0 … {self.duration - 1}, "
+                    f"and its values within the bounds of the model, {bounds}"
                 )
-        for first, second in combinations(specification, 2):
-            if self.clash(first, second):
-                raise SpecificationError(
-                    f"{where} made {first} and {second}, which conflict and overlap; "
-                    "SearchSpace.free_windows says where there is room"
-                )
-        return self.ordered(specification)
-
-    def _has(self, timed: TimedFault) -> bool:
-        candidate = self.candidates.get(timed.fault)
-        return (
-            candidate is not None
-            and 0 <= timed.start <= timed.finish < self.duration
-            and len(timed.values) == len(candidate.bounds)
-            and all(
-                low <= value <= high
-                for value, (low, high) in zip(timed.values, candidate.bounds, strict=True)
-            )
-        )
+        return self.ordered(found)
 
     def ordered(self, faults: Iterable[TimedFault]) -> Specification:
         """Return timed faults by start, finish and place in the pool.
