@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.errors import ModelError, nearest
 
 if TYPE_CHECKING:
     from m2t.read.nodes import Node
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 Severity: TypeAlias = Literal["error", "warning"]
 
 _SHOWN = 60
-_LISTED = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,6 +274,6 @@ def shown(text: str) -> str:
     return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "...")
 
 
-def listed(names: Sequence[str]) -> str:
-    """Return names for use in a message: the first of them if there are many."""
-    return ", ".join(names[:_LISTED]) + (", ..." if len(names) > _LISTED else "")
+def listed(names: Sequence[str], found: str = "") -> str:
+    """Return names for use in a message, and which of them may have been meant."""
+    return ", ".join(names) + nearest(found, names)

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from pyecore.ecore import EEnum
 
-from m2t.diagnostics import Defect, shown
+from m2t.diagnostics import Defect, listed, shown
 from m2t.metaclasses import Slot
 from mrsfi_runtime.model.gate import LAST, MOST
 
@@ -96,7 +96,7 @@ def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
     kind = slot.type.name
     if isinstance(slot.type, EEnum):
         names = [literal.name for literal in slot.type.eLiterals]
-        yield "EnumLiteral", text in names, f"one of {', '.join(names)}; correct the spelling"
+        yield "EnumLiteral", text in names, f"one of {listed(names, text)}; correct the spelling"
     elif kind == "EBoolean":
         is_literal = text in ("true", "false")
         yield "EnumLiteral", is_literal, "true or false; correct the spelling"

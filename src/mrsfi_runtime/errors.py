@@ -27,12 +27,16 @@ from pathlib import Path
 from typing import ClassVar
 
 
+def nearest(found: object, known: Iterable[object]) -> str:
+    """Return the end of a message about a name that nothing has: what may have been meant."""
+    near = get_close_matches(str(found), [str(name) for name in known], 1)
+    return "".join(f"; did you mean '{name}'?" for name in near)
+
+
 def expected(found: object, known: Iterable[object], what: str = "one of") -> str:
-    """Return what a message ends with about a name that is none of those known, nearest last."""
+    """Return the same after all names that are known."""
     names = [str(name) for name in known]
-    near = get_close_matches(str(found), names, 1)
-    listed = ", ".join(names) or "(there is none)"
-    return f"expected {what} {listed}" + "".join(f"; did you mean '{name}'?" for name in near)
+    return f"expected {what} {', '.join(names) or '(there is none)'}{nearest(found, names)}"
 
 
 class MrsfiError(Exception):

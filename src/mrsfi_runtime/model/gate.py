@@ -43,11 +43,13 @@ def plain(timed: TimedFault) -> TimedFault:
 
 
 def _is_plain(fault: object, start: int, finish: int, values: Sequence[float]) -> bool:
-    if not (type(fault) is str and type(start) is type(finish) is int and type(values) is tuple):
+    """Return whether nothing is to be done, quickly: search has timed faults by the million."""
+    if not (type(start) is type(finish) is int and type(fault) is str and type(values) is tuple):
         return False
-    return 0 <= start <= finish <= LAST and all(
-        type(value) is float and -MOST <= value <= MOST for value in values
-    )
+    for value in values:
+        if type(value) is not float or not -MOST <= value <= MOST:
+            return False
+    return 0 <= start <= finish <= LAST
 
 
 def _are(kind: type[Any], *found: object) -> bool:
@@ -86,8 +88,10 @@ def fitting(kind: FaultType, timed: TimedFault) -> TimedFault:
         names = ", ".join(parameter.name for parameter in parameters) or "it takes none"
         raise _misfit(timed.fault, f"{len(values)} values", f"{len(parameters)} values ({names})")
     for parameter, value in zip(parameters, values, strict=True):
-        low, high = limits(parameter)
-        if parameter.is_integer and not (value.is_integer() and low <= value <= high):
+        if parameter.is_integer and not (
+            value.is_integer() and limits(parameter)[0] <= value <= LAST
+        ):
+            low, high = limits(parameter)
             wanted = f"a whole number from {low:.0f} to {high:.0f}"
             raise _misfit(timed.fault, f"{parameter.name} {value}", wanted)
     if kind.mode is Mode.RANDOM and values and values[0] > values[1]:
@@ -95,11 +99,11 @@ def fitting(kind: FaultType, timed: TimedFault) -> TimedFault:
     return timed
 
 
-class Gate(dict[str, tuple[FaultType, tuple[Target | str, ...]]]):
+class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
     """Admits fault specifications to one mission and pool; what it finds out, it remembers.
 
-    By ID of a fault it has its type, and what no other may touch at the same time: itself, and its
-    targets.
+    By ID of a fault it has its type, the number of its values if no more is asked of them, and what
+    no other may touch at the same time: itself, and its targets.
     """
 
     def __init__(self, mission: Mission, pool: FaultPool) -> None:
@@ -107,10 +111,12 @@ class Gate(dict[str, tuple[FaultType, tuple[Target | str, ...]]]):
         self._mission = mission
         self._pool = pool
 
-    def __missing__(self, fault_id: str) -> tuple[FaultType, tuple[Target | str, ...]]:
+    def __missing__(self, fault_id: str) -> tuple[FaultType, int, tuple[Target | str, ...]]:
         fault = self._pool[fault_id]
         keys: tuple[Target | str, ...] = (fault_id, *touched(self._mission, fault))
-        self[fault_id] = found = fault.kind, keys
+        parameters = fault.kind.parameters
+        is_any = fault.kind.mode is not Mode.RANDOM and not any(p.is_integer for p in parameters)
+        self[fault_id] = found = fault.kind, len(parameters) if is_any else -1, keys
         return found
 
     def admitted(self, specification: Iterable[TimedFault]) -> Specification:
@@ -127,10 +133,14 @@ class Gate(dict[str, tuple[FaultType, tuple[Target | str, ...]]]):
         except TypeError:
             wanted = "timed faults, in a list or tuple"
             raise SpecificationError(f"found {specification!r}; expected {wanted}") from None
-        found = tuple([fitting(self[timed.fault][0], timed) for timed in map(plain, asked)])
+        found = tuple(map(plain, asked))
+        for timed in found:
+            kind, n_values, _ = self[timed.fault]
+            if len(timed.values) != n_values:
+                fitting(kind, timed)
         newest: dict[Target | str, TimedFault] = {}
         for timed in sorted(found, key=attrgetter("start")):
-            for key in self[timed.fault][1]:
+            for key in self[timed.fault][2]:
                 before = newest.get(key)
                 if before is not None and before.finish >= timed.start:
                     raise self._overlap(before, timed)
@@ -139,8 +149,8 @@ class Gate(dict[str, tuple[FaultType, tuple[Target | str, ...]]]):
 
     def _overlap(self, first: TimedFault, second: TimedFault) -> SpecificationError:
         """Return the error that two conflicting faults overlap."""
-        others = {*self[second.fault][1]}
-        shared = (key for key in self[first.fault][1] if key in others and not isinstance(key, str))
+        others = {*self[second.fault][2]}
+        shared = (key for key in self[first.fault][2] if key in others and not isinstance(key, str))
         what = ", ".join(describe(self._mission, key) for key in shared) or "nothing"
         return SpecificationError(
             f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "

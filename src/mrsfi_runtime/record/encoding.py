@@ -48,7 +48,12 @@ def specification_text(specification: Specification) -> str:
 def specification(rows: Iterable[Any]) -> Specification:
     """Return the specification whose text has such rows; a ValueError if none."""
     try:
-        return tuple([plain(TimedFault(*row)) for row in rows])
+        return tuple(
+            [
+                plain(TimedFault(fault, start, finish, tuple(values)))
+                for fault, start, finish, values in rows
+            ]
+        )
     except (SpecificationError, TypeError) as error:
         raise ValueError(f"{error}") from error
 
