@@ -181,5 +181,7 @@ def test_what_an_operator_must_not_make_is_refused(operator, message):
 def test_a_name_that_no_table_has_is_refused():
     settings = CampaignSettings(algorithm="magic", source="case.toml")
 
-    with pytest.raises(UsageError, match=r"algorithm: found 'magic'; expected one of 'a', 'b'"):
+    with pytest.raises(
+        UsageError, match=r"algorithm: found 'magic'; expected 'module:function' or one of a, b$"
+    ):
         chosen(settings, "algorithm", {"a": 1, "b": 2})
