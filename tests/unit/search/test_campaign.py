@@ -217,7 +217,7 @@ def test_a_result_too_few_is_noticed():
             CampaignSettings(mutation_operator="magic"),
             "mutation_operator: found 'magic'; expected 'module:",
         ),
-        (CampaignSettings(crossover_operator="x"), "crossover_operator: found 'x'; expected 'module:"),
+        (CampaignSettings(crossover_operator="x"), "operator: found 'x'; expected 'module:"),
         (CampaignSettings(goals=("g1", "g9")), "goals: found 'g9'; expected one of g1, g2"),
         (
             CampaignSettings(minimise="faults"),
