@@ -32,32 +32,12 @@ def write_specification(
     identifier: str,
     names: Sequence[str] | None = None,
 ) -> None:
-    """Write timed faults as XMI.
+    """Write timed faults as XMI, in their order, a file that is replaced as a whole.
 
-    Parameters
-    ----------
-    models
-        Mission folder, or what was loaded from one; its ``faults.xmi`` is the pool.
-    rows
-        The timed faults, in the order in which they are written.
-    path
-        File to write, replaced as a whole.
-    identifier
-        ID of the fault specification.
-    names
-        IDs of the timed faults; those of ``numbered`` if left out.
-
-    Raises
-    ------
-    ModelError
-        If the models of the folder cannot be used.
-    SpecificationError
-        If a row names a fault or a parameter that the pool does not have, or gives a value
-        that the parameter cannot hold.
-
-    Notes
-    -----
-    The copies of a pool fault keep its name.
+    ``models`` is the mission folder, or what was loaded from one, whose ``faults.xmi`` is the pool;
+    ``identifier`` the ID of the specification. ``names`` are the IDs of the timed faults, those of
+    ``numbered`` if left out; display names are those of the pool. What the pool lacks, or the gate
+    refuses, is a SpecificationError.
     """
     models = load_mission_folder(models) if isinstance(models, Path) else models
     folder = models.mission_path.parent

@@ -21,19 +21,10 @@ _EXCESS = 10.0  # times nominal
 
 
 def value_bounds(mission: Mission, fault: Fault) -> tuple[tuple[float, float], ...]:
-    """Return the lowest and highest value of each parameter of a pool fault.
+    """Return the lowest and highest value of each parameter of a pool fault, in their order.
 
-    Returns
-    -------
-    tuple[tuple[float, float], ...]
-        Shape ``(n_parameters, 2)`` in the order of ``fault.kind.parameters``. A parameter
-        that does not evolve has its pool value twice. The bounds of an integer parameter
-        are the outermost whole numbers inside; if there is none, its pool value twice.
-
-    Raises
-    ------
-    SpecificationError
-        If the fault refers to an element that the mission does not have.
+    A parameter that does not evolve has its pool value twice. The bounds of an integer parameter
+    are the outermost whole numbers inside; if there is none, its pool value twice.
     """
     return tuple(
         _bounds(mission, fault, parameter, value)

@@ -35,10 +35,7 @@ _BY_NAME = {affected.name: affected for affected in OF_ROBOT}
 def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     """Return what a fault touches, each once, in model order; nothing if no message carries it.
 
-    Raises
-    ------
-    SpecificationError
-        If the fault refers to an element that the mission does not have.
+    A fault that refers to an element that the mission does not have is refused.
     """
     key = (fault.type, fault.target)
     if key not in mission.touches:

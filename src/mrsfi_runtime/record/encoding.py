@@ -32,10 +32,7 @@ _ENCODER = json.JSONEncoder(
 def canonical(value: Any) -> str:
     """Return the one JSON text of a value: no spaces, given key order, numpy's numbers as Python's.
 
-    Raises
-    ------
-    ValueError
-        If a number is not finite.
+    A number that is not finite is a ValueError.
     """
     return _ENCODER.encode(value)
 
@@ -67,11 +64,6 @@ def fault_texts(text: str) -> tuple[list[str], list[str]]:
 
     They are found in the text of a specification without making its timed faults, which takes
     six times as long. Equal timed faults have equal texts.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If it is not the text of a specification.
     """
     faults, texts = _BEGINNING.findall(text), text[_OPENING:-_CLOSING].split("]],[")
     if len(faults) == len(texts) and text.endswith("]]]") and "-0.0" not in text:
@@ -86,13 +78,7 @@ def fault_texts(text: str) -> tuple[list[str], list[str]]:
 
 
 def lists(texts: Sequence[str]) -> list[list[Any]]:
-    """Return what several JSON lists hold, read at once, which is quicker than one by one.
-
-    Raises
-    ------
-    ValueError
-        If one of them is anything else.
-    """
+    """Return what several JSON lists hold, read at once, which is quicker; a ValueError if none."""
     found: list[list[Any]] = json.loads(f"[{','.join(texts)}]")
     if len(found) != len(texts) or not all(type(each) is list for each in found):
         raise ValueError(f"found {' '.join(texts)[:60]}; expected lists")

@@ -27,16 +27,11 @@ _OUTSIDE = 1.2  # mission radii: surely outside, within the default bounds
 
 
 def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
-    """Return the landmarks of a pool fault, each once, its own values first.
+    """Return the landmarks of a pool fault within its bounds, each once, its own values first.
 
     Most values between two bounds are like their neighbours. What stands out are the ends, and,
     among places, where robots begin, goals are pursued and obstacles stand: a believed position
     inside an obstacle is a point that chance hardly ever hits.
-
-    Returns
-    -------
-    tuple[tuple[float, ...], ...]
-        Shape ``(n_landmarks, n_parameters)``, all within ``value_bounds``.
     """
     bounds = value_bounds(mission, fault)
     found = _places(mission, fault) if fault.kind.is_place else _ends(fault, bounds)
@@ -123,13 +118,7 @@ class SearchSpace:
 
     @classmethod
     def of(cls, mission: Mission, pool: FaultPool) -> Self:
-        """Return the space of a mission and its fault pool.
-
-        Raises
-        ------
-        SpecificationError
-            If the pool is empty or refers to an element that the mission does not have.
-        """
+        """Return the space of a mission and its fault pool, which may not be empty."""
         if not len(pool):
             raise SpecificationError(
                 f"fault pool '{pool.id}' is empty; search needs at least one fault"
@@ -158,18 +147,7 @@ class SearchSpace:
         )
 
     def require(self, specification: Specification, where: str) -> Specification:
-        """Return a specification as the record has it, or refuse it.
-
-        Parameters
-        ----------
-        where
-            Who made it, for the message.
-
-        Raises
-        ------
-        SpecificationError
-            If the gate refuses it, or a window or a value is none of this space.
-        """
+        """Return a specification that ``where`` has made as the record has it, or refuse it."""
         try:
             found = self.gate.admitted(specification)
         except SpecificationError as error:
