@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from mrsfi_runtime.errors import ModelError
+from mrsfi_runtime.errors import ModelError, nearest
 
 if TYPE_CHECKING:
     from m2t.read.nodes import Node
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 Severity: TypeAlias = Literal["error", "warning"]
 
 _SHOWN = 60
-_LISTED = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +117,7 @@ PeriodPositive (mission): a patrol period is at least 1 tick
 DeadlinePositive (mission): a deadline is at least tick 1
 TolerancePositive (mission): a tolerance is above 0
 FixedDistancePositive (mission): a fixed distance is above 0
-DelayNotNegative (faults): delays and block durations are not below 0
+DelayNotNegative (faults): delays and block durations are 0 to 2,147,483,647
 WindowNotNegative (faults): the window of a fault does not begin or end before tick 0
 SpeedWithinMaximum (mission): a nominal speed is not above the maximum of its robot
 MessageFieldName (mission): a message reports POSITION, SPEED, ENERGY or a sensor type
@@ -277,6 +276,6 @@ def shown(text: str) -> str:
     return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "...")
 
 
-def listed(names: Sequence[str]) -> str:
-    """Return names for use in a message: the first of them if there are many."""
-    return ", ".join(names[:_LISTED]) + (", ..." if len(names) > _LISTED else "")
+def listed(names: Sequence[str], found: str = "") -> str:
+    """Return names for use in a message, and which of them may have been meant."""
+    return ", ".join(names) + nearest(found, names)

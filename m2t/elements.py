@@ -42,17 +42,9 @@ def contained(element: Any) -> Iterator[Any]:
 def copies(roots: Iterable[Any], known: Callable[[Any], Any] = lambda kind: kind) -> dict[Any, Any]:
     """Return copies of elements and all that they contain, by their originals.
 
-    Parameters
-    ----------
-    roots
-        The elements; what they refer to beyond themselves stays the same.
-    known
-        Gives the class of the copies for a class, and the enumeration for an enumeration.
-
-    Notes
-    -----
-    All copies are made before any gets its values, which may refer to any of them. What is unset
-    stays unset.
+    What they refer to beyond themselves stays the same, and what is unset stays unset. ``known``
+    gives the class of the copies for a class, and the enumeration for an enumeration. All copies
+    are made before any gets its values, which may refer to any of them.
     """
     made = {element: known(element.eClass)() for root in roots for element in contained(root)}
     for element, copy in made.items():

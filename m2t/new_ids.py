@@ -8,7 +8,6 @@ import ast
 import tokenize
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,7 @@ from m2t.naming import identifier
 from m2t.protected_regions import parse, text_lines
 from m2t.read.model_files import ModelFiles
 from m2t.saving import difference, saved
-from mrsfi_runtime.errors import ProtectedRegionError, UsageError
+from mrsfi_runtime.errors import ProtectedRegionError, UsageError, expected
 from mrsfi_runtime.markers import MARKER, lines_in_regions
 
 
@@ -145,12 +144,10 @@ def _numbered(specification: LoadedModels, names: Mapping[str, str]) -> Mapping[
 def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:
     """Refuse an old ID that nothing has, and a new one that cannot be or is taken."""
     ids = [[each.ID for each in _identified(root)] for root in (models.mission, models.faults)]
-    known = {identity for each in ids for identity in each}
+    known = dict.fromkeys(identity for each in ids for identity in each)
     for old in names:
         if old not in known:
-            near = get_close_matches(old, sorted(known), 3)
-            expected = ", ".join(near) or "that of an element of the mission or its pool"
-            raise UsageError(f"found '{old}', an ID that nothing has; expected {expected}")
+            raise UsageError(f"found '{old}', an ID that nothing has; {expected(old, known)}")
     for own, becomes_name in zip(ids, (True, False), strict=True):
         taken: dict[str, str] = {}
         for old in own:

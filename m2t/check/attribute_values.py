@@ -12,10 +12,10 @@ from types import MappingProxyType
 
 from pyecore.ecore import EEnum
 
-from m2t.diagnostics import Defect, shown
+from m2t.diagnostics import Defect, listed, shown
 from m2t.metaclasses import Slot
+from mrsfi_runtime.model.gate import LAST, MOST
 
-MAX_MAGNITUDE = 1e12
 MAX_NAME_LENGTH = 200
 MAX_TEXT_LENGTH = 2_000
 
@@ -46,7 +46,7 @@ class Range:
 
 _SPEED = Range("SpeedNotNegative", 0)
 _ENERGY = Range("EnergyNotNegative", 0)
-_TICKS = Range("DelayNotNegative", 0)
+_TICKS = Range("DelayNotNegative", 0, LAST)
 _WINDOW = Range("WindowNotNegative", 0)
 
 RANGES: Mapping[str, Range] = MappingProxyType(
@@ -96,7 +96,7 @@ def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
     kind = slot.type.name
     if isinstance(slot.type, EEnum):
         names = [literal.name for literal in slot.type.eLiterals]
-        yield "EnumLiteral", text in names, f"one of {', '.join(names)}; correct the spelling"
+        yield "EnumLiteral", text in names, f"one of {listed(names, text)}; correct the spelling"
     elif kind == "EBoolean":
         is_literal = text in ("true", "false")
         yield "EnumLiteral", is_literal, "true or false; correct the spelling"
@@ -106,7 +106,7 @@ def _rules(slot: Slot, text: str) -> Iterator[tuple[str, bool, str]]:
     else:
         yield "FiniteNumber", not _NOT_FINITE.fullmatch(text), "a finite number; correct it"
         yield "NumberSyntax", bool(_DOUBLE.fullmatch(text)), "a number such as 2.5; correct it"
-        is_near = abs(float(text)) <= MAX_MAGNITUDE
+        is_near = abs(float(text)) <= MOST
         yield "NumberMagnitude", is_near, "a number between -1.0E12 and 1.0E12; correct it"
     allowed = _TICKS if slot.counts_ticks else RANGES.get(slot.name)
     if allowed is not None and kind in ("EInt", "EDouble"):

@@ -78,7 +78,7 @@ class _Resolver:
         wanted = reference.slot.type
         if element is not None and conforms(element.metaclass, wanted):
             return element
-        expected = f"a {wanted.name}{self._known(tree, wanted)}; correct the reference"
+        expected = f"a {wanted.name}{self._known(tree, wanted, target)}; correct the reference"
         what = f"refers to {shown(target)} as {reference.slot.name}, which"
         if element is None:
             raise Defect(
@@ -123,7 +123,7 @@ def _address(target: str) -> str:
     return target.rpartition("#")[0]
 
 
-def _known(tree: ModelTree, wanted: Any) -> str:
+def _known(tree: ModelTree, wanted: Any, target: str) -> str:
     """Return the IDs that would fit, for the message; a tree is complete by now."""
     ids = [name for name, element in tree.by_id.items() if conforms(element.metaclass, wanted)]
-    return f" ({listed(ids)})" if ids else ""
+    return f" ({listed(ids, target.rpartition('#')[2])})" if ids else ""

@@ -162,7 +162,7 @@ class _Checker:
         """Check an attribute; return of how many values it is."""
         slot = slots(node.metaclass).get(name)
         if slot is None:
-            self._unknown(node, f"has no attribute {shown(name)}", node, "attribute")
+            self._unknown(node, name, f"has no attribute {shown(name)}", node, "attribute")
         elif slot.is_reference:
             targets = tuple(text.split())
             self.tree.references.append(Reference(node, slot, node, targets))
@@ -232,7 +232,7 @@ class _Checker:
         if slot is None:
             of = f" (namespace {shown(child.namespace)})" if child.namespace else ""
             what = f"is an unknown element of {node.description}{of}"
-            self._unknown(child, what, node, "element")
+            self._unknown(child, child.tag, what, node, "element")
         elif slot.is_contained:
             return self._contain(slot, child)
         elif slot.is_reference:
@@ -279,11 +279,11 @@ class _Checker:
             raise Defect("ConcreteType", f"has {found}; expected one of {expected}; choose one")
         return metaclass
 
-    def _unknown(self, node: Node, finding: str, element: Node, what: str) -> None:
+    def _unknown(self, node: Node, name: str, finding: str, element: Node, what: str) -> None:
         """Report a feature that an element's class does not have, and name those it has."""
         known = slots(element.metaclass).items()
-        names = [name for name, slot in known if slot.is_contained == (what == "element")]
-        expected = listed(names) or f"no {what}s"
+        names = [each for each, slot in known if slot.is_contained == (what == "element")]
+        expected = listed(names, name) or f"no {what}s"
         self._report.add(
             node, "KnownFeature", f"{finding}; expected {expected}; correct or delete it"
         )

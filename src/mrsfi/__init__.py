@@ -55,5 +55,7 @@ _PLACES = MappingProxyType(
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
     if name not in _PLACES:
-        raise AttributeError(f"module 'mrsfi' has no attribute '{name}'")
+        from mrsfi_runtime.errors import expected  # noqa: PLC0415 - as this module says
+
+        raise AttributeError(f"module 'mrsfi' has no attribute '{name}'; {expected(name, __all__)}")
     return getattr(import_module(_PLACES[name]), name)

@@ -19,13 +19,7 @@ from mrsfi_runtime.study.runs import common_settings, runs_of
 def settings_of(
     file: Path, code: MissionCode, algorithms: Sequence[str], evaluations: int
 ) -> dict[str, CampaignSettings]:
-    """Return the settings of each algorithm: those of a campaign file, and as many evaluations.
-
-    Raises
-    ------
-    UsageError
-        If one of them makes no sense for the mission.
-    """
+    """Return the settings of each algorithm: those of a campaign file, and as many evaluations."""
     settings = {}
     for name in algorithms:
         one = CampaignSettings.load(file, algorithm=name, seed=1, evaluations=evaluations)

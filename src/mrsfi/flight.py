@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Recorder, Recording, Records
+from mrsfi_runtime.errors import expected
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
@@ -107,7 +108,7 @@ class Flight:
             believed) or ``missed`` (from when on it was certain that its purpose is not met).
         """
         if kind not in COUNTED:
-            raise ValueError(f"kind is '{kind}'; expected one of {', '.join(COUNTED)}")
+            raise ValueError(f"found kind '{kind}'; {expected(kind, COUNTED)}")
         return dict(zip(self.goals, getattr(self.outcome, kind), strict=True))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from m2t.generate import stale
 from m2t.load import LoadedModels
 from mrsfi.project import from_here, project
-from mrsfi_runtime.errors import GenerationError, UsageError
+from mrsfi_runtime.errors import GenerationError, UsageError, expected
 from mrsfi_runtime.files import settle
 from mrsfi_runtime.semantics_of_code import require_semantics
 
@@ -71,11 +71,8 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
         return folders
     place = project().models
     known = sorted(path.parent.name for path in place.glob(f"*/{_MISSION_FILE}"))
-    raise UsageError(
-        f"found no mission '{mission}'; expected the name of a folder in {place}/ "
-        f"({', '.join(known) or 'there is none here'}) or the path of one that holds "
-        f"{_MISSION_FILE}"
-    )
+    what = f"the path of a folder that holds {_MISSION_FILE}, or the name of one in {place}/:"
+    raise UsageError(f"found no mission '{mission}'; {expected(mission, known, what)}")
 
 
 def folders_at(models: Path, generated: Path | None = None) -> MissionFolders:
@@ -109,11 +106,10 @@ def campaign_file(folders: MissionFolders, case: str) -> Path:
         return named
     if Path(case).is_file():
         return Path(case)
-    known = [path.stem.removeprefix("case_") for path in folders.models.glob("case_*.toml")]
-    raise UsageError(
-        f"--case: found no campaign file '{case}'; expected the path of a TOML file, or one of: "
-        f"{', '.join(sorted(known)) or f'(there is no case_*.toml in {folders.models})'}"
-    )
+    files = sorted(folders.models.glob("case_*.toml"))
+    names = [path.stem.removeprefix("case_") for path in files]
+    what = f"the path of a TOML file, or one of {folders.models}/case_*.toml:"
+    raise UsageError(f"--case: found no campaign file '{case}'; {expected(case, names, what)}")
 
 
 def _generated(folder: Path) -> Path:

@@ -15,8 +15,8 @@ from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.mission import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import require_no_overlap
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.report import SpecificationWriter
@@ -25,17 +25,7 @@ if TYPE_CHECKING:
 def load_fresh(folders: MissionFolders, loaded: LoadedModels | None = None) -> MissionCode:
     """Load the generated code of a mission, which must be fresh, and whose regions must be sound.
 
-    Parameters
-    ----------
-    loaded
-        Its models, where they are loaded already.
-
-    Raises
-    ------
-    GenerationError
-        If it is stale, or not generated yet.
-    EvaluationError
-        If a region is not sound, or the code cannot be loaded.
+    ``loaded`` are its models, where they are loaded already.
     """
     from mrsfi_runtime.engine.region_lint import (  # noqa: PLC0415 - brings pyflakes
         require_sound_regions,
@@ -64,18 +54,8 @@ def specification_writer(
 class Written:
     """A fault specification in a file.
 
-    Attributes
-    ----------
-    models
-        The specification as it was loaded, with its mission.
-    pool
-        Its faults.
-    specification
-        The same, with windows and values.
-    unknown
-        Those of them that the pool of the mission does not have, by ID.
-    late
-        Those that end beyond the mission.
+    ``models`` is as it was loaded, with its mission; ``unknown`` are the faults that the pool of
+    the mission does not have, by ID, ``late`` those that end beyond the mission.
     """
 
     models: LoadedModels
@@ -104,15 +84,7 @@ class Written:
 def read_specification(path: Path, code: MissionCode) -> Written:
     """Return a written fault specification, which must be one that can be flown.
 
-    Raises
-    ------
-    UsageError
-        If there is no such file.
-    ModelError
-        If it cannot be used.
-    SpecificationError
-        If faults have no window, overlap though they conflict, or have effects that the mission's
-        code has not; with the lines of these faults.
+    A SpecificationError names the lines of the faults.
     """
     if not path.is_file():
         raise UsageError(f"{path}: no such file; expected a fault specification in XMI")
@@ -120,8 +92,7 @@ def read_specification(path: Path, code: MissionCode) -> Written:
     pool = pool_from_text(fault_loader_text(models))
     try:
         require_effects(code.pool, pool)
-        specification = pool.written_specification()
-        require_no_overlap(code.mission, pool, specification)
+        specification = Gate(code.mission, pool).admitted(pool.written_specification())
     except SpecificationError as error:
         lines = {each.ID: models.nodes[each].line for each in models.pool}
         named = ", ".join(str(lines[fault]) for fault in error.faults if fault in lines)

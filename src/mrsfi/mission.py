@@ -9,9 +9,15 @@ from mrsfi.engines import Tell, evaluator, opened, own_engine, silent
 from mrsfi.folders import MissionFolders, campaign_file, find_mission
 from mrsfi.project import choose_metamodels, project
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
-from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
-from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.model.gate import Gate, at_work
+from mrsfi_runtime.record.settings import (
+    ALGORITHM_NAMES,
+    CampaignSettings,
+    require_seed,
+    require_whole,
+)
 
 if TYPE_CHECKING:
     from m2t.diagnostics import Diagnostic
@@ -25,7 +31,7 @@ if TYPE_CHECKING:
     from mrsfi_runtime.study.comparison import Comparison
 
 
-def load(mission: str | Path, generated: Path | None = None) -> "Mission":
+def load(mission: str | Path, generated: Path | str | None = None) -> "Mission":
     """Return a mission by its name in ``models``, or by its folder.
 
     Parameters
@@ -41,7 +47,7 @@ def load(mission: str | Path, generated: Path | None = None) -> "Mission":
         If there is no such mission.
     """
     choose_metamodels()
-    return Mission(find_mission(str(mission), generated))
+    return Mission(find_mission(str(mission), _path("generated", generated)))
 
 
 class Mission:
@@ -163,18 +169,11 @@ class Mission:
         Raises
         ------
         SpecificationError
-            If the pool has no such fault, or the fault no such parameter.
+            If the pool has no such fault, or the fault no such parameter, window or value.
         """
         found = self.pool[fault]
-        names = [parameter.name for parameter in found.kind.parameters]
-        unknown = [name for name in values if name not in names]
-        if unknown:
-            raise SpecificationError(
-                f"fault '{fault}' ({found.type}) has no parameter '{unknown[0]}'; expected one of: "
-                f"{', '.join(names) or '(it has none)'}"
-            )
-        given = {**dict(zip(names, found.values, strict=True)), **values}
-        return TimedFault(fault, start, finish, tuple(given.values()))
+        usual = found.kind.named(found.values)
+        return at_work(fault, found.kind, start, finish, usual | values)
 
     def fly(
         self,
@@ -202,6 +201,7 @@ class Mission:
         """
         from mrsfi.flight import fly  # noqa: PLC0415 - brings numpy
 
+        seed = require_seed(seed)
         pool, specification = self._specification(faults)
         with opened(self.code, seed, _settings(engine)) as flown_by:
             return fly(flown_by, pool, specification, seed)
@@ -231,14 +231,19 @@ class Mission:
         Outcome or FailedFlight
             The second if the code of a region failed.
         """
-        with evaluator(self.code, seed, _settings(engine), workers) as many:
-            yield from many.evaluate_many(specifications, seed)
+        seed, settings, n_workers = require_seed(seed), _settings(engine), _workers(workers)
+
+        def flown() -> "Iterator[Evaluated]":
+            with evaluator(self.code, seed, settings, n_workers) as many:
+                yield from many.evaluate_many(specifications, seed)
+
+        return flown()
 
     def evolve(
         self,
         case: str | None = None,
         *,
-        out: Path | None = None,
+        out: Path | str | None = None,
         engine: str | EngineSettings = AUTO,
         workers: int | None = None,
         explain: bool = True,
@@ -288,11 +293,12 @@ class Mission:
             chosen = CampaignSettings.parse("[search]", "settings", **settings)
         else:
             chosen = CampaignSettings.load(campaign_file(self.folders, case), **settings)
-        case = case or "script"
+        case, workers = str(case or "script"), _workers(workers)
+        path = _path("out", out)
         require_searchable(self.code, chosen)
         asked, seed = _settings(engine), chosen.mission_seed
         flown_by = asked.tried(self.code, seed, tell, waits=False)
-        path = free_folder(self.name, Path(case).stem) if out is None else out
+        path = path or free_folder(self.name, Path(case).stem)
         with (
             begun(path, self.folders, chosen, case, asked),
             open_to_fly(path) as campaign,
@@ -311,7 +317,7 @@ class Mission:
         evaluations: int,
         *,
         case: str = "a",
-        out: Path | None = None,
+        out: Path | str | None = None,
         engine: str | EngineSettings = AUTO,
         workers: int | None = None,
     ) -> "Comparison":
@@ -340,11 +346,15 @@ class Mission:
         from mrsfi_runtime.mission import load_code  # noqa: PLC0415
         from mrsfi_runtime.study.runs import only_comparison  # noqa: PLC0415
 
+        if isinstance(algorithms, str) or not algorithms or len({*algorithms}) < len(algorithms):
+            known = expected(algorithms, ALGORITHM_NAMES, "a list of different ones of")
+            raise UsageError(f"algorithms: found {algorithms!r}; {known}")
+        n_seeds, workers = require_whole("n_seeds", n_seeds), _workers(workers)
+        path = _path("out", out) or project().runs / f"compare-{self.name}-{Path(case).stem}"
         file = campaign_file(self.folders, case)
         settings = settings_of(file, self.code, algorithms, evaluations)
         seed = settings[algorithms[0]].mission_seed
         flown_by = _settings(engine).tried(self.code, seed, silent, waits=False)
-        path = project().runs / f"compare-{self.name}-{Path(case).stem}" if out is None else out
         with only_comparison(path, self.folders.models, self.folders.generated) as folder:
             code = load_code(folder.generated)
             with evaluator(code, seed, flown_by, workers) as many:
@@ -371,13 +381,14 @@ class Mission:
         """
         from mrsfi.regressions import check_all  # noqa: PLC0415 - brings numpy
 
+        n_seeds = None if n_seeds is None else require_whole("n_seeds", n_seeds)
         return tuple(check_all(self.folders, _settings(engine), n_seeds=n_seeds))
 
     def _specification(
         self, faults: Path | str | Iterable[TimedFault]
     ) -> tuple[FaultPool, Specification]:
         if not isinstance(faults, Path | str):
-            return self.pool, tuple(faults)
+            return self.pool, Gate(self.model, self.pool).admitted(faults)
         from mrsfi.loading import read_specification  # noqa: PLC0415 - brings m2t
 
         written = read_specification(Path(faults), self.code)
@@ -385,4 +396,14 @@ class Mission:
 
 
 def _settings(engine: str | EngineSettings) -> EngineSettings:
-    return EngineSettings(engine) if isinstance(engine, str) else engine
+    return engine if isinstance(engine, EngineSettings) else EngineSettings(engine)
+
+
+def _workers(workers: int | None) -> int | None:
+    return None if workers is None else require_whole("workers", workers)
+
+
+def _path(name: str, given: Path | str | None) -> Path | None:
+    if given is not None and not isinstance(given, Path | str):
+        raise UsageError(f"{name}: found {given!r}; expected the path of a folder")
+    return None if given is None else Path(given)

@@ -21,8 +21,22 @@
 Programming mistakes stay ``TypeError`` and ``ValueError``.
 """
 
+from collections.abc import Iterable
+from difflib import get_close_matches
 from pathlib import Path
 from typing import ClassVar
+
+
+def nearest(found: object, known: Iterable[object]) -> str:
+    """Return the end of a message about a name that nothing has: what may have been meant."""
+    near = get_close_matches(str(found), [str(name) for name in known], 1)
+    return "".join(f"; did you mean '{name}'?" for name in near)
+
+
+def expected(found: object, known: Iterable[object], what: str = "one of") -> str:
+    """Return the same after all names that are known."""
+    names = [str(name) for name in known]
+    return f"expected {what} {', '.join(names) or '(there is none)'}{nearest(found, names)}"
 
 
 class MrsfiError(Exception):

@@ -8,7 +8,7 @@ import pytest
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import COSTS
-from mrsfi_runtime.model.targets import require_no_overlap
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
@@ -82,7 +82,7 @@ def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds
 
     assert len(flown) == N_EVALUATIONS
     for specification in flown:
-        require_no_overlap(code.mission, code.pool, specification)
+        Gate(code.mission, code.pool).admitted(specification)
         assert space.require(specification, "record") == specification
         assert 1 <= len(specification) <= 6
 

@@ -3,6 +3,7 @@
 import csv
 from dataclasses import asdict, replace
 from io import StringIO
+from itertools import product
 
 import pytest
 
@@ -12,6 +13,7 @@ from mrsfi_runtime.errors import EvaluationError, SpecificationError
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.gate import limits
 from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
@@ -41,6 +43,24 @@ def test_every_bit_of_belief_and_truth_is_that_of_the_reference(engine):
 
     for specification in ((), *specifications(engine.code, 5)):
         assert traced(engine, specification) == traced(reference, specification)
+
+
+def test_values_at_their_limits_lead_to_the_same_bits(engine):
+    cases = [
+        (fault.id, values)
+        for fault in engine.code.pool
+        for values in product(*(limits(parameter) for parameter in fault.kind.parameters))
+        if values and [*values] == sorted(values)
+    ]
+    specification = [
+        TimedFault(fault, 2 * tick, 2 * tick + 1, values)
+        for tick, (fault, values) in enumerate(cases)
+    ]
+
+    assert len(cases) > 30
+    assert 2 * len(cases) <= engine.code.mission.duration
+    expected = traced(ReferenceEngine(engine.code, SEED), specification)
+    assert traced(engine, specification) == expected
 
 
 @pytest.mark.parametrize("name", [pytest.param("compiled", marks=slow), "rosbridge"])

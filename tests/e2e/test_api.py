@@ -27,8 +27,8 @@ def uuv(place):
 
 def test_every_public_name_is_there_and_no_other():
     assert all(getattr(mrsfi, name) is not None for name in mrsfi.__all__)
-    with pytest.raises(AttributeError, match="has no attribute 'fly'"):
-        mrsfi.fly  # noqa: B018 - the look-up is the test
+    with pytest.raises(AttributeError, match=r"has no attribute 'laod'; .*; did you mean 'load'"):
+        mrsfi.laod  # noqa: B018 - the look-up is the test
 
 
 def test_an_unknown_mission_is_refused():
@@ -94,6 +94,46 @@ def test_many_are_counted_as_one_by_one(uuv):
 def test_a_kind_of_violations_that_there_is_not_is_refused(uuv):
     with pytest.raises(ValueError, match="'real'; expected one of believed, true"):
         uuv.fly().violations("real")
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda u: u.fly(engine="refrence"), "engine: found 'refrence'; .* mean 'reference'"),
+        (lambda u: u.evaluate([()], engine=None), "engine: found None; expected one of auto"),
+        (lambda u: u.check(engine="compield"), "engine: found 'compield'; .* mean 'compiled'"),
+        (
+            lambda u: u.fly(seed=-1),
+            "seed: found -1; expected a whole number 0 … 9223372036854775807",
+        ),
+        (lambda u: u.fly(seed=1.5), "seed: found 1.5; expected a whole number"),
+        (lambda u: u.evaluate([()], seed=2**70), "seed: found 11805916207"),
+        (lambda u: u.evaluate([()], workers=0), "workers: found 0; expected a whole number >= 1"),
+        (lambda u: u.evolve(workers="2"), "workers: found '2'; expected a whole number"),
+        (lambda u: u.evolve(out=3), "out: found 3; expected the path of a folder"),
+        (lambda u: u.evolve(generation=5), "unknown key 'generation'; .* mean 'generations'"),
+        (lambda u: u.evolve(algorithm="gided"), "algorithm: found 'gided'; .* mean 'guided'"),
+        (lambda u: u.evolve(goals=["g33"]), "goals: found 'g33'; expected one of g1, .* mean 'g3'"),
+        (lambda u: u.compare([], 2, 10), r"algorithms: found \[\]; expected a list of different"),
+        (lambda u: u.compare("random", 2, 10), "algorithms: found 'random'; expected a list of"),
+        (lambda u: u.compare(["random"] * 2, 2, 10), "expected a list of different ones"),
+        (lambda u: u.compare(["random"], 0, 10), "n_seeds: found 0; expected a whole number"),
+        (lambda u: u.check(n_seeds=1.5), "n_seeds: found 1.5; expected a whole number"),
+        (lambda u: mrsfi.load(u.folders.models, 3), "generated: found 3; expected the path"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_refused_before_anything_flies(uuv, call, message):
+    with pytest.raises(UsageError, match=message):
+        call(uuv)
+
+
+def test_numbers_of_numpy_and_folders_as_text_are_taken(uuv, place):
+    few = {"population": np.int64(2), "generations": 0, "faults": 2, "explain": False}
+
+    campaign = uuv.evolve(out=str(place / "few"), engine=REFERENCE, workers=np.int32(1), **few)
+
+    assert campaign.folder.parent == place
+    assert uuv.fly(seed=np.int64(3)).seed == 3
 
 
 def test_stale_code_is_refused_until_it_is_generated_anew(uuv):

@@ -112,7 +112,7 @@ def test_what_is_not_as_eclipse_writes_it_is_told(place):
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("r11=x", "found 'r11', an ID that nothing has; expected r1"),
+        ("r11=x", "found 'r11', an ID that nothing has; expected one of a15, r1, s1,"),
         ("r1=r2", "so have the name of what was"),
         ("r1=R2", "expected an ID that no other element has"),
         ("r1=1st", "r1=1st: has ID '1st'; expected a letter"),

@@ -533,7 +533,7 @@ class Timed:
         self.start, self.finish, self.values = start, finish, values
         self.applied = self.changed = 0
         if self.mode in ("DELAY", "BLOCK"):
-            self.late = round(values[0])  # "rounded to whole ones (half to even)"
+            self.late = int(values[0])  # "Numbers of ticks are whole"
             if self.late < 1 or self.mode == "BLOCK":
                 self.finish = min(finish, start + self.late - 1)
 

@@ -84,8 +84,8 @@ def test_each_fault_alone_flies_alike(twins):
         twins.fly((TimedFault(fault.id, n_ticks // 6, n_ticks // 2, fault.values),), 1)
 
 
-@pytest.mark.parametrize("n_ticks", [0.0, 0.5, 1.5, 2.5, 3.5, 1e6])
-def test_ticks_of_delays_and_blocks_are_rounded_alike(harbour, n_ticks):
+@pytest.mark.parametrize("n_ticks", [0.0, 1.0, 3.0, 1e6])
+def test_ticks_of_delays_and_blocks_count_alike(harbour, n_ticks):
     harbour.fly((TimedFault("h1", 0, 60, (n_ticks,)), TimedFault("h2", 20, 90, (n_ticks,))), 3)
 
 

@@ -207,10 +207,33 @@ def test_whole_numbers_are_accepted_for_doubles():
 def test_misspelt_features_are_refused():
     robot = mission.Robot()
 
-    with pytest.raises(AttributeError, match="Robot has no feature 'spede'"):
+    with pytest.raises(AttributeError, match=r"Robot has no feature 'spede'; .* mean 'speed'"):
         robot.spede = 6.0
-    with pytest.raises(TypeError, match="Robot has no feature 'eClass'"):
+    with pytest.raises(TypeError, match="Robot has no feature 'eClass'; expected one of ID, batt"):
         mission.Robot(eClass=None)
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: mission.Sensor(type="TEMP"), "Sensor.type: found 'TEMP'; expected one of GPS_PO"),
+        (lambda: mission.Sensor(type="DEPHT"), "PRESSURE; did you mean 'DEPTH'"),
+        (lambda: mission.Robot(speed="5"), "Robot.speed: found '5'; expected a number"),
+        (lambda: mission.Robot(ID=5), "Robot.ID: found 5; expected text"),
+        (lambda: mission.Mission(duration=True), "duration: found True; expected a whole number"),
+        (lambda: mission.Mission(duration=1.5), "duration: found 1.5; expected a whole number"),
+        (lambda: mission.Mission(robots=mission.Robot(ID="r")), "Mission.robots: found Robot r; "),
+        (lambda: mission.Mission().robots.append("r1"), "found 'r1'; expected elements of class R"),
+        (lambda: faults.StopRobot(affectedRobot=mission.Goal()), "affectedRobot: found Goal; exp"),
+    ],
+)
+def test_values_of_another_kind_are_refused(made, message):
+    with pytest.raises(TypeError, match=message):
+        made()
+
+
+def test_a_literal_may_be_given_by_its_name():
+    assert mission.Sensor(type="DEPTH").type is mission.SensorType.DEPTH
 
 
 def test_abstract_classes_have_no_objects():

@@ -82,9 +82,9 @@ def test_folder_names_with_spaces_are_referred_to(tmp_path):
         (("f99", 0, 1, {}), "fault 'f99' is not in the pool"),
         (("f9", 0, 1, {"NEW_W": 1.0}), "has no parameter 'NEW_W'"),
         (("f14", 0, 1, {"FIXED_VAL": 1.5}), "FIXED_VAL 1.5; expected a whole number"),
-        (("f9", 0, 1, {"NEW_X": float("nan")}), "NEW_X nan; expected a finite number"),
-        (("f9", 2, 1, {}), "expected 0 <= start <= finish"),
-        (("f9", -1, 1, {}), "expected 0 <= start <= finish"),
+        (("f9", 0, 1, {"NEW_X": float("nan")}), "values .nan, .*; expected numbers"),
+        (("f9", 2, 1, {}), "expected whole numbers, 0 <= start <= finish"),
+        (("f9", -1, 1, {}), "expected whole numbers, 0 <= start <= finish"),
     ],
 )
 def test_impossible_rows_are_errors_and_write_nothing(tmp_path, row, message):

@@ -9,7 +9,8 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.targets import require_no_overlap, touched
+from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.targets import touched
 from tests.support.trace import TraceDigest
 from tests.support.world import paper_code
 from tests.tiers import law, slow
@@ -27,7 +28,7 @@ def specifications(draw, first=0):
         start = draw(st.integers(first, first + DURATION))
         timed = TimedFault(fault.id, start, start + draw(st.integers(0, DURATION)), fault.values)
         try:
-            require_no_overlap(CODE.mission, CODE.pool, (*chosen, timed))
+            Gate(CODE.mission, CODE.pool).admitted((*chosen, timed))
         except SpecificationError:
             continue
         chosen.append(timed)

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import conflicts, require_no_overlap
+from mrsfi_runtime.model.targets import conflicts
 from mrsfi_runtime.search.estimation import FaultModel
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
@@ -41,7 +42,7 @@ class Drawn:
         return random_specification(self.space, self.n_faults, self.rng)
 
     def require_legal(self, specification: Specification) -> None:
-        require_no_overlap(self.mission, self.pool, specification)
+        Gate(self.mission, self.pool).admitted(specification)
         assert list(specification) == list(self.space.ordered(specification))
         for timed in specification:
             require_within(self.space.candidates[timed.fault], timed, self.mission.duration)
@@ -88,7 +89,7 @@ def test_what_is_refused_is_that_two_that_conflict_overlap(drawn):
 
     refused = pytest.raises(SpecificationError) if clashes else nullcontext()
     with refused as error:
-        require_no_overlap(mission, pool, tuple(specification))
+        Gate(mission, pool).admitted(tuple(specification))
 
     named = [
         [f"'{each.fault}' ({each.start} … {each.finish})" for each in pair] for pair in clashes

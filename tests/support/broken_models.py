@@ -193,7 +193,9 @@ LocalReference | mission.xmi#m4 | http://example.org/mission.xmi#m4 | example.or
 LocalReference | mission.xmi#m4 | ../other/mission.xmi#m4 | ../other
     affectedMessage of blockMessage of faults 'f2' | expected mission.xmi#ID
 DelayNotNegative | DELAY="200.0" | DELAY="-1.0" | DELAY
-    delayMessage of faults 'f8' | has DELAY '-1.0'; expected 0 or more
+    delayMessage of faults 'f8' | has DELAY '-1.0'; expected 0 to 2,147,483,647
+DelayNotNegative | DELAY="200.0" | DELAY="3e9" | DELAY
+    delayMessage of faults 'f8' | has DELAY '3e9'; expected 0 to 2,147,483,647
 DelayNotNegative | DURATION="5.0" | DURATION="5.0" BLOCK_DURATION_MIN="-2" | BLOCK_DURATION
     blockMessage of faults 'f2' | has BLOCK_DURATION_MIN '-2'
 WindowNotNegative | ID="f2" | ID="f2" start="-1" finish="3" | ID="f2"

@@ -12,7 +12,7 @@ from mrsfi.engines import evaluator
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
-from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.server_address import CLIENTS, Client
@@ -28,6 +28,14 @@ BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
 
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+
+class OneOf(click.Choice):  # type: ignore[type-arg]  # of click 8.1, too
+    """A choice that also says what may have been meant."""
+
+    def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:  # noqa: ARG002 - click's signature
+        """Return the message for a value that is none of the choices."""
+        return f"found {value!r}; {expected(value, self.choices)}"
 
 
 def options_as(
@@ -130,7 +138,7 @@ def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
     options = (
         click.option(
             "--engine",
-            type=click.Choice(ENGINES),
+            type=OneOf(ENGINES),
             show_default=default,
             help="How to fly: in this process, compiled or not, or on a rosbridge server.",
         ),
@@ -141,13 +149,13 @@ def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
         ),
         click.option(
             "--client",
-            type=click.Choice(CLIENTS),
+            type=OneOf(CLIENTS),
             show_default=CLIENTS[0],
             help="With --engine rosbridge: kind of roslibpy's connection.",
         ),
         click.option(
             "--side",
-            type=click.Choice(sides),
+            type=OneOf(sides),
             show_default=BOTH,
             help="With --url: what this command runs; ci leaves the simulation to others.",
         ),

@@ -15,8 +15,8 @@ from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.model.targets import require_no_overlap
 from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.observers import SimulationLog, TraceTable
@@ -49,7 +49,7 @@ def fly_recorded(
     subject: Subject,
 ) -> Outcome:
     """Fly once under faults of a pool, and write the wanted files."""
-    require_no_overlap(engine.code.mission, pool, specification)
+    specification = Gate(engine.code.mission, pool).admitted(specification)
     faults = named_faults(engine.code.mission, pool, specification)
     tallies = [FaultTally() for _ in specification]
     with _recorder(engine, files, faults, tallies, subject) as (observer, finish):

@@ -17,8 +17,8 @@ from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.mission import MissionCode, failed
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
-from mrsfi_runtime.model.targets import require_no_overlap
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording
@@ -127,7 +127,7 @@ class Engine(Evaluator):
         """
         pool = self.code.pool if pool is None else pool
         require_effects(self.code.pool, pool)
-        require_no_overlap(self.code.mission, pool, specification)
+        specification = Gate(self.code.mission, pool).admitted(specification)
         seed = self.seed if seed is None else seed
         received: list[FaultTally] = [] if tallies is None else tallies
         return self._evaluate(specification, seed, pool, observer, received)
@@ -147,7 +147,7 @@ class Engine(Evaluator):
         SpecificationError, EvaluationError, TransportError
             As ``evaluate``.
         """
-        require_no_overlap(self.code.mission, self.code.pool, specification)
+        specification = Gate(self.code.mission, self.code.pool).admitted(specification)
         return self._record(specification, self.seed if seed is None else seed)
 
     def try_out(self) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Self
 
-from mrsfi_runtime.errors import EvaluationError, UsageError
+from mrsfi_runtime.errors import EvaluationError, UsageError, expected
 from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.transport.server_address import Client
 
@@ -47,6 +47,10 @@ class EngineSettings:
     has_simulation: bool = True
     is_bundled: bool = False
     patience: Patience = field(default_factory=Patience)
+
+    def __post_init__(self) -> None:
+        if self.name not in ENGINES:
+            raise UsageError(f"engine: found {self.name!r}; {expected(self.name, ENGINES)}")
 
     @property
     def words(self) -> str:

@@ -113,18 +113,9 @@ _FINISH: Final = 5  # where a row has the first and the last tick at which it is
 
 
 class PlanRows(NamedTuple):
-    """A plan before its run.
+    """A plan before its run: messages, reports and commands, and own faults, each list by start.
 
-    Attributes
-    ----------
-    lists
-        Messages, reports and commands, each by start.
-    own
-        Faults of a team's own types, by start.
-    n_held
-        Numbers that delays hold back.
-    n_faults
-        Number of timed faults.
+    ``n_held`` are the numbers that delays hold back, ``n_faults`` the timed faults.
     """
 
     lists: tuple[list[InjectionRow], list[InjectionRow], list[InjectionRow]]
@@ -136,20 +127,8 @@ class PlanRows(NamedTuple):
 class FaultShape(NamedTuple):
     """What all timed faults of a pool's fault have in common.
 
-    Attributes
-    ----------
-    kind
-        Its type.
-    change
-        What its values become; ``None`` if they stay.
-    is_random
-        As for an injection.
-    is_held_back
-        Whether it holds messages back.
-    targets
-        What it touches.
-    places
-        Of each of them: the place of its list in ``PlanRows.lists``, property, and target.
+    ``change`` is what its values become, ``None`` if they stay; ``places`` has for each of
+    ``targets`` the place of its list in ``PlanRows.lists``, property, and target.
     """
 
     kind: FaultType
@@ -161,17 +140,11 @@ class FaultShape(NamedTuple):
 
 
 class FaultShapes(dict[str, FaultShape]):
-    """Shapes of the faults of one mission and pool by ID, each found when it is first asked for.
-
-    Raises
-    ------
-    SpecificationError
-        When asked for a fault that is not in the pool, or that refers to what the mission does not
-        have.
-    """
+    """Shapes of the faults of one mission and pool by ID, each found when it is first asked for."""
 
     def __init__(self, mission: Mission, pool: FaultPool) -> None:
         super().__init__()
+        self.last = mission.duration - 1
         self._mission = mission
         self._pool = pool
 
@@ -192,13 +165,7 @@ class FaultShapes(dict[str, FaultShape]):
 
 
 def plan(mission: Mission, pool: FaultPool, specification: Specification) -> Plan:
-    """Lay a fault specification out for the kernel.
-
-    Raises
-    ------
-    SpecificationError
-        If a fault is not in the pool, or refers to what the mission does not have.
-    """
+    """Lay a fault specification that the gate admitted out for the kernel."""
     lists, own, n_held, n_faults = plan_rows(FaultShapes(mission, pool), specification)
     messages, reports, commands = ([InjectionState(*row) for row in rows] for rows in lists)
     tallies = [FaultTally() for _ in range(n_faults)]
@@ -221,7 +188,7 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
         a, b, c = (*map(float, values), 0.0, 0.0, 0.0)[:3]
         delay = 0
         if is_held_back:
-            finish, delay = _held_back(timed, kind.mode)
+            finish, delay = _held_back(timed, kind.mode, shapes.last)
         for place, affected, target in places:
             lists[place].append(
                 (number, affected, is_random, target, start, finish, a, b, c, n_held, delay)
@@ -235,13 +202,8 @@ def plan_rows(shapes: FaultShapes, specification: Specification) -> PlanRows:
 def active_window(mission: Mission, pool: FaultPool, timed: TimedFault) -> tuple[int, int] | None:
     """Return the first and the last tick at which a fault is active; ``None`` if it never is.
 
-    They are those of its window, but for blocks that end before it, for delays below one tick, for
+    They are those of its window, but for blocks that end before it, for delays of no tick, for
     what no message carries, and for what lies behind the mission's end.
-
-    Raises
-    ------
-    SpecificationError
-        As ``plan``.
     """
     lists, own, *_ = plan_rows(FaultShapes(mission, pool), (timed,))
     for rows in (*lists, own):
@@ -265,17 +227,17 @@ Those of the other modes are so already: a fixed value is added to nothing, and 
 """
 
 
-def _held_back(timed: TimedFault, mode: Mode) -> tuple[int, int]:
+def _held_back(timed: TimedFault, mode: Mode, last: int) -> tuple[int, int]:
     """Return when a fault ends, and by how many ticks messages are late that arrive before.
 
-    A delay below one tick never becomes active.
+    A delay of no tick never becomes active; nothing arrives after the mission's last tick.
     """
-    ticks = round(timed.values[0])
+    ticks = int(timed.values[0])
     if mode is Mode.BLOCK:
         return min(timed.finish, timed.start + ticks - 1), 0
     if ticks < 1:
         return timed.start - 1, 0
-    return timed.finish, ticks if ticks <= timed.finish - timed.start else 0
+    return timed.finish, ticks if ticks <= min(timed.finish, last) - timed.start else 0
 
 
 def _own_rows(

@@ -12,6 +12,7 @@ import math
 
 from mrsfi_runtime.model.fault_types import OF_SENSOR, Parameter, Range, Struck
 from mrsfi_runtime.model.faults import Fault
+from mrsfi_runtime.model.gate import limits
 from mrsfi_runtime.model.mission import Mission, Robot, Sensor
 from mrsfi_runtime.model.targets import touched
 
@@ -20,19 +21,10 @@ _EXCESS = 10.0  # times nominal
 
 
 def value_bounds(mission: Mission, fault: Fault) -> tuple[tuple[float, float], ...]:
-    """Return the lowest and highest value of each parameter of a pool fault.
+    """Return the lowest and highest value of each parameter of a pool fault, in their order.
 
-    Returns
-    -------
-    tuple[tuple[float, float], ...]
-        Shape ``(n_parameters, 2)`` in the order of ``fault.kind.parameters``. A parameter
-        that does not evolve has its pool value twice. The bounds of an integer parameter
-        are the outermost whole numbers inside; if there is none, its pool value twice.
-
-    Raises
-    ------
-    SpecificationError
-        If the fault refers to an element that the mission does not have.
+    A parameter that does not evolve has its pool value twice. The bounds of an integer parameter
+    are the outermost whole numbers inside; if there is none, its pool value twice.
     """
     return tuple(
         _bounds(mission, fault, parameter, value)
@@ -45,7 +37,9 @@ def _bounds(
 ) -> tuple[float, float]:
     if not parameter.evolves:
         return value, value
-    lowest, highest = _default_bounds(mission, fault, parameter.range)
+    least, most = limits(parameter)
+    usual = _default_bounds(mission, fault, parameter.range)
+    lowest, highest = (min(max(bound, least), most) for bound in usual)
     model_lowest, model_highest = fault.bounds.get(parameter.name, (None, None))
     low = min(lowest if model_lowest is None else model_lowest, value)
     high = max(highest if model_highest is None else model_highest, value)

@@ -12,7 +12,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
-from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.errors import SpecificationError, expected
 from mrsfi_runtime.model.fault_types import FaultType
 
 OwnValue: TypeAlias = "str | float | Mapping[str, OwnValue] | tuple[OwnValue, ...] | None"
@@ -63,13 +63,7 @@ Specification: TypeAlias = tuple[TimedFault, ...]
 
 
 def numbered(faults: Iterable[str]) -> tuple[str, ...]:
-    """Return a name for each timed fault of a specification: ``f9.1``, ``f9.2`` for two of ``f9``.
-
-    Parameters
-    ----------
-    faults
-        IDs of their pool faults, in order.
-    """
+    """Return a name for each timed fault, by pool faults: ``f9.1``, ``f9.2`` for two of ``f9``."""
     n_met: Counter[str] = Counter()
     names = []
     for fault in faults:
@@ -103,19 +97,13 @@ class FaultPool:
         return {fault.id: fault for fault in self.faults}
 
     def __getitem__(self, fault_id: str) -> Fault:
-        """Return one fault.
-
-        Raises
-        ------
-        SpecificationError
-            If the pool has no such fault.
-        """
+        """Return one fault; refuse an ID that none has."""
         try:
             return self.by_id[fault_id]
-        except KeyError:
-            known = ", ".join(self.by_id) or "none"
+        except (KeyError, TypeError):
+            known = expected(fault_id, self.by_id)
             raise SpecificationError(
-                f"fault pool '{self.id}' has no fault '{fault_id}'; it has: {known}"
+                f"fault pool '{self.id}' has no fault {fault_id!r}; {known}"
             ) from None
 
     def __iter__(self) -> Iterator[Fault]:
@@ -125,13 +113,7 @@ class FaultPool:
         return len(self.faults)
 
     def written_specification(self) -> Specification:
-        """Return the faults of a written specification with their windows.
-
-        Raises
-        ------
-        SpecificationError
-            If a fault has no window.
-        """
+        """Return the faults of a written specification, each of which has to have a window."""
         timed = []
         for fault in self.faults:
             if fault.start is None or fault.finish is None:

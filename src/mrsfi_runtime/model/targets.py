@@ -10,7 +10,6 @@ place and *same class* in another; this key serves the purpose it states.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from operator import attrgetter
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
@@ -21,7 +20,7 @@ from mrsfi_runtime.model.fault_types import (
     Field,
     Struck,
 )
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Message, Mission, Obstacle, Robot, Sensor
 
 Target: TypeAlias = tuple[Field, int]
@@ -36,10 +35,7 @@ _BY_NAME = {affected.name: affected for affected in OF_ROBOT}
 def touched(mission: Mission, fault: Fault) -> tuple[Target, ...]:
     """Return what a fault touches, each once, in model order; nothing if no message carries it.
 
-    Raises
-    ------
-    SpecificationError
-        If the fault refers to an element that the mission does not have.
+    A fault that refers to an element that the mission does not have is refused.
     """
     key = (fault.type, fault.target)
     if key not in mission.touches:
@@ -141,68 +137,3 @@ def conflicts(mission: Mission, pool: FaultPool) -> Mapping[str, frozenset[str]]
         )
         for fault_id, key in keys.items()
     }
-
-
-def require_no_overlap(mission: Mission, pool: FaultPool, specification: Specification) -> None:
-    """Refuse a specification in which conflicting faults overlap or a window makes no sense.
-
-    Raises
-    ------
-    SpecificationError
-        Naming both faults, their windows and what they both touch.
-    """
-    Exclusion(mission, pool).require(specification)
-
-
-class Exclusion(dict[str, tuple[int, tuple[Target | str, ...]]]):
-    """Refuses specifications of one mission and pool; what it finds out of faults, it remembers.
-
-    By ID of a fault it has the number of its values, and what no other may touch at the same time:
-    itself, and its targets.
-
-    Parameters
-    ----------
-    mission, pool
-        The mission, and its faults.
-    """
-
-    def __init__(self, mission: Mission, pool: FaultPool) -> None:
-        super().__init__()
-        self._mission = mission
-        self._pool = pool
-
-    def __missing__(self, fault_id: str) -> tuple[int, tuple[Target | str, ...]]:
-        fault = self._pool[fault_id]
-        keys: tuple[Target | str, ...] = (fault_id, *touched(self._mission, fault))
-        self[fault_id] = found = (len(fault.kind.parameters), keys)
-        return found
-
-    def require(self, specification: Specification) -> None:
-        """Refuse a specification as ``require_no_overlap`` does."""
-        newest: dict[Target | str, TimedFault] = {}
-        for timed in sorted(specification, key=attrgetter("start")):
-            fault, start, finish, values = timed
-            n_values, keys = self[fault]
-            if not 0 <= start <= finish or len(values) != n_values:
-                raise SpecificationError(
-                    f"fault '{fault}' has window {start} … {finish} and {len(values)} values; "
-                    f"expected 0 <= start <= finish and {n_values} values",
-                    (fault,),
-                )
-            for key in keys:
-                before = newest.get(key)
-                if before is not None and before.finish >= start:
-                    raise self._overlap(before, timed)
-                newest[key] = timed
-
-    def _overlap(self, first: TimedFault, second: TimedFault) -> SpecificationError:
-        """Return the error that two conflicting faults overlap."""
-        others = {*self[second.fault][1]}
-        shared = (key for key in self[first.fault][1] if key in others and not isinstance(key, str))
-        what = ", ".join(describe(self._mission, key) for key in shared) or "nothing"
-        return SpecificationError(
-            f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
-            f"({second.start} … {second.finish}) overlap and both touch {what}; "
-            "conflicting faults must not be active at the same tick",
-            (first.fault, second.fault),
-        )

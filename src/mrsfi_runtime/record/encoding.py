@@ -12,7 +12,9 @@ from itertools import chain
 from operator import methodcaller
 from typing import Any
 
+from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.gate import plain
 from mrsfi_runtime.model.outcome import Outcome
 
 COUNTS = tuple(entry.name for entry in fields(Outcome) if entry.name != "digest")
@@ -30,36 +32,27 @@ _ENCODER = json.JSONEncoder(
 def canonical(value: Any) -> str:
     """Return the one JSON text of a value: no spaces, given key order, numpy's numbers as Python's.
 
-    Raises
-    ------
-    ValueError
-        If a number is not finite.
+    A number that is not finite is a ValueError.
     """
     return _ENCODER.encode(value)
 
 
 def specification_text(specification: Specification) -> str:
-    """Return ``[["f9",100,900,[200.0,-450.0]],…]``.
-
-    Raises
-    ------
-    ValueError
-        If a value is not finite.
-    """
-    return canonical(
-        [
-            [timed.fault, int(timed.start), int(timed.finish), [float(v) for v in timed.values]]
-            for timed in specification
-        ]
-    )
+    """Return ``[["f9",100,900,[200.0,-450.0]],…]``."""
+    return canonical([plain(timed) for timed in specification])
 
 
 def specification(rows: Iterable[Any]) -> Specification:
-    """Return the specification whose text has such rows; a ValueError or TypeError if none."""
-    return tuple(
-        TimedFault(str(fault), int(start), int(finish), tuple(map(float, values)))
-        for fault, start, finish, values in rows
-    )
+    """Return the specification whose text has such rows; a ValueError if none."""
+    try:
+        return tuple(
+            [
+                plain(TimedFault(fault, start, finish, tuple(values)))
+                for fault, start, finish, values in rows
+            ]
+        )
+    except (SpecificationError, TypeError) as error:
+        raise ValueError(f"{error}") from error
 
 
 _BEGINNING = re.compile(r'\["([^"\\]*)",')  # of a timed fault, unless its ID is an odd one
@@ -71,11 +64,6 @@ def fault_texts(text: str) -> tuple[list[str], list[str]]:
 
     They are found in the text of a specification without making its timed faults, which takes
     six times as long. Equal timed faults have equal texts.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If it is not the text of a specification.
     """
     faults, texts = _BEGINNING.findall(text), text[_OPENING:-_CLOSING].split("]],[")
     if len(faults) == len(texts) and text.endswith("]]]") and "-0.0" not in text:
@@ -90,13 +78,7 @@ def fault_texts(text: str) -> tuple[list[str], list[str]]:
 
 
 def lists(texts: Sequence[str]) -> list[list[Any]]:
-    """Return what several JSON lists hold, read at once, which is quicker than one by one.
-
-    Raises
-    ------
-    ValueError
-        If one of them is anything else.
-    """
+    """Return what several JSON lists hold, read at once, which is quicker; a ValueError if none."""
     found: list[list[Any]] = json.loads(f"[{','.join(texts)}]")
     if len(found) != len(texts) or not all(type(each) is list for each in found):
         raise ValueError(f"found {' '.join(texts)[:60]}; expected lists")

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
-from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
@@ -78,13 +78,13 @@ class Measure:
         UsageError
             If the mission has no such goal, or its mean was not recorded.
         """
-        _require(goals, self.goals, "a goal of the mission")
+        _require(goals, self.goals, "a goal of the mission:")
         if self.n_seeds > 1:
-            expected = (
+            what = (
                 "a goal of the campaign file, because the record keeps means over mission seeds "
-                "of these only"
+                "of these only:"
             )
-            _require(goals, self.chosen, expected)
+            _require(goals, self.chosen, what)
 
     def by_goal(self, evaluation: Evaluation) -> dict[str, float]:
         """Return the violations of each goal that is recorded, by its ID."""
@@ -134,7 +134,7 @@ def ticks(count: float) -> str:
     return str(count) if isinstance(count, int) else f"{count:.2f}"
 
 
-def _require(goals: Sequence[str], known: Sequence[str], expected: str) -> None:
+def _require(goals: Sequence[str], known: Sequence[str], what: str) -> None:
     for goal in goals:
         if goal not in known:
-            raise UsageError(f"found goal '{goal}'; expected {expected}: {', '.join(known)}")
+            raise UsageError(f"found goal '{goal}'; {expected(goal, known, what)}")

@@ -16,18 +16,8 @@ from mrsfi_runtime.record.measure import NONE
 class NamedFault:
     """A timed fault, and all that it takes to name it.
 
-    Attributes
-    ----------
-    name
-        Its name in the specification.
-    timed
-        The timed fault.
-    fault
-        The fault of the pool.
-    touched
-        Properties that it touches, in words.
-    window
-        First and last tick at which it is active; ``None`` if it never is.
+    ``touched`` is in words; ``window`` has the first and last tick at which it is active, ``None``
+    if it never is.
     """
 
     name: str
@@ -70,17 +60,7 @@ def named_faults(
 ) -> tuple[NamedFault, ...]:
     """Return the faults of a specification with what names them, in its order.
 
-    Parameters
-    ----------
-    mission, pool, specification
-        What has them.
-    names
-        Of the timed faults; the IDs of the pool faults if left out.
-
-    Raises
-    ------
-    SpecificationError
-        If a fault is not in the pool, or refers to what the mission does not have.
+    ``names`` are those of the timed faults; the IDs of the pool faults if left out.
     """
     return tuple(
         NamedFault(

@@ -7,11 +7,12 @@ import math
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
+from numbers import Integral
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple, Self
 
-from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import COSTS
 
 _LARGEST_SEED = 2**63 - 1
@@ -182,15 +183,17 @@ class _Rule(NamedTuple):
     expected: str
     accepts: Callable[[Any], bool]
     converted: Callable[[Any], Any]
+    names: tuple[str, ...] = ()
 
 
-def _whole(low: int, high: int | None = None) -> _Rule:
-    expected = f"a whole number >= {low}" if high is None else f"a whole number {low} … {high}"
-    return _Rule(
-        expected,
-        lambda value: type(value) is int and low <= value and (high is None or value <= high),
-        int,
-    )
+def _whole(low: int, high: float = math.inf) -> _Rule:
+    words = f"a whole number >= {low}" if high == math.inf else f"a whole number {low} … {high}"
+
+    def accepts(value: Any) -> bool:
+        is_whole = isinstance(value, Integral) and not isinstance(value, bool)
+        return is_whole and low <= int(value) <= high
+
+    return _Rule(words, accepts, int)
 
 
 _CHANCE = _Rule(
@@ -203,7 +206,7 @@ _NAME = _Rule("a name", lambda value: isinstance(value, str) and bool(value), st
 
 def _one_of(names: Iterable[str]) -> _Rule:
     known = tuple(names)
-    return _Rule(f"one of {', '.join(map(repr, known))}", lambda value: value in known, str)
+    return _Rule("", lambda value: value in known, str, known)
 
 
 _GOALS = _Rule(
@@ -245,11 +248,24 @@ def _checked(table: Mapping[str, object], where: str) -> dict[str, Any]:
     values = {}
     for key, value in table.items():
         if key not in _RULES:
-            raise UsageError(
-                f"{where} found unknown key '{key}'; expected one of {', '.join(_RULES)}"
-            )
+            raise UsageError(f"{where} found unknown key '{key}'; {expected(key, _RULES)}")
         rule = _RULES[key]
-        if not rule.accepts(value):
-            raise UsageError(f"{where} {key}: found {value!r}; expected {rule.expected}")
-        values[key] = rule.converted(value)
+        values[key] = _kept(rule, f"{where} {key}", value)
     return values
+
+
+def _kept(rule: _Rule, where: str, value: object) -> Any:
+    if not rule.accepts(value):
+        wanted = expected(value, rule.names) if rule.names else f"expected {rule.expected}"
+        raise UsageError(f"{where}: found {value!r}; {wanted}")
+    return rule.converted(value)
+
+
+def require_whole(name: str, value: object) -> int:
+    """Return a number of things that a script gives, at least one; refuse anything else."""
+    return int(_kept(_whole(1), name, value))
+
+
+def require_seed(value: object) -> int:
+    """Return a mission seed that a script gives; refuse anything else."""
+    return int(_kept(_RULES["mission_seed"], "seed", value))

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from time import monotonic
 
 from mrsfi_runtime.engine.flights import Evaluated
-from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
+from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
@@ -100,10 +100,8 @@ def require_settings(
         )
     for goal in settings.goals:
         if goal not in mission.goal_ids:
-            raise UsageError(
-                f"{settings.where('goals')}: found '{goal}'; expected goals of the mission: "
-                f"{', '.join(mission.goal_ids)}"
-            )
+            known = expected(goal, mission.goal_ids)
+            raise UsageError(f"{settings.where('goals')}: found '{goal}'; {known}")
 
 
 def run_campaign(  # noqa: PLR0913 - four of them have a default

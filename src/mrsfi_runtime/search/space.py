@@ -7,7 +7,6 @@ Source paper, sections III-C b) and III-E a) to c).
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from random import Random
 from types import MappingProxyType
 from typing import Self, TypeAlias
@@ -16,6 +15,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.kernel.goal_tasks.visit import Visit
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Coordinates, Mission
 from mrsfi_runtime.model.targets import conflicts
 
@@ -27,26 +27,24 @@ _OUTSIDE = 1.2  # mission radii: surely outside, within the default bounds
 
 
 def landmarks(mission: Mission, fault: Fault) -> tuple[tuple[float, ...], ...]:
-    """Return the landmarks of a pool fault, each once, its own values first.
+    """Return the landmarks of a pool fault within its bounds, each once, its own values first.
 
     Most values between two bounds are like their neighbours. What stands out are the ends, and,
     among places, where robots begin, goals are pursued and obstacles stand: a believed position
     inside an obstacle is a point that chance hardly ever hits.
-
-    Returns
-    -------
-    tuple[tuple[float, ...], ...]
-        Shape ``(n_landmarks, n_parameters)``, all within ``value_bounds``.
     """
     bounds = value_bounds(mission, fault)
     found = _places(mission, fault) if fault.kind.is_place else _ends(fault, bounds)
     return tuple(
         dict.fromkeys(
-            values
-            for values in (fault.values, *found)
-            if all(low <= value <= high for value, (low, high) in zip(values, bounds, strict=True))
+            values for values in (fault.values, *found) if all(map(within, values, bounds))
         )
     )
+
+
+def within(value: float, bounds: tuple[float, float]) -> bool:
+    """Return whether a value lies within its bounds."""
+    return bounds[0] <= value <= bounds[1]
 
 
 def _ends(fault: Fault, bounds: Iterable[tuple[float, float]]) -> Iterator[tuple[float, ...]]:
@@ -116,16 +114,11 @@ class SearchSpace:
 
     duration: int
     candidates: Mapping[str, Candidate]
+    gate: Gate
 
     @classmethod
     def of(cls, mission: Mission, pool: FaultPool) -> Self:
-        """Return the space of a mission and its fault pool.
-
-        Raises
-        ------
-        SpecificationError
-            If the pool is empty or refers to an element that the mission does not have.
-        """
+        """Return the space of a mission and its fault pool, which may not be empty."""
         if not len(pool):
             raise SpecificationError(
                 f"fault pool '{pool.id}' is empty; search needs at least one fault"
@@ -143,7 +136,7 @@ class SearchSpace:
             )
             for index, fault in enumerate(pool)
         }
-        return cls(mission.duration, MappingProxyType(candidates))
+        return cls(mission.duration, MappingProxyType(candidates), Gate(mission, pool))
 
     def clash(self, first: TimedFault, second: TimedFault) -> bool:
         """Return whether two timed faults may not stand in one specification."""
@@ -154,43 +147,20 @@ class SearchSpace:
         )
 
     def require(self, specification: Specification, where: str) -> Specification:
-        """Return a specification as the record has it, or refuse it.
-
-        Parameters
-        ----------
-        where
-            Who made it, for the message.
-
-        Raises
-        ------
-        SpecificationError
-            If a fault, a window or a value is none of this space, or two faults clash.
-        """
-        for timed in specification:
-            if not self._has(timed):
+        """Return a specification that ``where`` has made as the record has it, or refuse it."""
+        try:
+            found = self.gate.admitted(specification)
+        except SpecificationError as error:
+            raise SpecificationError(f"{where} made: {error}", error.faults) from error
+        for timed in found:
+            bounds = self.candidates[timed.fault].bounds
+            is_within = map(within, timed.values, bounds)
+            if timed.finish >= self.duration or not all(is_within):
                 raise SpecificationError(
-                    f"{where} made {timed}; expected a fault of the pool, its window within "
-                    f"0 … {self.duration - 1} and its values within the bounds of the model"
+                    f"{where} made {timed}; expected its window within 0 … {self.duration - 1}, "
+                    f"and its values within the bounds of the model, {bounds}"
                 )
-        for first, second in combinations(specification, 2):
-            if self.clash(first, second):
-                raise SpecificationError(
-                    f"{where} made {first} and {second}, which conflict and overlap; "
-                    "SearchSpace.free_windows says where there is room"
-                )
-        return self.ordered(specification)
-
-    def _has(self, timed: TimedFault) -> bool:
-        candidate = self.candidates.get(timed.fault)
-        return (
-            candidate is not None
-            and 0 <= timed.start <= timed.finish < self.duration
-            and len(timed.values) == len(candidate.bounds)
-            and all(
-                low <= value <= high
-                for value, (low, high) in zip(timed.values, candidate.bounds, strict=True)
-            )
-        )
+        return self.ordered(found)
 
     def ordered(self, faults: Iterable[TimedFault]) -> Specification:
         """Return timed faults by start, finish and place in the pool.

@@ -77,10 +77,7 @@ def grafted(
 ) -> Specification:
     """Take over a few faults of a donor; what conflicts with them leaves, then others at random.
 
-    Returns
-    -------
-    Specification
-        Of at most the size of the larger one.
+    What comes out is at most of the size of the larger one.
     """
     taken = rng.sample(donor, min(len(donor), rng.randint(1, _MOST_TAKEN)))
     kept = [
@@ -94,13 +91,7 @@ def grafted(
 def filled(
     space: SearchSpace, specification: Specification, n_faults: int, rng: Random
 ) -> Specification:
-    """Add faults of the pool, as long as there is room, each in a longest free window.
-
-    Returns
-    -------
-    Specification
-        At most ``n_faults`` timed faults, or those it had.
-    """
+    """Add faults of the pool up to a number, as long as there is room, in longest free windows."""
     placed = list(specification)
     candidates = list(space.candidates)
     while candidates and len(placed) < n_faults:

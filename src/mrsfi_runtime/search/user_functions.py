@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, cast
 
-from mrsfi_runtime.errors import MrsfiError, UsageError
+from mrsfi_runtime.errors import MrsfiError, UsageError, expected
 from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
@@ -40,8 +40,8 @@ def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
     if ":" in name:
         return cast("T", user_function(name, where))
     if name not in table:
-        known = ", ".join(f"'{entry}'" for entry in table)
-        raise UsageError(f"{where}: found '{name}'; expected one of {known}, or 'module:function'")
+        known = expected(name, table, "'module:function' or one of")
+        raise UsageError(f"{where}: found '{name}'; {known}")
     return table[name]
 
 

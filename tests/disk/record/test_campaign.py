@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.gate import MOST
 from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.campaign import CampaignStore, FailedEvaluation, Generation
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
@@ -60,7 +61,7 @@ def test_a_specification_is_stored_as_canonical_json():
     )
 
 
-@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=4))
+@given(st.lists(st.floats(-MOST, MOST), max_size=4))
 def test_floats_survive_bit_for_bit(values):
     specification = (TimedFault("f9", 1, 2, tuple(values)),)
 

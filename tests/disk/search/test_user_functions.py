@@ -25,7 +25,11 @@ def overlapping(space, specification, rng, share):
 
 
 def late(space, specification, rng, share):
-    return tuple(timed._replace(finish=space.duration) for timed in specification)
+    return (specification[0]._replace(finish=space.duration),)
+
+
+def fractional(space, specification, rng, share):
+    return tuple(timed._replace(start=timed.start + 0.08) for timed in specification)
 
 
 def unknown(space, specification, rng, share):
@@ -150,7 +154,7 @@ def test_a_module_that_cannot_be_imported_is_told_by_line(own, text, message):
 @pytest.mark.usefixtures("own")
 def test_a_function_that_fails_is_told_by_line(key):
     with pytest.raises(
-        UsageError, match=r"'own_functions:broken' failed at .*:24: ZeroDivisionError"
+        UsageError, match=r"'own_functions:broken' failed at .*:28: ZeroDivisionError"
     ) as failed:
         run(campaign(**{key: "own_functions:broken"}))
 
@@ -160,9 +164,10 @@ def test_a_function_that_fails_is_told_by_line(key):
 @pytest.mark.parametrize(
     ("operator", "message"),
     [
-        ("overlapping", "which conflict and overlap"),
-        ("late", "expected a fault of the pool, its window within 0 … 999"),
-        ("unknown", r"made TimedFault\(fault='f99'.*expected a fault of the pool"),
+        ("overlapping", "conflicting faults must not be active at the same tick"),
+        ("late", r"made TimedFault\(.*; expected its window within 0 … 999"),
+        ("unknown", "made: fault pool 'fs' has no fault 'f99'; expected one of f1, "),
+        ("fractional", r"made: fault 'f\d+' has window .*\.08 … .*; expected whole numbers"),
     ],
 )
 @pytest.mark.usefixtures("own")
@@ -178,5 +183,7 @@ def test_what_an_operator_must_not_make_is_refused(operator, message):
 def test_a_name_that_no_table_has_is_refused():
     settings = CampaignSettings(algorithm="magic", source="case.toml")
 
-    with pytest.raises(UsageError, match=r"algorithm: found 'magic'; expected one of 'a', 'b'"):
+    with pytest.raises(
+        UsageError, match=r"algorithm: found 'magic'; expected 'module:function' or one of a, b$"
+    ):
         chosen(settings, "algorithm", {"a": 1, "b": 2})

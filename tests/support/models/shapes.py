@@ -15,7 +15,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.targets import require_no_overlap
+from mrsfi_runtime.model.gate import Gate
 from tests.support.fault_types import FAULT_TYPES
 
 TASKS = (
@@ -158,7 +158,7 @@ def draw_specification(rng: Random, code: MissionCode) -> tuple[TimedFault, ...]
         values = rng.choice((fault.values, _values(rng, fault.kind)))
         try:
             longer = (*chosen, TimedFault(fault.id, start, finish, values))
-            require_no_overlap(code.mission, code.pool, longer)
+            Gate(code.mission, code.pool).admitted(longer)
         except SpecificationError:
             continue
         chosen = longer

@@ -1,4 +1,4 @@
-"""What faults touch, which conflict, and which specifications are refused."""
+"""What faults touch, and which conflict."""
 
 from dataclasses import replace
 
@@ -7,7 +7,8 @@ import pytest
 from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
-from mrsfi_runtime.model.targets import conflicts, require_no_overlap, touched
+from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.targets import conflicts, touched
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.world import paper_code
 
@@ -33,7 +34,7 @@ def test_a_field_that_a_body_names_twice_is_touched_once():
     doubled = (replace(goal, messages=_twice(goal)) for goal in CODE.mission.goals)
     mission = replace(CODE.mission, goals=tuple(doubled))
 
-    require_no_overlap(mission, FaultPool("p", (fault,)), (TimedFault("late", 0, 9, (5.0,)),))
+    Gate(mission, FaultPool("p", (fault,))).admitted([TimedFault("late", 0, 9, (5.0,))])
 
     assert touched(mission, fault) == touched(CODE.mission, fault)
 
@@ -65,28 +66,6 @@ def test_conflicts_are_mutual_and_follow_the_property_not_the_message():
 def test_a_target_that_the_mission_lacks_is_refused_by_name(type_name, target):
     with pytest.raises(SpecificationError, match=f"'odd' .{type_name}. refers to '{target}'"):
         touched(CODE.mission, Fault("odd", FAULT_TYPES[type_name], target))
-
-
-@pytest.mark.parametrize(
-    ("specification", "message"),
-    [
-        ((TimedFault("f4", 0, 9, (1.0,)), TimedFault("f27", 9, 12)), "both touch r. energy"),
-        ((TimedFault("f1", 0, 9), TimedFault("f1", 5, 12)), "'f1' .5 … 12. overlap"),
-        ((TimedFault("f1", 9, 8),), "0 <= start <= finish"),
-        ((TimedFault("f1", -1, 8),), "0 <= start <= finish"),
-        ((TimedFault("f4", 0, 9),), "1 values"),
-        ((TimedFault("f99", 0, 9),), "has no fault 'f99'"),
-    ],
-)
-def test_specifications_that_make_no_sense_are_refused(specification, message):
-    with pytest.raises(SpecificationError, match=message):
-        require_no_overlap(CODE.mission, CODE.pool, specification)
-
-
-def test_windows_that_only_meet_at_their_ends_are_accepted():
-    specification = (TimedFault("f4", 0, 8, (1.0,)), TimedFault("f27", 9, 12))
-
-    require_no_overlap(CODE.mission, CODE.pool, specification)
 
 
 def test_a_pool_without_windows_is_no_written_specification():

@@ -7,7 +7,7 @@ import click
 
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.cli.commands.missions import generated_option
-from mrsfi_runtime.cli.engines import engine_options, worker_options
+from mrsfi_runtime.cli.engines import OneOf, engine_options, worker_options
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.settings import VIOLATIONS
@@ -66,7 +66,7 @@ that overlap.
 @click.option(
     "--measure",
     "kind",
-    type=click.Choice(VIOLATIONS),
+    type=OneOf(VIOLATIONS),
     show_default="that of RUN, else believed",
     help="Violations that it keeps beside the true ones.",
 )

@@ -36,9 +36,9 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, plan_rows
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.model.targets import Exclusion
 
 N_CHECKED = 2
 """Evaluations that the reference engine repeats before any result of new code is given out."""
@@ -78,7 +78,7 @@ class CompiledEngine(Engine):
         self._moment_type = moment_type(state)
         self._words_type = words_type(self._moment_type)
         self._reference = ReferenceEngine(code, seed)
-        self._exclusion = Exclusion(code.mission, code.pool)
+        self._gate = Gate(code.mission, code.pool)
         self._shapes = FaultShapes(code.mission, code.pool)
         self._n_threads = n_threads
         self._threads = ThreadPoolExecutor(n_threads)
@@ -169,8 +169,7 @@ class CompiledEngine(Engine):
         self, specifications: Sequence[Specification], seed: int
     ) -> list[Evaluated]:
         n = len(specifications)
-        for specification in specifications:
-            self._exclusion.require(specification)
+        specifications = [self._gate.admitted(each) for each in specifications]
         batch = self._batch(specifications, self.code.pool)
         fresh = self._fresh(seed)
         size = -(-n // self._n_threads)

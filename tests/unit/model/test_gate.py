@@ -1,0 +1,124 @@
+"""Which timed faults are admitted, whoever made them."""
+
+from fractions import Fraction
+from math import inf, nan
+
+import numpy as np
+import pytest
+
+from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.gate import LAST, MOST, Gate, at_work
+from mrsfi_runtime.record import encoding
+from mrsfi_runtime.search.space import SearchSpace
+from tests.support.world import paper_code
+
+CODE = paper_code()
+GATE = Gate(CODE.mission, CODE.pool)
+PLACE = (1.0, 2.0, 3.0)
+
+
+def f8(delay):
+    return [TimedFault("f8", 0, 9, (delay,))]
+
+
+@pytest.mark.parametrize(
+    ("specification", "message"),
+    [
+        ([TimedFault("f9", 100.5, 400, PLACE)], r"'f9' has window 100.5 … 400; expected whole"),
+        ([TimedFault("f9", 100.0, 400, PLACE)], "window 100.0 … 400"),
+        ([TimedFault("f9", True, 400, PLACE)], "window True … 400"),
+        ([TimedFault("f9", np.True_, 400, PLACE)], "window .*True.* … 400"),
+        ([TimedFault("f9", "3", 400, PLACE)], "window '3' … 400"),
+        ([TimedFault("f9", None, 400, PLACE)], "window None … 400"),
+        ([TimedFault("f9", 100, inf, PLACE)], "window 100 … inf"),
+        ([TimedFault("f9", nan, 100, PLACE)], "window nan … 100"),
+        ([TimedFault("f1", 9, 8)], "window 9 … 8; .* 0 <= start <= finish"),
+        ([TimedFault("f1", -1, 8)], "window -1 … 8"),
+        ([TimedFault("f1", 0, LAST + 1)], "finish <= 2147483647"),
+        (f8(2.7), r"'f8' has DELAY 2.7; expected a whole number from 0 to"),
+        (f8(-3), "DELAY -3.0; expected a whole number from 0"),
+        (f8(float(LAST + 1)), "DELAY 2147483648.0; expected a whole number"),
+        (f8("3"), r"'f8' has values \('3',\); expected numbers from -1000000000000 to"),
+        (f8(True), r"values \(True,\)"),
+        (f8(None), r"values \(None,\)"),
+        (f8(nan), r"values \(nan,\)"),
+        (f8(inf), r"values \(inf,\)"),
+        (f8(10**400), r"values \(1000"),
+        ([TimedFault("f10", 0, 9, (1.001 * MOST,))], "expected numbers from"),
+        ([TimedFault("f14", 0, 9, (-1e10,))], "FIXED_VAL -10000000000.0; expected a whole"),
+        ([TimedFault("f24", 0, 9, (5.0, 4.0))], "LOWER_BOUND 5 .*; expected the lower one first"),
+        ([TimedFault("f4", 0, 9)], r"'f4' has 0 values; expected 1 values \(PERCENTAGE\)"),
+        ([TimedFault("f1", 0, 9, (1.0,))], r"1 values; expected 0 values \(it takes none\)"),
+        ([TimedFault("f9", 0, 9, 1.0)], "expected a timed fault: its ID, start, finish and values"),
+        ([("f9", 1)], r"found \('f9', 1\); expected a timed fault"),
+        ([TimedFault(3, 0, 9)], "found fault 3; expected its ID"),
+        ([TimedFault(["f1"], 0, 9)], "found fault .'f1'.; expected its ID"),
+        (7, "found 7; expected timed faults, in a list or tuple"),
+        (TimedFault("f1", 0, 9), "found 'f1'; expected a timed fault"),
+        ([TimedFault("f33", 0, 9)], r"has no fault 'f33'; expected one of f1, .*f30; did you mean"),
+        ([TimedFault("f4", 0, 9, (1.0,)), TimedFault("f27", 9, 12)], "both touch r. energy"),
+        ([TimedFault("f1", 0, 9), TimedFault("f1", 5, 12)], "'f1' .5 … 12. overlap"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(specification, message):
+    with pytest.raises(SpecificationError, match=message):
+        GATE.admitted(specification)
+
+
+def test_what_comes_out_is_of_pythons_own_kinds():
+    asked = [
+        TimedFault(np.str_("f8"), np.int64(10), np.int32(20), [np.int8(4)]),
+        ("f10", 0, LAST, (Fraction(1, 2),)),
+        TimedFault("f14", 0, 9, (3,)),
+    ]
+
+    admitted = GATE.admitted(asked)
+
+    assert admitted == (
+        TimedFault("f8", 10, 20, (4.0,)),
+        TimedFault("f10", 0, LAST, (0.5,)),
+        TimedFault("f14", 0, 9, (3.0,)),
+    )
+    kinds = {type(part) for timed in admitted for part in (*timed[:3], *timed.values)}
+    assert kinds == {str, int, float}
+
+
+def test_what_is_plain_already_stays_the_same_object():
+    asked = (TimedFault("f4", 0, 8, (1.0,)), TimedFault("f27", 9, 12))
+
+    assert [*map(id, GATE.admitted(asked))] == [*map(id, asked)]
+
+
+def test_values_are_given_by_the_names_of_their_parameters():
+    fault = CODE.pool["f9"]
+
+    timed = at_work("f9", fault.kind, 1, 2, {"NEW_Z": 3, "NEW_X": 1, "NEW_Y": 2})
+
+    assert timed == TimedFault("f9", 1, 2, PLACE)
+    message = r"has no parameter 'NEW_W'; expected one of NEW_X, NEW_Y, NEW_Z; did you mean 'NEW_"
+    with pytest.raises(SpecificationError, match=message):
+        at_work("f9", fault.kind, 1, 2, {"NEW_W": 3})
+
+
+@pytest.mark.parametrize("row", [["f9", 15.08, 20, []], ["f9", 1, 2, ["3"]], ["f9", 1, 2, [2e12]]])
+def test_a_record_takes_and_gives_no_other_fault_than_it_was_given(row):
+    with pytest.raises(ValueError, match=r"'f9' has .*; expected"):
+        encoding.specification([row])
+    with pytest.raises(SpecificationError, match=r"'f9' has .*; expected"):
+        encoding.specification_text([TimedFault(*row)])
+
+
+@pytest.mark.parametrize(
+    ("timed", "message"),
+    [
+        (TimedFault("f9", 15.08, 20, PLACE), "mine made: fault 'f9' has window 15.08 … 20"),
+        (TimedFault("f8", 15, 20, (2.5,)), "mine made: fault 'f8' has DELAY 2.5"),
+        (TimedFault("f99", 0, 1), "mine made: fault pool .* has no fault 'f99'"),
+        (TimedFault("f1", 0, 1000), "mine made .*; expected its window within 0 … 999"),
+        (TimedFault("f9", 0, 1, (1e9, 0.0, 0.0)), "its values within the bounds"),
+    ],
+)
+def test_an_operators_offspring_passes_it_too(timed, message):
+    with pytest.raises(SpecificationError, match=message):
+        SearchSpace.of(CODE.mission, CODE.pool).require((timed,), "mine")
