@@ -12,6 +12,7 @@ from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.summary import N_TOP
 from mrsfi_runtime.causes.recorded import record_causes
 from mrsfi_runtime.engine.flights import Engine, Evaluator
+from mrsfi_runtime.engine.imported_files import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -52,8 +53,9 @@ def begun(
     """
     folder = CampaignFolder.reserve(path)
     with only_writer(folder):
-        folder.fill(folders.models, folders.generated)
-        manifest = manifest_of(folders, case, recorded_engine(engine))
+        imported = imported_files(folders.generated, settings.own_modules)
+        folder.fill(folders.models, folders.generated, imported)
+        manifest = manifest_of(folder, folders, case, recorded_engine(engine))
         CampaignStore.create(path, settings, manifest).close()
         yield
 

@@ -1,5 +1,6 @@
 """The folders of missions: models, generated code, campaign files."""
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.semantics_of_code import require_semantics
 
 _MODELS, _GENERATED = "models", "generated"
-_MISSION_FILE = "mission.xmi"
+MISSION_FILE = "mission.xmi"
 _MISSION_CODE = "mission_loader.py"
 
 
@@ -22,6 +23,18 @@ class MissionFolders:
     name: str
     models: Path
     generated: Path
+
+    @property
+    def place(self) -> str:
+        """Where the models lie from the root of the project on; empty if their name says so."""
+        ours, folder = project(), self.models.resolve()
+        is_usual = folder.parent == ours.models.resolve()
+        return "" if is_usual else Path(os.path.relpath(folder, ours.root)).as_posix()
+
+    @property
+    def named(self) -> str:
+        """What names the mission in a command of the working folder."""
+        return str(from_here(self.models.resolve())) if self.place else self.name
 
     def require_fresh(self, loaded: LoadedModels | None = None) -> None:
         """Refuse generated code that does not follow from the models.
@@ -69,17 +82,17 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
         usual = generated or _generated(folder)
         return MissionFolders(folder.name, models, usual)
     place = project().models
-    known = sorted(path.parent.name for path in place.glob(f"*/{_MISSION_FILE}"))
+    known = sorted(path.parent.name for path in place.glob(f"*/{MISSION_FILE}"))
     raise UsageError(
         f"found no mission '{mission}'; expected the name of a folder in {place}/ "
         f"({', '.join(known) or 'there is none here'}) or the path of one that holds "
-        f"{_MISSION_FILE}"
+        f"{MISSION_FILE}"
     )
 
 
 def missions() -> Iterator[MissionFolders]:
     """Yield the missions in ``models``, by name."""
-    for path in sorted(project().models.glob(f"*/{_MISSION_FILE}")):
+    for path in sorted(project().models.glob(f"*/{MISSION_FILE}")):
         yield find_mission(path.parent.name)
 
 
@@ -91,7 +104,7 @@ def is_mission(mission: str) -> bool:
 def _places(mission: str) -> Iterator[Path]:
     """Yield the folders of models that a name or path stands for."""
     for models in (project().models / mission, Path(mission)):
-        if (models / _MISSION_FILE).is_file():
+        if (models / MISSION_FILE).is_file():
             yield models
 
 

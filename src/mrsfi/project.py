@@ -41,6 +41,7 @@ class Project:
     generated: Path
     runs: Path
     metamodels: Path | None
+    root: Path
 
 
 def project() -> Project:
@@ -64,7 +65,7 @@ def project() -> Project:
             f"{' and '.join(_METAMODELS)}"
         )
     return Project(
-        found["models"], found["generated"], found["runs"], metamodels if has_own else None
+        found["models"], found["generated"], found["runs"], metamodels if has_own else None, root
     )
 
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import monotonic
 
-from mrsfi.campaign_folders import OpenCampaign, findings_of
+from mrsfi.campaign_folders import OpenCampaign, findings_of, mission_of
 from mrsfi.engines import Tell, opened, silent
 from mrsfi.files import whole_file
-from mrsfi.folders import MissionFolders, find_mission
+from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.causes.cause import find_cause
@@ -97,7 +97,7 @@ def keep(
         raise UsageError(f"{path}: found --finding {number}; expected {has}")
     found = findings[number - 1]
     settings = campaign.store.settings
-    folders = find_mission(campaign.store.manifest.mission)
+    folders = mission_of(campaign)
     folder = folder_of(folders.models)
     stem = f"{path.resolve().name}-finding-{number}" if name is None else name
     if not stem or stem != Path(stem).name:
@@ -116,7 +116,7 @@ def keep(
     if regression.path.exists() or regression.specification.exists():
         raise UsageError(
             f"{regression.path}: is kept already; choose another name with --name, or take new "
-            f"limits over with: mrsfi keep {folders.name} --update"
+            f"limits over with: mrsfi keep {folders.named} --update"
         )
     specification = tuple(fault.timed for fault in found.faults)
     try:

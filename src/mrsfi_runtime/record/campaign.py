@@ -301,6 +301,12 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         ((n_rows,),) = self._select("SELECT count(*) FROM failure")
         return int(n_rows)
 
+    def next_indexes(self) -> tuple[int, int, int]:
+        """Undo what an interrupt left half done; return what is next, failures by their number."""
+        if self._connection.in_transaction:
+            self._connection.rollback()
+        return self._next("evaluation"), self._next("failure"), self._next("generation")
+
     def failures(self) -> tuple[FailedEvaluation, ...]:
         """Return the failed evaluations in the order in which they were asked for."""
         rows = self._select("SELECT * FROM failure ORDER BY idx")

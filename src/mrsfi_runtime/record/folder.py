@@ -4,12 +4,14 @@ import fcntl
 import hashlib
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 from typing import Self
 
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 
 
 class CampaignFolder:
@@ -23,7 +25,8 @@ class CampaignFolder:
     model
         Copy of the mission folder: models and campaign settings.
     generated
-        Copy of the generated code with its hand-written regions.
+        Copy of the generated code with its hand-written regions; in a folder of its own what these
+        import.
     database
         Every evaluation and generation.
     lock
@@ -73,8 +76,18 @@ class CampaignFolder:
             path.mkdir(parents=True, exist_ok=True)
         return folder
 
-    def fill(self, models_folder: Path, generated_folder: Path) -> None:
+    def fill(
+        self,
+        models_folder: Path,
+        generated_folder: Path,
+        imported: Mapping[str, Path] = MappingProxyType({}),
+    ) -> None:
         """Copy the models and the generated code into the folder; whoever calls it is its writer.
+
+        Parameters
+        ----------
+        imported
+            Files that the code imports, by where they go.
 
         Raises
         ------
@@ -85,7 +98,34 @@ class CampaignFolder:
             self.require_unused()
             for source, target in ((models_folder, self.model), (generated_folder, self.generated)):
                 shutil.rmtree(target, ignore_errors=True)
-                _copy_files(source, target)
+                target.mkdir()
+                files = [path for path in sorted(source.iterdir()) if path.is_file()]
+                _copy_files({path.name: path for path in files}, target)
+            (self.generated / IMPORTED).mkdir()
+            _copy_files(imported, self.generated / IMPORTED)
+
+    def hashes(self) -> dict[str, str]:
+        """Return SHA-256 of every copied file by name."""
+        copied = copied_files(self.generated)
+        names = {path.relative_to(self.generated).as_posix(): _hash(path) for path in copied}
+        return hashes(self.generated) | hashes(self.model) | names
+
+    def require_hashes(self, recorded: Mapping[str, str]) -> None:
+        """Refuse copies that are not those that the campaign was begun on.
+
+        Raises
+        ------
+        RecordError
+            Naming the file.
+        """
+        found = self.hashes()
+        for name in {*recorded, *(name for name in found if name.startswith(IMPORTED))}:
+            if recorded.get(name) != found.get(name):
+                what = "gone" if name not in found else "another one than it was begun on"
+                raise RecordError(
+                    f"{self.path}: the campaign's own copy of {name} is {what}; expected the "
+                    "folder as `mrsfi evolve` left it; restore the file, or begin a new campaign"
+                )
 
     def require_unused(self) -> None:
         """Refuse a folder that holds more than a start that was ended leaves behind."""
@@ -104,7 +144,11 @@ class CampaignFolder:
 def hashes(folder: Path) -> dict[str, str]:
     """Return SHA-256 of a folder's files by name, in order, without its subfolders."""
     files = sorted(path for path in folder.glob("*") if path.is_file())
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+    return {path.name: _hash(path) for path in files}
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def new_name(path: Path) -> str:
@@ -132,15 +176,16 @@ def _explained(path: Path) -> Iterator[None]:
         ) from error
 
 
-def _copy_files(source: Path, target: Path) -> None:
-    """Copy the files of one folder, without its subfolders, in order of their names."""
-    target.mkdir()
-    for file in sorted(source.iterdir()):
-        if file.is_file():
-            with (target / file.name).open("wb") as copy:
-                copy.write(file.read_bytes())
-                copy.flush()
-                os.fsync(copy.fileno())
+def _copy_files(files: Mapping[str, Path], target: Path) -> None:
+    """Copy files to where they go below a folder."""
+    for name, file in files.items():
+        place = target / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with place.open("wb") as copy:
+            copy.write(file.read_bytes())
+            copy.flush()
+            os.fsync(copy.fileno())
+        keep_names(place.parent)
     keep_names(target)
 
 

@@ -67,6 +67,8 @@ class Manifest:
 
     Attributes
     ----------
+    place
+        Where the mission lies from the root of its project on; empty if it is found by its name.
     case
         Campaign file, as the command line named it.
     versions
@@ -80,6 +82,7 @@ class Manifest:
     """
 
     mission: str = ""
+    place: str = ""
     case: str = ""
     engine: EngineRecord = field(default_factory=EngineRecord)
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -91,6 +94,7 @@ class Manifest:
         """Return the manifest as values of JSON."""
         return {
             "mission": self.mission,
+            "place": self.place,
             "case": self.case,
             **self.engine.as_json(),
             "versions": self.versions,
@@ -104,6 +108,7 @@ class Manifest:
         """Return the manifest that ``as_json`` described; what is missing is empty."""
         return cls(
             mission=values.get("mission", ""),
+            place=values.get("place", ""),
             case=values.get("case", ""),
             engine=EngineRecord.from_json(values),
             versions=values.get("versions", {}),

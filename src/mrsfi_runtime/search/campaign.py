@@ -17,10 +17,12 @@ from time import monotonic
 
 from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
+from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.model.faults import FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, FailedEvaluation, Generation
+from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS, begin_search
 from mrsfi_runtime.search.fitness import (
@@ -146,16 +148,17 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     RecordError
         If the record does not follow from the settings, or cannot be written.
     """
-    require_settings(settings, mission, fitness_functions)
     if len(replicas) != settings.replications - 1:
         raise ValueError(f"found {len(replicas)} replicas; expected {settings.replications - 1}")
-    algorithm = begin_search(SearchSpace.of(mission, pool), settings)
+    with importing(CampaignFolder(store.path.parent).generated):
+        require_settings(settings, mission, fitness_functions)
+        algorithm = begin_search(SearchSpace.of(mission, pool), settings)
+        judge = Judge(settings, mission, fitness_functions)
     record = ResumableRecord(store, settings.source, clock)
-    judge = Judge(settings, mission, fitness_functions)
     evaluators = (evaluate_many, *replicas)
     assessment = _Assessment(settings, mission.duration, judge, evaluators, record)
     index = 0
-    with record.writing():
+    try:
         while not algorithm.is_finished:
             summary = algorithm.tell(assessment.scores_of(algorithm.ask(), index))
             progress = assessment.progress(summary)
@@ -169,6 +172,12 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
                 record.keep(generation)
                 on_generation(progress)
             index += 1
+    finally:
+        try:
+            record.write()
+        except KeyboardInterrupt:  # who cannot wait any more loses nothing either
+            record.write()
+            raise
 
 
 class _Assessment:

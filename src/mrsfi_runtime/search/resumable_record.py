@@ -1,7 +1,6 @@
 """What a campaign has found so far: read back when it is resumed, and extended by what is new."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from math import inf
 from typing import TypeAlias
 
@@ -95,14 +94,6 @@ class ResumableRecord:
             "a new campaign"
         )
 
-    @contextmanager
-    def writing(self) -> Iterator[None]:
-        """Have everything written that was kept in the body, however the body ends."""
-        try:
-            yield
-        finally:
-            self._write()
-
     def keep(self, result: Result | Generation) -> None:
         """Write a new result or a finished generation, at once or with later ones.
 
@@ -112,15 +103,18 @@ class ResumableRecord:
         self._pending.append(result)
         begin = self._clock()
         if begin >= self._due or len(self._pending) >= _MOST_WAITING:
-            self._write()
+            self.write()
             end = self._clock()
             self._due = end + _PATIENCE * (end - begin)
 
-    def _write(self) -> None:
-        results, self._pending = self._pending, []  # first: an interrupt must not write them twice
-        if results:
+    def write(self) -> None:
+        """Write what waits, but for what was written when an interrupt kept it waiting."""
+        if self._pending:
+            kept = self._pending
+            evaluation, failure, generation = self._store.next_indexes()
             self._store.append(
-                [result for result in results if isinstance(result, Evaluation)],
-                [result for result in results if isinstance(result, FailedEvaluation)],
-                [result for result in results if isinstance(result, Generation)],
+                [e for e in kept if isinstance(e, Evaluation) and e.index >= evaluation],
+                [e for e in kept if isinstance(e, FailedEvaluation) and e.number >= failure],
+                [e for e in kept if isinstance(e, Generation) and e.index >= generation],
             )
+            kept.clear()

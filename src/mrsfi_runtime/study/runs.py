@@ -10,6 +10,7 @@ from time import monotonic
 from typing import Any
 
 import mrsfi_runtime
+from mrsfi_runtime.engine.imported_files import imported_files
 from mrsfi_runtime.errors import GenerationError, RecordError
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
@@ -44,7 +45,7 @@ def only_comparison(path: Path, models: Path, generated: Path) -> Iterator[Compa
         ComparisonFolder.reserve(path)
     with only_writer(folder):
         if not folder.runs.is_dir():
-            folder.fill(models, generated)
+            folder.fill(models, generated, imported_files(generated))
             folder.runs.mkdir()
         _require_flyable(folder)
         _require_same_files(models, folder.model)
@@ -104,17 +105,10 @@ def _subject(settings: CampaignSettings) -> dict[str, Any]:
         "mrsfi_sha256": _hash(sources),
         "own_sha256": {
             name: _hash([Path(file)])
-            for name in _own_modules(settings)
+            for name in settings.own_modules
             if (file := getattr(sys.modules.get(name), "__file__", None))
         },
     }
-
-
-def _own_modules(settings: CampaignSettings) -> list[str]:
-    """Return the modules that settings name as ``module:function``; they are imported by now."""
-    values = settings.as_json().values()
-    named = {value.partition(":")[0] for value in values if isinstance(value, str)}
-    return sorted(named & set(sys.modules))
 
 
 def runs_of(
