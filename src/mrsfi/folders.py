@@ -7,7 +7,7 @@ from pathlib import Path
 
 from m2t.generate import stale
 from m2t.load import LoadedModels
-from mrsfi.project import from_here, project
+from mrsfi.project import from_here, project, root
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.semantics_of_code import require_semantics
 
@@ -27,9 +27,9 @@ class MissionFolders:
     @property
     def place(self) -> str:
         """Where the models lie from the root of the project on; empty if their name says so."""
-        ours, folder = project(), self.models.resolve()
-        is_usual = folder.parent == ours.models.resolve()
-        return "" if is_usual else Path(os.path.relpath(folder, ours.root)).as_posix()
+        folder = self.models.resolve()
+        is_usual = folder.parent == project().models.resolve()
+        return "" if is_usual else Path(os.path.relpath(folder, root())).as_posix()
 
     @property
     def named(self) -> str:
