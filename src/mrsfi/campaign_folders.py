@@ -65,13 +65,7 @@ def free_folder(mission: str, case: str) -> Path:
 
 
 def latest_folder() -> Path:
-    """Return the campaign in ``runs`` that was written last.
-
-    Raises
-    ------
-    UsageError
-        If there is none.
-    """
+    """Return the campaign in ``runs`` that was written last."""
     runs = project().runs
     databases = {
         folder: CampaignFolder(folder).database
@@ -108,13 +102,6 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
     """Open a campaign for reading, one of an earlier mrsfi too.
 
     It does without the copy of the generated code, which only the mrsfi of its day understands.
-
-    Raises
-    ------
-    RecordError
-        If the folder holds no campaign.
-    ModelError
-        If its copy of the models cannot be read.
     """
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
@@ -126,19 +113,7 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
 
 @contextmanager
 def open_to_fly(path: Path, tell: Tell = silent) -> Iterator[FlyableCampaign]:
-    """Open a campaign for flying it again or on.
-
-    Parameters
-    ----------
-    tell
-        Told which files that its code imports are others today than its own copies.
-
-    Raises
-    ------
-    RecordError
-        If the folder holds no campaign, or one of other rules of the world, or its copies are not
-        those that it was begun on.
-    """
+    """Open a campaign for flying it again or on; tell of files that are others today."""
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
         code = load_own(folder, store)
@@ -172,13 +147,7 @@ def _edited(folder: CampaignFolder) -> Iterator[str]:
 
 
 def mission_of(campaign: OpenCampaign) -> MissionFolders:
-    """Return where the mission of a campaign lies in the project that the working folder is in.
-
-    Raises
-    ------
-    UsageError
-        If there is none, or another one of the same folder's name.
-    """
+    """Return where the mission of a campaign lies in the project that the working folder is in."""
     manifest = campaign.store.manifest
     place = str(root() / manifest.place) if manifest.place else manifest.mission
     folders = find_mission(place)
@@ -201,13 +170,7 @@ def findings_of(campaign: OpenCampaign) -> tuple[Finding, ...]:
 
 
 def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
-    """Return an evaluation of a campaign, the most critical one if none is named.
-
-    Raises
-    ------
-    RecordError
-        If it has none of that index, or none at all.
-    """
+    """Return an evaluation of a campaign, the most critical one if none is named."""
     if index is not None:
         return campaign.store.evaluation(index)
     measure = Measure.of(campaign.store.settings, campaign.mission)
@@ -218,13 +181,7 @@ def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
 
 
 def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
-    """Compare a replay with its record.
-
-    Raises
-    ------
-    ReplayMismatch
-        Naming what differs.
-    """
+    """Compare a replay with its record."""
     if outcome == recorded.outcome:
         return
     differences = [

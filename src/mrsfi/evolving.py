@@ -25,13 +25,7 @@ from mrsfi_runtime.search.space import SearchSpace
 
 
 def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
-    """Refuse settings that make no sense for a mission, and a pool that cannot be searched.
-
-    Raises
-    ------
-    UsageError
-        Naming what makes no sense.
-    """
+    """Refuse settings that make no sense for a mission, and a pool that cannot be searched."""
     require_settings(settings, code.mission)
     SearchSpace.of(code.mission, code.pool)
 
@@ -44,13 +38,7 @@ def begun(
     case: str,
     engine: EngineSettings,
 ) -> Iterator[None]:
-    """Make a campaign without evaluations and be its writer while the body runs.
-
-    Raises
-    ------
-    RecordError
-        If the folder is in use, or cannot be written.
-    """
+    """Make a campaign without evaluations and be its writer while the body runs."""
     folder = CampaignFolder.reserve(path)
     with only_writer(folder):
         imported = imported_files(folders.generated, settings.own_modules)
@@ -65,18 +53,7 @@ def search(
     evaluator: Evaluator,
     progress: Callable[[CampaignProgress], None] = lambda _: None,
 ) -> None:
-    """Run the search of a campaign to its end.
-
-    Parameters
-    ----------
-    progress
-        Told after each generation.
-
-    Raises
-    ------
-    WorkerLost, TransportError
-        If what evaluates is lost; what was found until then is recorded.
-    """
+    """Run the search of a campaign to its end."""
     store = campaign.store
     settings = store.settings
     evaluate_many, *replicas = (
@@ -99,13 +76,7 @@ def find_causes(
     engine: Engine,
     progress: Callable[[RecordedCause, int], None] = lambda *_: None,
 ) -> bool:
-    """Find out the causes of the ten most critical; return whether any was not known.
-
-    Parameters
-    ----------
-    progress
-        Told each cause that was found out, and how many are looked for.
-    """
+    """Find out the causes of the ten most critical; return whether any was not known."""
     store = campaign.store
     measure = Measure.of(store.settings, campaign.mission)
     best = top(store, measure, N_TOP)

@@ -46,21 +46,7 @@ _FREE = frozenset(
 
 @contextmanager
 def resumed(path: Path, ctx: click.Context) -> Iterator[None]:
-    """Be the writer of a campaign from before while the body runs.
-
-    Parameters
-    ----------
-    ctx
-        Call of ``mrsfi evolve``; what it gives must be what the campaign was begun with.
-
-    Raises
-    ------
-    RecordError
-        If the folder holds no campaign, a changed one, one that another process runs, or one of
-        other rules of the world.
-    UsageError
-        If an option contradicts the campaign.
-    """
+    """Be the writer of a campaign from before while the body runs."""
     with CampaignStore.open(path) as store:  # first: a lock makes no sense where no campaign is
         store.require_flyable()
         manifest, settings = store.manifest, store.settings

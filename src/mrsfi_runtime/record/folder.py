@@ -19,57 +19,25 @@ class CampaignFolder:
 
     ``model`` and ``generated`` are copies of what the campaign runs on, so that a replay does
     not depend on what was edited since.
-
-    Attributes
-    ----------
-    model
-        Copy of the mission folder: models and campaign settings.
-    generated
-        Copy of the generated code with its hand-written regions; in a folder of its own what these
-        import.
-    database
-        Every evaluation and generation.
-    lock
-        Locked by the process that runs the campaign.
-    critical
-        The most critical specifications as XMI.
-    causes
-        Cause sets of specifications as XMI.
-    figures
-        Plots as PNG and SVG.
-    tables
-        Numbers behind the figures as CSV.
-    summary
-        What a script reads of the report.
-    report
-        What a person reads.
-    page
-        The same with flights to be looked at, for a browser.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.model = path / "model"
-        self.generated = path / "generated"
-        self.database = path / "campaign.sqlite"
-        self.lock = path / "campaign.lock"
-        self.critical = path / "critical"
-        self.causes = path / "causes"
+        self.model = path / "model"  # copy of the mission folder
+        self.generated = path / "generated"  # copy of the code; in a subfolder what it imports
+        self.database = path / "campaign.sqlite"  # every evaluation and generation
+        self.lock = path / "campaign.lock"  # by the process that runs the campaign
+        self.critical = path / "critical"  # the most critical specifications as XMI
+        self.causes = path / "causes"  # their cause sets as XMI
         self.figures = path / "figures"
-        self.tables = path / "tables"
-        self.summary = path / "summary.json"
+        self.tables = path / "tables"  # the numbers behind them
+        self.summary = path / "summary.json"  # what a script reads of the report
         self.report = path / "report.md"
-        self.page = path / "report.html"
+        self.page = path / "report.html"  # the same with flights to be looked at
 
     @classmethod
     def reserve(cls, path: Path) -> Self:
-        """Make a new folder, or take one whose campaign was ended before its store was made.
-
-        Raises
-        ------
-        RecordError
-            If the folder holds something else already, or cannot be made.
-        """
+        """Make a new folder, or take one whose campaign was ended before its store was made."""
         folder = cls(path)
         with _explained(path):
             folder.require_unused()
@@ -82,18 +50,7 @@ class CampaignFolder:
         generated_folder: Path,
         imported: Mapping[str, Path] = MappingProxyType({}),
     ) -> None:
-        """Copy the models and the generated code into the folder; whoever calls it is its writer.
-
-        Parameters
-        ----------
-        imported
-            Files that the code imports, by where they go.
-
-        Raises
-        ------
-        RecordError
-            If somebody else was quicker, or a copy fails.
-        """
+        """Copy models, code and, by where it goes, what that imports; only its writer may."""
         with _explained(self.path):
             self.require_unused()
             for source, target in ((models_folder, self.model), (generated_folder, self.generated)):
@@ -111,13 +68,7 @@ class CampaignFolder:
         return hashes(self.generated) | hashes(self.model) | names
 
     def require_hashes(self, recorded: Mapping[str, str]) -> None:
-        """Refuse copies that are not those that the campaign was begun on.
-
-        Raises
-        ------
-        RecordError
-            Naming the file.
-        """
+        """Refuse copies that are not those that the campaign was begun on."""
         found = self.hashes()
         for name in {*recorded, *(name for name in found if name.startswith(IMPORTED))}:
             if recorded.get(name) != found.get(name):
@@ -195,11 +146,6 @@ def only_writer(folder: CampaignFolder) -> Iterator[None]:
 
     The lock is the operating system's, on a file that stays: however the process ends, the
     lock ends with it, and nothing has to be removed by hand. Child processes do not keep it.
-
-    Raises
-    ------
-    RecordError
-        If another process holds the lock, or the folder cannot be written.
     """
     try:
         descriptor = os.open(folder.lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)

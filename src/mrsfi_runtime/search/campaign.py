@@ -77,14 +77,7 @@ def require_settings(
     mission: Mission,
     fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
 ) -> None:
-    """Refuse settings that name what does not exist.
-
-    Raises
-    ------
-    UsageError
-        If an algorithm, a selection, an operator, the fitness function or a goal is unknown, or
-        if the algorithm of ours has no front to minimise on.
-    """
+    """Refuse settings that name what does not exist."""
     tables: dict[str, Mapping[str, object]] = {
         "algorithm": ALGORITHMS,
         "selection": SELECTIONS,
@@ -125,28 +118,7 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
 
     Whatever ends the run early, what was evaluated until then is recorded. Only the death of
     the process loses evaluations: the few that ``ResumableRecord.keep`` had not written yet.
-
-    Parameters
-    ----------
-    evaluate_many
-        Called with at most 100 specifications; on the first of ``settings.mission_seeds``.
-    store
-        Where evaluations, failures and generations go, and are found by the next run.
-    on_generation
-        Called after each generation that was not recorded before.
-    replicas
-        The same as ``evaluate_many`` on each of the other mission seeds.
-    clock
-        Seconds since any moment.
-
-    Raises
-    ------
-    UsageError
-        If the settings name what does not exist.
-    EvaluationError
-        If ``settings.max_failures`` evaluations failed, or a fitness is not finite.
-    RecordError
-        If the record does not follow from the settings, or cannot be written.
+    At most 100 specifications are evaluated at once, by each replica on a mission seed of its own.
     """
     if len(replicas) != settings.replications - 1:
         raise ValueError(f"found {len(replicas)} replicas; expected {settings.replications - 1}")

@@ -24,17 +24,7 @@ EvaluateMany: TypeAlias = Callable[[Sequence[Specification]], Iterable[Evaluated
 
 
 class ResumableRecord:
-    """The record of a campaign in the order in which its search asked.
-
-    Parameters
-    ----------
-    store
-        Where the record is kept.
-    source
-        Where the campaign is, for messages.
-    clock
-        Seconds since any moment.
-    """
+    """The record of a campaign in the order in which its search asked."""
 
     def __init__(self, store: CampaignStore, source: str, clock: Callable[[], float]) -> None:
         self._store = store
@@ -50,17 +40,7 @@ class ResumableRecord:
     ) -> list[Result]:
         """Return what a record from before has of specifications: all, the first ones or none.
 
-        Parameters
-        ----------
-        number
-            How many specifications the search asked for before these.
-        index
-            How many of those were evaluated without failure.
-
-        Raises
-        ------
-        RecordError
-            If the record has other specifications in their place.
+        So many were asked for before these, and so many of those evaluated without failure.
         """
         n_known = max(0, min(len(specifications), self._n_recorded - number))
         evaluations = iter(self._store.evaluations(index, n_known) if n_known else ())
@@ -73,13 +53,7 @@ class ResumableRecord:
         return results
 
     def has(self, generation: Generation) -> bool:
-        """Return whether a generation is recorded.
-
-        Raises
-        ------
-        RecordError
-            If another one is recorded in its place.
-        """
+        """Return whether a generation is recorded; refuse another one in its place."""
         recorded = self._store.generation(generation.index)
         if recorded is not None and recorded != generation:
             raise RecordError(self.astray(f"generation {generation.index}"))
