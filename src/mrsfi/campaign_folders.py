@@ -1,6 +1,7 @@
 """Campaigns: where they go, what they run on, how they are opened."""
 
 import platform
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -8,13 +9,15 @@ from pathlib import Path
 
 from m2t.generate import fault_loader_text, mission_loader_text
 from m2t.load import load_mission_folder
-from mrsfi.folders import MissionFolders
-from mrsfi.project import project
+from mrsfi.engines import Tell, silent
+from mrsfi.folders import MISSION_FILE, MissionFolders, find_mission
+from mrsfi.project import project, root
 from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.findings import Finding, find_findings
 from mrsfi_runtime.analysis.summary import N_TOP, explained
 from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
+from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 from mrsfi_runtime.mission import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
@@ -62,13 +65,7 @@ def free_folder(mission: str, case: str) -> Path:
 
 
 def latest_folder() -> Path:
-    """Return the campaign in ``runs`` that was written last.
-
-    Raises
-    ------
-    UsageError
-        If there is none.
-    """
+    """Return the campaign in ``runs`` that was written last."""
     runs = project().runs
     databases = {
         folder: CampaignFolder(folder).database
@@ -82,10 +79,13 @@ def latest_folder() -> Path:
     return max(databases, key=lambda folder: databases[folder].stat().st_mtime_ns)
 
 
-def manifest_of(folders: MissionFolders, case: str, engine: EngineRecord) -> Manifest:
+def manifest_of(
+    folder: CampaignFolder, folders: MissionFolders, case: str, engine: EngineRecord
+) -> Manifest:
     """Return what a campaign runs on: engine, versions, and the hash of every copied file."""
     return Manifest(
         mission=folders.name,
+        place=folders.place,
         case=case,
         engine=engine,
         versions={
@@ -93,7 +93,7 @@ def manifest_of(folders: MissionFolders, case: str, engine: EngineRecord) -> Man
             **{name: installed_version(name) for name in _VERSIONED},
         },
         machine=platform.machine(),
-        sha256=hashes(folders.generated) | hashes(folders.models),
+        sha256=folder.hashes(),
     )
 
 
@@ -102,13 +102,6 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
     """Open a campaign for reading, one of an earlier mrsfi too.
 
     It does without the copy of the generated code, which only the mrsfi of its day understands.
-
-    Raises
-    ------
-    RecordError
-        If the folder holds no campaign.
-    ModelError
-        If its copy of the models cannot be read.
     """
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
@@ -119,26 +112,53 @@ def open_campaign(path: Path) -> Iterator[OpenCampaign]:
 
 
 @contextmanager
-def open_to_fly(path: Path) -> Iterator[FlyableCampaign]:
-    """Open a campaign for flying it again or on.
-
-    Raises
-    ------
-    RecordError
-        If the folder holds no campaign, or one of other rules of the world, or its copy of the
-        generated code is not whole.
-    """
+def open_to_fly(path: Path, tell: Tell = silent) -> Iterator[FlyableCampaign]:
+    """Open a campaign for flying it again or on; tell of files that are others today."""
     folder = CampaignFolder(path)
     with CampaignStore.open(path) as store:
-        store.require_flyable()
-        try:
-            code = load_code(folder.generated)
-        except GenerationError as error:
-            raise RecordError(
-                f"{path}: the campaign's own copy of the generated code is not whole: {error}; "
-                "expected the folder as `mrsfi evolve` left it"
-            ) from error
+        code = load_own(folder, store)
+        others = ", ".join(_edited(folder))
+        if others:
+            tell(f"{path} flies its own copies; the project has others today of: {others}")
         yield FlyableCampaign(folder, store, code.mission, code.pool, code)
+
+
+def load_own(folder: CampaignFolder, store: CampaignStore) -> MissionCode:
+    """Return a campaign's own copy of the code, which has to be as it was begun on."""
+    store.require_flyable()
+    folder.require_hashes(store.manifest.sha256)
+    try:
+        return load_code(folder.generated)
+    except GenerationError as error:
+        raise RecordError(
+            f"{folder.path}: the campaign's own copy of the generated code is not whole: {error}; "
+            "expected the folder as `mrsfi evolve` left it"
+        ) from error
+
+
+def _edited(folder: CampaignFolder) -> Iterator[str]:
+    """Yield what the code imports of which Python finds another file than the campaign's copy."""
+    for copy in copied_files(folder.generated):
+        name = copy.relative_to(folder.generated / IMPORTED)
+        found = (Path(place) / name for place in ("", *sys.path))
+        today = next((path for path in found if path.is_file()), copy)
+        if today.read_bytes() != copy.read_bytes():
+            yield str(name)
+
+
+def mission_of(campaign: OpenCampaign) -> MissionFolders:
+    """Return where the mission of a campaign lies in the project that the working folder is in."""
+    manifest = campaign.store.manifest
+    place = str(root() / manifest.place) if manifest.place else manifest.mission
+    folders = find_mission(place)
+    if manifest.sha256.get(MISSION_FILE) != hashes(folders.models).get(MISSION_FILE):
+        found = mission_from_text(mission_loader_text(load_mission_folder(folders.models)))
+        if found.name != campaign.mission.name:
+            raise UsageError(
+                f"{folders.models}: found mission '{found.name}'; {campaign.folder.path} searched "
+                f"'{campaign.mission.name}'; expected that one; go to the project where it lies"
+            )
+    return folders
 
 
 def findings_of(campaign: OpenCampaign) -> tuple[Finding, ...]:
@@ -150,13 +170,7 @@ def findings_of(campaign: OpenCampaign) -> tuple[Finding, ...]:
 
 
 def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
-    """Return an evaluation of a campaign, the most critical one if none is named.
-
-    Raises
-    ------
-    RecordError
-        If it has none of that index, or none at all.
-    """
+    """Return an evaluation of a campaign, the most critical one if none is named."""
     if index is not None:
         return campaign.store.evaluation(index)
     measure = Measure.of(campaign.store.settings, campaign.mission)
@@ -167,13 +181,7 @@ def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
 
 
 def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:
-    """Compare a replay with its record.
-
-    Raises
-    ------
-    ReplayMismatch
-        Naming what differs.
-    """
+    """Compare a replay with its record."""
     if outcome == recorded.outcome:
         return
     differences = [

@@ -12,6 +12,7 @@ from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.summary import N_TOP
 from mrsfi_runtime.causes.recorded import record_causes
 from mrsfi_runtime.engine.flights import Engine, Evaluator
+from mrsfi_runtime.engine.imported_files import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -24,13 +25,7 @@ from mrsfi_runtime.search.space import SearchSpace
 
 
 def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
-    """Refuse settings that make no sense for a mission, and a pool that cannot be searched.
-
-    Raises
-    ------
-    UsageError
-        Naming what makes no sense.
-    """
+    """Refuse settings that make no sense for a mission, and a pool that cannot be searched."""
     require_settings(settings, code.mission)
     SearchSpace.of(code.mission, code.pool)
 
@@ -43,17 +38,12 @@ def begun(
     case: str,
     engine: EngineSettings,
 ) -> Iterator[None]:
-    """Make a campaign without evaluations and be its writer while the body runs.
-
-    Raises
-    ------
-    RecordError
-        If the folder is in use, or cannot be written.
-    """
+    """Make a campaign without evaluations and be its writer while the body runs."""
     folder = CampaignFolder.reserve(path)
     with only_writer(folder):
-        folder.fill(folders.models, folders.generated)
-        manifest = manifest_of(folders, case, recorded_engine(engine))
+        imported = imported_files(folders.generated, settings.own_modules)
+        folder.fill(folders.models, folders.generated, imported)
+        manifest = manifest_of(folder, folders, case, recorded_engine(engine))
         CampaignStore.create(path, settings, manifest).close()
         yield
 
@@ -63,18 +53,7 @@ def search(
     evaluator: Evaluator,
     progress: Callable[[CampaignProgress], None] = lambda _: None,
 ) -> None:
-    """Run the search of a campaign to its end.
-
-    Parameters
-    ----------
-    progress
-        Told after each generation.
-
-    Raises
-    ------
-    WorkerLost, TransportError
-        If what evaluates is lost; what was found until then is recorded.
-    """
+    """Run the search of a campaign to its end."""
     store = campaign.store
     settings = store.settings
     evaluate_many, *replicas = (
@@ -97,13 +76,7 @@ def find_causes(
     engine: Engine,
     progress: Callable[[RecordedCause, int], None] = lambda *_: None,
 ) -> bool:
-    """Find out the causes of the ten most critical; return whether any was not known.
-
-    Parameters
-    ----------
-    progress
-        Told each cause that was found out, and how many are looked for.
-    """
+    """Find out the causes of the ten most critical; return whether any was not known."""
     store = campaign.store
     measure = Measure.of(store.settings, campaign.mission)
     best = top(store, measure, N_TOP)

@@ -1,18 +1,19 @@
 """The folders of missions: models, generated code, campaign files."""
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from m2t.generate import stale
 from m2t.load import LoadedModels
-from mrsfi.project import from_here, project
+from mrsfi.project import from_here, project, root
 from mrsfi_runtime.errors import GenerationError, UsageError, expected
 from mrsfi_runtime.files import settle
 from mrsfi_runtime.semantics_of_code import require_semantics
 
 _MODELS, _GENERATED = "models", "generated"
-_MISSION_FILE = "mission.xmi"
+MISSION_FILE = "mission.xmi"
 _MISSION_CODE = "mission_loader.py"
 
 
@@ -23,6 +24,18 @@ class MissionFolders:
     name: str
     models: Path
     generated: Path
+
+    @property
+    def place(self) -> str:
+        """Where the models lie from the root of the project on; empty if their name says so."""
+        folder = self.models.resolve()
+        is_usual = folder.parent == project().models.resolve()
+        return "" if is_usual else Path(os.path.relpath(folder, root())).as_posix()
+
+    @property
+    def named(self) -> str:
+        """What names the mission in a command of the working folder."""
+        return str(from_here(self.models.resolve())) if self.place else self.name
 
     def require_fresh(self, loaded: LoadedModels | None = None) -> None:
         """Refuse generated code that does not follow from the models.
@@ -70,8 +83,8 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
         settle(models, folders.generated)
         return folders
     place = project().models
-    known = sorted(path.parent.name for path in place.glob(f"*/{_MISSION_FILE}"))
-    what = f"the path of a folder that holds {_MISSION_FILE}, or the name of one in {place}/:"
+    known = sorted(path.parent.name for path in place.glob(f"*/{MISSION_FILE}"))
+    what = f"the path of a folder that holds {MISSION_FILE}, or the name of one in {place}/:"
     raise UsageError(f"found no mission '{mission}'; {expected(mission, known, what)}")
 
 
@@ -89,7 +102,7 @@ def is_mission(mission: str) -> bool:
 def _places(mission: str) -> Iterator[Path]:
     """Yield the folders of models that a name or path stands for."""
     for models in (project().models / mission, Path(mission)):
-        if (models / _MISSION_FILE).is_file():
+        if (models / MISSION_FILE).is_file():
             yield models
 
 

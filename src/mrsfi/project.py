@@ -51,11 +51,9 @@ def project() -> Project:
     UsageError
         If its settings cannot be read, or have a name or a value that means nothing.
     """
-    here = Path.cwd()
-    file = next((place / SETTINGS for place in (here, *here.parents) if _has(place)), None)
-    root = here if file is None else file.parent
-    given = {} if file is None else _settings(file)
-    found = {name: from_here(root / given.get(name, name)) for name in _FOLDERS}
+    file = root() / SETTINGS
+    given = _settings(file) if file.is_file() else {}
+    found = {name: from_here(file.parent / given.get(name, name)) for name in _FOLDERS}
     metamodels = found["metamodels"]
     has_own = all((metamodels / name).is_file() for name in _METAMODELS)
     if "metamodels" in given and not has_own:
@@ -66,6 +64,12 @@ def project() -> Project:
     return Project(
         found["models"], found["generated"], found["runs"], metamodels if has_own else None
     )
+
+
+def root() -> Path:
+    """Return the root of the project that the working folder is in."""
+    here = Path.cwd()
+    return next((place for place in (here, *here.parents) if (place / SETTINGS).is_file()), here)
 
 
 def choose_metamodels() -> bool:
@@ -86,10 +90,6 @@ def metamodels_chosen() -> Iterator[None]:
     finally:
         if is_chosen:
             del os.environ[_CHOSEN]
-
-
-def _has(place: Path) -> bool:
-    return (place / SETTINGS).is_file()
 
 
 def _settings(file: Path) -> dict[str, str]:

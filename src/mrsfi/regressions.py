@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
 
-from mrsfi.campaign_folders import OpenCampaign, findings_of, open_to_fly
+from mrsfi.campaign_folders import OpenCampaign, findings_of, mission_of, open_to_fly
 from mrsfi.engines import Tell, opened, silent
-from mrsfi.folders import MissionFolders, find_mission, folders_at
+from mrsfi.folders import MissionFolders, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi.project import project
 from mrsfi_runtime.analysis.report import specification_rows
@@ -119,7 +119,7 @@ def keep(
         raise UsageError(f"{path}: found --finding {number}; expected {has}")
     found = findings[number - 1]
     settings = campaign.store.settings
-    folders = find_mission(campaign.store.manifest.mission)
+    folders = mission_of(campaign)
     folder = folder_of(folders.models)
     stem = f"{path.resolve().name}-finding-{number}" if name is None else name
     if not stem or stem != Path(stem).name:
@@ -156,7 +156,7 @@ def _require_new(regression: Regression, folders: MissionFolders) -> None:
         if regression.path.exists() or regression.specification.exists():
             raise UsageError(
                 f"{regression.path}: is kept already; choose another name with --name, or take new "
-                f"limits over with: mrsfi keep {folders.name} --update"
+                f"limits over with: mrsfi keep {folders.named} --update"
             )
 
 

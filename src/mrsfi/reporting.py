@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import cache
 
-from mrsfi.campaign_folders import OpenCampaign
+from mrsfi.campaign_folders import OpenCampaign, load_own
 from mrsfi.loading import specification_writer
 from mrsfi_runtime.analysis.drawing import Draw, DrawingProcesses
 from mrsfi_runtime.analysis.page.content import Record
@@ -13,7 +13,6 @@ from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, COMPILED, EngineSettings
 from mrsfi_runtime.errors import MrsfiError
-from mrsfi_runtime.mission import load_code
 
 
 def report(
@@ -62,8 +61,7 @@ def _flying(campaign: OpenCampaign) -> Iterator[Record | str]:
         yield "Flown on somebody else's simulation, which is not asked again."
         return
     try:
-        store.require_flyable()
-        code = load_code(campaign.folder.generated)
+        code = load_own(campaign.folder, store)
     except MrsfiError as error:
         yield str(error)
         return

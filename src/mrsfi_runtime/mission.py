@@ -15,6 +15,7 @@ from zlib import crc32
 
 from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
 from mrsfi_runtime.hosting.sides import SimInterface, Simulation
+from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
@@ -180,7 +181,8 @@ def load_module(name: str, path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        spec.loader.exec_module(module)
+        with importing(path.parent, module):
+            spec.loader.exec_module(module)
     except Exception as error:
         raise failed(error, path.parent, "cannot be imported", path) from error
     return module

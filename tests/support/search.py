@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from random import Random
 
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -60,10 +61,15 @@ class MemoryRecorder:
     failed: list[FailedEvaluation] = field(default_factory=list)
     generations: list[Generation] = field(default_factory=list)
     n_appends: int = field(default=0, compare=False)
+    path: Path = field(default=Path("in memory", "campaign.sqlite"), compare=False)
 
     @property
     def n_evaluations(self) -> int:
         return len(self.kept)
+
+    def next_indexes(self) -> tuple[int, int, int]:
+        next_failure = self.failed[-1].number + 1 if self.failed else 0
+        return len(self.kept), next_failure, len(self.generations)
 
     def evaluations(self, first: int = 0, n_most: int | None = None) -> Sequence[Evaluation]:
         return self.kept[first:][:n_most]

@@ -185,7 +185,8 @@ def _told(layout: CampaignFolder, summary: Summary, store: CampaignStore) -> lis
     told = []
     for number, finding in enumerate(summary.findings, 1):
         path = layout.critical / f"{ranks[finding.evaluations[0]]:02d}-cause.xmi"
-        command = ["mrsfi", "simulate", store.manifest.mission, "--faults", str(path)]
+        mission = store.manifest.place or store.manifest.mission
+        command = ["mrsfi", "simulate", mission, "--faults", str(path)]
         command += ["--seed", str(summary.settings.mission_seed)]
         told.append(told_of(number, finding, command, path.read_text(encoding="utf-8")))
     return told

@@ -29,11 +29,11 @@ from mrsfi_runtime.cli.progress import search_progress, share, tell_of_fitness
 from mrsfi_runtime.cli.report import report
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.errors import RecordError, TransportError, UsageError, WorkerLost
+from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.causes import RecordedCause
-from mrsfi_runtime.record.folder import CampaignFolder, hashes, only_writer
+from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 
@@ -46,29 +46,13 @@ _FREE = frozenset(
 
 @contextmanager
 def resumed(path: Path, ctx: click.Context) -> Iterator[None]:
-    """Be the writer of a campaign from before while the body runs.
-
-    Parameters
-    ----------
-    ctx
-        Call of ``mrsfi evolve``; what it gives must be what the campaign was begun with.
-
-    Raises
-    ------
-    RecordError
-        If the folder holds no campaign, a changed one, one that another process runs, or one of
-        other rules of the world.
-    UsageError
-        If an option contradicts the campaign.
-    """
+    """Be the writer of a campaign from before while the body runs."""
     with CampaignStore.open(path) as store:  # first: a lock makes no sense where no campaign is
         store.require_flyable()
         manifest, settings = store.manifest, store.settings
     begun_with = {"mission": manifest.mission, "case": manifest.case, **settings.as_json()}
     _require_same_options(path, ctx, begun_with)
-    folder = CampaignFolder(path)
-    with only_writer(folder):
-        _require_same_files(folder, manifest.sha256)
+    with only_writer(CampaignFolder(path)):
         _tell_other_versions(manifest.versions)
         with CampaignStore.open(path) as store:
             tell(
@@ -95,18 +79,6 @@ def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str,
             raise UsageError(
                 f"{label}: found {given}; {path} was begun with {recorded[name]} and goes on with "
                 "it; leave the option out, or begin a new campaign without --resume"
-            )
-
-
-def _require_same_files(folder: CampaignFolder, sha256: Mapping[str, str]) -> None:
-    """Refuse copies that are not those that the campaign was begun on."""
-    found = hashes(folder.generated) | hashes(folder.model)
-    for name, recorded in sha256.items():
-        if recorded != found.get(name):
-            what = "another one than it was begun on" if name in found else "gone"
-            raise RecordError(
-                f"{folder.path}: the campaign's own copy of {name} is {what}; expected the folder "
-                "as `mrsfi evolve` left it; restore the file, or begin a new campaign"
             )
 
 
@@ -140,7 +112,7 @@ def evolve(
         path, writer, tried = _new_campaign(ratio, asked, workers, **given)
     else:
         path, writer = resume, resumed(resume, ctx)
-    with writer, open_to_fly(path) as campaign:
+    with writer, open_to_fly(path, tell) as campaign:
         _require_ratio(campaign.store.settings, campaign.mission, ratio)
         with DrawingProcesses(map_drawing(campaign.mission)) as processes:
             flown_by = tried or _tried(campaign, engine, workers)

@@ -63,7 +63,7 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
         raise click.UsageError(
             f"{option} needs --faults; a campaign has code and weather of its own"
         )
-    with open_to_fly(_run(target)) as campaign:
+    with open_to_fly(_run(target), tell) as campaign:
         recorded_by = campaign.store.manifest.engine
         settings = engine.settings(recorded_by if recorded_by.is_foreign else None, AUTO)
         subjects = [] if n_top is None else most_critical(campaign, n_top)

@@ -12,7 +12,7 @@ from mrsfi.campaign_folders import (
     open_to_fly,
     require_same,
 )
-from mrsfi_runtime.cli.console import print_json
+from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, FlightFiles
 from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
@@ -37,7 +37,7 @@ def replay(
         raise click.UsageError("--evaluation, --best and --all exclude each other")
     if is_all:
         files.require_none("--all")
-    with open_to_fly(folder) as campaign:
+    with open_to_fly(folder, tell) as campaign:
         recorded_by = campaign.store.manifest.engine
         chosen = engine.settings(recorded_by if recorded_by.is_foreign else None)
         with chosen.open(campaign.code, campaign.store.settings.mission_seed) as opened:

@@ -11,10 +11,9 @@ from functools import cached_property
 from importlib.machinery import PathFinder
 from pathlib import Path
 
+from mrsfi_runtime.imported_copies import team_file
 from mrsfi_runtime.markers import lines_in_regions
 from mrsfi_runtime.unfilled import FILES
-
-_OURS = "mrsfi_runtime"
 
 
 class Source:
@@ -130,12 +129,10 @@ def _own_files(dotted: str, folders: Sequence[str]) -> Iterator[Path]:
     The last part of the name may be taken from a module, or be a module.
     """
     names = dotted.split(".")
-    if names[0] == _OURS or names[0] in sys.stdlib_module_names:
-        return
     for depth in range(1, len(names) + 1):
         spec = PathFinder.find_spec(".".join(names[:depth]), folders)
-        path = Path(str(spec.origin)) if spec is not None and spec.has_location else Path()
-        if path.suffix == ".py" and "site-packages" not in path.parts:
+        path = team_file(spec)
+        if path is not None and path.suffix == ".py":
             yield path
         if spec is None or spec.submodule_search_locations is None:
             return

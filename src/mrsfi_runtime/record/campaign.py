@@ -68,49 +68,26 @@ class Flown:
 
 @dataclass(frozen=True, slots=True)
 class Generation:
-    """A finished generation.
-
-    Attributes
-    ----------
-    statistics
-        ``n_evaluations``, and ``mean``, ``std``, ``min``, ``max`` of the population's fitness.
-    population
-        Evaluation index of each individual, shape ``(n_individuals,)``.
-    random_state
-        State of the search's random generator after it, as JSON text.
-    """
+    """A finished generation."""
 
     index: int
-    statistics: Mapping[str, float]
-    population: tuple[int, ...]
-    random_state: str
+    statistics: Mapping[str, float]  # n_evaluations; mean, std, min, max of the fitness
+    population: tuple[int, ...]  # evaluation index of each individual
+    random_state: str  # of the search's random generator after it, as JSON text
 
 
 @dataclass(frozen=True, slots=True)
 class FailedEvaluation:
-    """A specification whose evaluation raised an error in the mission's own code.
+    """A specification whose evaluation raised an error in the mission's own code."""
 
-    Attributes
-    ----------
-    number
-        Which of the specifications that the search asked for, from 0, those that failed and
-        those that did not counted together.
-    """
-
-    number: int
+    number: int  # of the specifications that the search asked for, from 0, failed or not
     generation: int
     specification: Specification
     traceback: str
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
-    """Read and extend one campaign; use ``create`` or ``open``, and close it.
-
-    Attributes
-    ----------
-    settings, manifest
-        What the campaign was started with.
-    """
+    """Read and extend one campaign; use ``create`` or ``open``, and close it."""
 
     def __init__(self, path: Path, connection: Connection) -> None:
         self.path = path
@@ -128,13 +105,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     @classmethod
     def create(cls, folder: Path, settings: CampaignSettings, manifest: Manifest) -> Self:
-        """Start the store of a new campaign in a folder, which is made if it is missing.
-
-        Raises
-        ------
-        RecordError
-            If the folder holds a campaign already or cannot be written.
-        """
+        """Start the store of a new campaign in a folder, which is made if it is missing."""
         meta = {
             "settings": encoding.canonical(settings.as_json()),
             "manifest": encoding.canonical(manifest.as_json()),
@@ -144,26 +115,14 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
 
     @classmethod
     def open(cls, folder: Path) -> Self:
-        """Open a campaign, finished or interrupted, also while it is still running.
-
-        Raises
-        ------
-        RecordError
-            If the folder holds no campaign, a damaged one, or one of a newer version.
-        """
+        """Open a campaign, finished or interrupted, also while it is still running."""
         path = CampaignFolder(folder).database
         connection = database.open_existing(path)
         with database.closed_on_error(connection):
             return cls(path, connection)
 
     def require_flyable(self) -> None:
-        """Refuse to fly what was found under other rules of the world: it would differ.
-
-        Raises
-        ------
-        RecordError
-            Naming the semantics of the record, that of this mrsfi, and which mrsfi flies it.
-        """
+        """Refuse to fly what was found under other rules of the world: it would differ."""
         found, release = self.manifest.semantics, self.manifest.versions.get("mrsfi", "")
         if found != SEMANTICS:
             folder = self.path.parent
@@ -187,14 +146,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     ) -> None:
         """Store evaluations, failures and finished generations in one transaction.
 
-        The indexes of evaluations and of generations follow those stored.
-
-        Raises
-        ------
-        ValueError
-            If an index leaves a gap or is taken, or a number is not finite.
-        RecordError
-            If the file cannot be written. In both cases nothing of this append is stored.
+        Their indexes follow those stored; if one does not, nothing is stored (ValueError).
         """
         rows = {
             "evaluation": [_row(evaluation) for evaluation in evaluations],
@@ -233,20 +185,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
     ) -> Iterator[T]:
         """Yield what the first evaluations have in some columns, some thousand at a time.
 
-        Parameters
-        ----------
-        columns
-            Of the table of evaluations.
-        n
-            How many evaluations.
-        decode
-            Takes the texts and numbers of each column, in index order; if it raises a ValueError
-            or TypeError, they are damaged.
-
-        Raises
-        ------
-        RecordError
-            If the record is damaged.
+        What ``decode`` refuses with a ValueError or TypeError is damaged.
         """
         query = f"SELECT {database.quoted(columns)} FROM evaluation"
         n_read = 0
@@ -259,13 +198,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
             yield self._decoded(decode, list(zip(*rows, strict=True)))
 
     def evaluation(self, index: int) -> Evaluation:
-        """Return one evaluation.
-
-        Raises
-        ------
-        RecordError
-            If the campaign has none of that index.
-        """
+        """Return one evaluation."""
         rows = self._select(f"{self._evaluations} WHERE idx = ?", (int(index),))
         if not rows:
             n_found = self.n_evaluations
@@ -301,6 +234,12 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         ((n_rows,),) = self._select("SELECT count(*) FROM failure")
         return int(n_rows)
 
+    def next_indexes(self) -> tuple[int, int, int]:
+        """Undo what an interrupt left half done; return what is next, failures by their number."""
+        if self._connection.in_transaction:
+            self._connection.rollback()
+        return self._next("evaluation"), self._next("failure"), self._next("generation")
+
     def failures(self) -> tuple[FailedEvaluation, ...]:
         """Return the failed evaluations in the order in which they were asked for."""
         rows = self._select("SELECT * FROM failure ORDER BY idx")
@@ -317,13 +256,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         return tuple(self._decoded(RecordedCause.from_row, row) for row in rows)
 
     def append_cause(self, cause: RecordedCause) -> None:
-        """Store what was found out about an evaluation.
-
-        Raises
-        ------
-        RecordError
-            If something is stored about it already, or the file cannot be written.
-        """
+        """Store what was found out about an evaluation."""
         with database.transaction(self.path, self._connection) as connection:
             connection.execute(database.CAUSE_TABLE)
             connection.execute("INSERT INTO cause VALUES (?, ?)", (int(cause.index), cause.text()))

@@ -66,13 +66,7 @@ def select_digested(counts: Iterable[str]) -> str:
 
 
 def create(path: Path, meta: Mapping[str, str]) -> None:
-    """Make the file, and its folder if that is missing; under its name it appears whole.
-
-    Raises
-    ------
-    RecordError
-        If there is a file already, or none can be written.
-    """
+    """Make the file, and its folder if that is missing; under its name it appears whole."""
     with translated(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     if path.exists():
@@ -101,13 +95,7 @@ def fill(path: Path, connection: sqlite3.Connection, meta: Mapping[str, str]) ->
 
 
 def open_existing(path: Path) -> sqlite3.Connection:
-    """Open the file for reading and, where its permissions allow, for appending.
-
-    Raises
-    ------
-    RecordError
-        If there is none, or it is no campaign, or a damaged one, or one of a newer version.
-    """
+    """Open the file for reading and, where its permissions allow, for appending."""
     if not path.is_file():
         raise RecordError(
             f"{path.parent}: found no {path.name}; expected the folder of a campaign, "

@@ -4,13 +4,15 @@ import fcntl
 import hashlib
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 from typing import Self
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import keep_names
+from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 
 
 class CampaignFolder:
@@ -18,75 +20,64 @@ class CampaignFolder:
 
     ``model`` and ``generated`` are copies of what the campaign runs on, so that a replay does
     not depend on what was edited since.
-
-    Attributes
-    ----------
-    model
-        Copy of the mission folder: models and campaign settings.
-    generated
-        Copy of the generated code with its hand-written regions.
-    database
-        Every evaluation and generation.
-    lock
-        Locked by the process that runs the campaign.
-    critical
-        The most critical specifications as XMI.
-    causes
-        Cause sets of specifications as XMI.
-    figures
-        Plots as PNG and SVG.
-    tables
-        Numbers behind the figures as CSV.
-    summary
-        What a script reads of the report.
-    report
-        What a person reads.
-    page
-        The same with flights to be looked at, for a browser.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.model = path / "model"
-        self.generated = path / "generated"
-        self.database = path / "campaign.sqlite"
-        self.lock = path / "campaign.lock"
-        self.critical = path / "critical"
-        self.causes = path / "causes"
+        self.model = path / "model"  # copy of the mission folder
+        self.generated = path / "generated"  # copy of the code; in a subfolder what it imports
+        self.database = path / "campaign.sqlite"  # every evaluation and generation
+        self.lock = path / "campaign.lock"  # by the process that runs the campaign
+        self.critical = path / "critical"  # the most critical specifications as XMI
+        self.causes = path / "causes"  # their cause sets as XMI
         self.figures = path / "figures"
-        self.tables = path / "tables"
-        self.summary = path / "summary.json"
+        self.tables = path / "tables"  # the numbers behind them
+        self.summary = path / "summary.json"  # what a script reads of the report
         self.report = path / "report.md"
-        self.page = path / "report.html"
+        self.page = path / "report.html"  # the same with flights to be looked at
 
     @classmethod
     def reserve(cls, path: Path) -> Self:
-        """Make a new folder, or take one whose campaign was ended before its store was made.
-
-        Raises
-        ------
-        RecordError
-            If the folder holds something else already, or cannot be made.
-        """
+        """Make a new folder, or take one whose campaign was ended before its store was made."""
         folder = cls(path)
         with _explained(path):
             folder.require_unused()
             path.mkdir(parents=True, exist_ok=True)
         return folder
 
-    def fill(self, models_folder: Path, generated_folder: Path) -> None:
-        """Copy the models and the generated code into the folder; whoever calls it is its writer.
-
-        Raises
-        ------
-        RecordError
-            If somebody else was quicker, or a copy fails.
-        """
+    def fill(
+        self,
+        models_folder: Path,
+        generated_folder: Path,
+        imported: Mapping[str, Path] = MappingProxyType({}),
+    ) -> None:
+        """Copy models, code and, by where it goes, what that imports; only its writer may."""
         with _explained(self.path):
             self.require_unused()
             for source, target in ((models_folder, self.model), (generated_folder, self.generated)):
                 shutil.rmtree(target, ignore_errors=True)
-                _copy_files(source, target)
+                target.mkdir()
+                files = [path for path in sorted(source.iterdir()) if path.is_file()]
+                _copy_files({path.name: path for path in files}, target)
+            (self.generated / IMPORTED).mkdir()
+            _copy_files(imported, self.generated / IMPORTED)
+
+    def hashes(self) -> dict[str, str]:
+        """Return SHA-256 of every copied file by name."""
+        copied = copied_files(self.generated)
+        names = {path.relative_to(self.generated).as_posix(): _hash(path) for path in copied}
+        return hashes(self.generated) | hashes(self.model) | names
+
+    def require_hashes(self, recorded: Mapping[str, str]) -> None:
+        """Refuse copies that are not those that the campaign was begun on."""
+        found = self.hashes()
+        for name in {*recorded, *(name for name in found if name.startswith(IMPORTED))}:
+            if recorded.get(name) != found.get(name):
+                what = "gone" if name not in found else "another one than it was begun on"
+                raise RecordError(
+                    f"{self.path}: the campaign's own copy of {name} is {what}; expected the "
+                    "folder as `mrsfi evolve` left it; restore the file, or begin a new campaign"
+                )
 
     def require_unused(self) -> None:
         """Refuse a folder that holds more than a start that was ended leaves behind."""
@@ -105,7 +96,11 @@ class CampaignFolder:
 def hashes(folder: Path) -> dict[str, str]:
     """Return SHA-256 of a folder's files by name, in order, without its subfolders."""
     files = sorted(path for path in folder.glob("*") if path.is_file())
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+    return {path.name: _hash(path) for path in files}
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def new_name(path: Path) -> str:
@@ -124,15 +119,16 @@ def _explained(path: Path) -> Iterator[None]:
         ) from error
 
 
-def _copy_files(source: Path, target: Path) -> None:
-    """Copy the files of one folder, without its subfolders, in order of their names."""
-    target.mkdir()
-    for file in sorted(source.iterdir()):
-        if file.is_file():
-            with (target / file.name).open("wb") as copy:
-                copy.write(file.read_bytes())
-                copy.flush()
-                os.fsync(copy.fileno())
+def _copy_files(files: Mapping[str, Path], target: Path) -> None:
+    """Copy files to where they go below a folder."""
+    for name, file in files.items():
+        place = target / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with place.open("wb") as copy:
+            copy.write(file.read_bytes())
+            copy.flush()
+            os.fsync(copy.fileno())
+        keep_names(place.parent)
     keep_names(target)
 
 
@@ -142,11 +138,6 @@ def only_writer(folder: CampaignFolder) -> Iterator[None]:
 
     The lock is the operating system's, on a file that stays: however the process ends, the
     lock ends with it, and nothing has to be removed by hand. Child processes do not keep it.
-
-    Raises
-    ------
-    RecordError
-        If another process holds the lock, or the folder cannot be written.
     """
     try:
         descriptor = os.open(folder.lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)

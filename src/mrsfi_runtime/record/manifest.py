@@ -12,27 +12,13 @@ BOTH, CI = "both", "ci"
 
 @dataclass(frozen=True, slots=True)
 class EngineRecord:
-    """The engine that a campaign was flown by.
+    """The engine that a campaign was flown by."""
 
-    Attributes
-    ----------
-    name
-        Empty in a record that does not say.
-    url
-        The rosbridge server on which the sides met, without its token; ``None`` if it was embedded.
-    client
-        Kind of roslibpy's connection; ``None`` of an engine without a bus.
-    side
-        ``both`` or ``ci``.
-    is_bundled
-        Whether all messages of a tick travelled as one.
-    """
-
-    name: str = ""
-    url: str | None = None
-    client: str | None = None
+    name: str = ""  # of a record that does not say
+    url: str | None = None  # of the rosbridge server, without its token; embedded if none
+    client: str | None = None  # kind of roslibpy's connection; none without a bus
     side: str = BOTH
-    is_bundled: bool = False
+    is_bundled: bool = False  # whether all messages of a tick travelled as one
 
     @property
     def is_foreign(self) -> bool:
@@ -63,34 +49,22 @@ class EngineRecord:
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """What a campaign runs on.
-
-    Attributes
-    ----------
-    case
-        Campaign file, as the command line named it.
-    versions
-        Of Python and of the distributions that decide what is found, by name.
-    machine
-        Kind of processor.
-    sha256
-        Hash of every copied file, by name.
-    semantics
-        Version of the world's rules that its flights follow.
-    """
+    """What a campaign runs on."""
 
     mission: str = ""
-    case: str = ""
+    place: str = ""  # of its models from the project's root on, if the name does not say it
+    case: str = ""  # campaign file, as the command line named it
     engine: EngineRecord = field(default_factory=EngineRecord)
-    versions: Mapping[str, str] = field(default_factory=dict)
-    machine: str = ""
-    sha256: Mapping[str, str] = field(default_factory=dict)
-    semantics: int = SEMANTICS
+    versions: Mapping[str, str] = field(default_factory=dict)  # what decides what is found
+    machine: str = ""  # kind of processor
+    sha256: Mapping[str, str] = field(default_factory=dict)  # of every copied file, by name
+    semantics: int = SEMANTICS  # version of the world's rules
 
     def as_json(self) -> dict[str, Any]:
         """Return the manifest as values of JSON."""
         return {
             "mission": self.mission,
+            "place": self.place,
             "case": self.case,
             **self.engine.as_json(),
             "versions": self.versions,
@@ -104,6 +78,7 @@ class Manifest:
         """Return the manifest that ``as_json`` described; what is missing is empty."""
         return cls(
             mission=values.get("mission", ""),
+            place=values.get("place", ""),
             case=values.get("case", ""),
             engine=EngineRecord.from_json(values),
             versions=values.get("versions", {}),

@@ -169,6 +169,13 @@ class CampaignSettings:
         return f"option {key}" if key in self.options else f"{self.source}: [search] {key}"
 
     @property
+    def own_modules(self) -> list[str]:
+        """Modules of the functions that it names as ``module:function``."""
+        values = self.as_json().values()
+        named = (value for value in values if isinstance(value, str) and ":" in value)
+        return sorted({value.partition(":")[0] for value in named})
+
+    @property
     def mission_seeds(self) -> tuple[int, ...]:
         """The seeds over which fitness is averaged, ``mission_seed`` first."""
         return following(self.mission_seed, self.replications)

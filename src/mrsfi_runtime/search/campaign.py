@@ -17,10 +17,12 @@ from time import monotonic
 
 from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError, expected
+from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.model.faults import FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, FailedEvaluation, Generation
+from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS, begin_search
 from mrsfi_runtime.search.fitness import (
@@ -75,14 +77,7 @@ def require_settings(
     mission: Mission,
     fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
 ) -> None:
-    """Refuse settings that name what does not exist.
-
-    Raises
-    ------
-    UsageError
-        If an algorithm, a selection, an operator, the fitness function or a goal is unknown, or
-        if the algorithm of ours has no front to minimise on.
-    """
+    """Refuse settings that name what does not exist."""
     tables: dict[str, Mapping[str, object]] = {
         "algorithm": ALGORITHMS,
         "selection": SELECTIONS,
@@ -120,39 +115,19 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
 
     Whatever ends the run early, what was evaluated until then is recorded. Only the death of
     the process loses evaluations: the few that ``ResumableRecord.keep`` had not written yet.
-
-    Parameters
-    ----------
-    evaluate_many
-        Called with at most 100 specifications; on the first of ``settings.mission_seeds``.
-    store
-        Where evaluations, failures and generations go, and are found by the next run.
-    on_generation
-        Called after each generation that was not recorded before.
-    replicas
-        The same as ``evaluate_many`` on each of the other mission seeds.
-    clock
-        Seconds since any moment.
-
-    Raises
-    ------
-    UsageError
-        If the settings name what does not exist.
-    EvaluationError
-        If ``settings.max_failures`` evaluations failed, or a fitness is not finite.
-    RecordError
-        If the record does not follow from the settings, or cannot be written.
+    At most 100 specifications are evaluated at once, by each replica on a mission seed of its own.
     """
-    require_settings(settings, mission, fitness_functions)
     if len(replicas) != settings.replications - 1:
         raise ValueError(f"found {len(replicas)} replicas; expected {settings.replications - 1}")
-    algorithm = begin_search(SearchSpace.of(mission, pool), settings)
+    with importing(CampaignFolder(store.path.parent).generated):
+        require_settings(settings, mission, fitness_functions)
+        algorithm = begin_search(SearchSpace.of(mission, pool), settings)
+        judge = Judge(settings, mission, fitness_functions)
     record = ResumableRecord(store, settings.source, clock)
-    judge = Judge(settings, mission, fitness_functions)
     evaluators = (evaluate_many, *replicas)
     assessment = _Assessment(settings, mission.duration, judge, evaluators, record)
     index = 0
-    with record.writing():
+    try:
         while not algorithm.is_finished:
             summary = algorithm.tell(assessment.scores_of(algorithm.ask(), index))
             progress = assessment.progress(summary)
@@ -166,6 +141,12 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
                 record.keep(generation)
                 on_generation(progress)
             index += 1
+    finally:
+        try:
+            record.write()
+        except KeyboardInterrupt:  # who cannot wait any more loses nothing either
+            record.write()
+            raise
 
 
 class _Assessment:

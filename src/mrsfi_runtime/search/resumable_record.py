@@ -1,7 +1,6 @@
 """What a campaign has found so far: read back when it is resumed, and extended by what is new."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from math import inf
 from typing import TypeAlias
 
@@ -25,17 +24,7 @@ EvaluateMany: TypeAlias = Callable[[Sequence[Specification]], Iterable[Evaluated
 
 
 class ResumableRecord:
-    """The record of a campaign in the order in which its search asked.
-
-    Parameters
-    ----------
-    store
-        Where the record is kept.
-    source
-        Where the campaign is, for messages.
-    clock
-        Seconds since any moment.
-    """
+    """The record of a campaign in the order in which its search asked."""
 
     def __init__(self, store: CampaignStore, source: str, clock: Callable[[], float]) -> None:
         self._store = store
@@ -51,17 +40,7 @@ class ResumableRecord:
     ) -> list[Result]:
         """Return what a record from before has of specifications: all, the first ones or none.
 
-        Parameters
-        ----------
-        number
-            How many specifications the search asked for before these.
-        index
-            How many of those were evaluated without failure.
-
-        Raises
-        ------
-        RecordError
-            If the record has other specifications in their place.
+        So many were asked for before these, and so many of those evaluated without failure.
         """
         n_known = max(0, min(len(specifications), self._n_recorded - number))
         evaluations = iter(self._store.evaluations(index, n_known) if n_known else ())
@@ -74,13 +53,7 @@ class ResumableRecord:
         return results
 
     def has(self, generation: Generation) -> bool:
-        """Return whether a generation is recorded.
-
-        Raises
-        ------
-        RecordError
-            If another one is recorded in its place.
-        """
+        """Return whether a generation is recorded; refuse another one in its place."""
         recorded = self._store.generation(generation.index)
         if recorded is not None and recorded != generation:
             raise RecordError(self.astray(f"generation {generation.index}"))
@@ -95,14 +68,6 @@ class ResumableRecord:
             "a new campaign"
         )
 
-    @contextmanager
-    def writing(self) -> Iterator[None]:
-        """Have everything written that was kept in the body, however the body ends."""
-        try:
-            yield
-        finally:
-            self._write()
-
     def keep(self, result: Result | Generation) -> None:
         """Write a new result or a finished generation, at once or with later ones.
 
@@ -112,15 +77,18 @@ class ResumableRecord:
         self._pending.append(result)
         begin = self._clock()
         if begin >= self._due or len(self._pending) >= _MOST_WAITING:
-            self._write()
+            self.write()
             end = self._clock()
             self._due = end + _PATIENCE * (end - begin)
 
-    def _write(self) -> None:
-        results, self._pending = self._pending, []  # first: an interrupt must not write them twice
-        if results:
+    def write(self) -> None:
+        """Write what waits, but for what was written when an interrupt kept it waiting."""
+        if self._pending:
+            kept = self._pending
+            evaluation, failure, generation = self._store.next_indexes()
             self._store.append(
-                [result for result in results if isinstance(result, Evaluation)],
-                [result for result in results if isinstance(result, FailedEvaluation)],
-                [result for result in results if isinstance(result, Generation)],
+                [e for e in kept if isinstance(e, Evaluation) and e.index >= evaluation],
+                [e for e in kept if isinstance(e, FailedEvaluation) and e.number >= failure],
+                [e for e in kept if isinstance(e, Generation) and e.index >= generation],
             )
+            kept.clear()

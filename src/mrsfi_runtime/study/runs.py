@@ -1,7 +1,6 @@
 """The runs of a comparison: every algorithm with every seed, those that are finished not again."""
 
 import hashlib
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -10,7 +9,9 @@ from time import monotonic
 from typing import Any
 
 import mrsfi_runtime
+from mrsfi_runtime.engine.imported_files import imported_files
 from mrsfi_runtime.errors import GenerationError, RecordError
+from mrsfi_runtime.imported_copies import IMPORTED
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -42,13 +43,15 @@ def only_comparison(path: Path, models: Path, generated: Path) -> Iterator[Compa
     folder = ComparisonFolder(path)
     if not folder.runs.is_dir():
         ComparisonFolder.reserve(path)
+    imported = imported_files(generated)
     with only_writer(folder):
         if not folder.runs.is_dir():
-            folder.fill(models, generated)
+            folder.fill(models, generated, imported)
             folder.runs.mkdir()
         _require_flyable(folder)
         _require_same_files(models, folder.model)
         _require_same_files(generated, folder.generated)
+        _require_same_imports(imported, folder.generated / IMPORTED)
         folder.tidy()
         yield folder
 
@@ -71,11 +74,22 @@ def _require_same_files(source: Path, copy: Path) -> None:
     expected, found = hashes(source), hashes(copy)
     for name in sorted({*expected, *found}):
         if expected.get(name) != found.get(name) and not name.endswith(".toml"):
-            raise RecordError(
-                f"{copy / name}: the comparison's own copy differs from {source / name}; "
-                "expected the mission that its runs flew; compare in another folder with "
-                "--out, or remove this one"
-            )
+            raise RecordError(_differs(copy / name, source / name))
+
+
+def _require_same_imports(imported: Mapping[str, Path], copies: Path) -> None:
+    """Refuse other files than the code imported then, of which an earlier mrsfi kept no copies."""
+    for name, path in imported.items() if copies.is_dir() else ():
+        copy = copies / name
+        if not copy.is_file() or copy.read_bytes() != path.read_bytes():
+            raise RecordError(_differs(copy, path))
+
+
+def _differs(copy: Path, source: Path) -> str:
+    return (
+        f"{copy}: the comparison's own copy differs from {source}; expected the mission that its "
+        "runs flew; compare in another folder with --out, or remove this one"
+    )
 
 
 def _hash(files: Sequence[Path]) -> str:
@@ -103,18 +117,9 @@ def _subject(settings: CampaignSettings) -> dict[str, Any]:
         **common_settings(settings),
         "mrsfi_sha256": _hash(sources),
         "own_sha256": {
-            name: _hash([Path(file)])
-            for name in _own_modules(settings)
-            if (file := getattr(sys.modules.get(name), "__file__", None))
+            name: _hash([*imported_files(Path(), [name]).values()]) for name in settings.own_modules
         },
     }
-
-
-def _own_modules(settings: CampaignSettings) -> list[str]:
-    """Return the modules that settings name as ``module:function``; they are imported by now."""
-    values = settings.as_json().values()
-    named = {value.partition(":")[0] for value in values if isinstance(value, str)}
-    return sorted(named & set(sys.modules))
 
 
 def runs_of(

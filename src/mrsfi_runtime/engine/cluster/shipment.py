@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Self
 
 from mrsfi_runtime.engine.source_hash import source_hash
+from mrsfi_runtime.imported_copies import copied_files
 from mrsfi_runtime.model.faults import FaultPool
 
 
@@ -42,9 +43,9 @@ class Shipment:
     @classmethod
     def of(cls, directory: Path, pool: FaultPool | None = None) -> Self:
         """Return the shipment of a folder of generated code, and of the faults to fly."""
-        files = {
-            path.name: path.read_bytes() for path in sorted(directory.iterdir()) if path.is_file()
-        }
+        paths = [path for path in sorted(directory.iterdir()) if path.is_file()]
+        paths += copied_files(directory)
+        files = {path.relative_to(directory).as_posix(): path.read_bytes() for path in paths}
         digest = sha256(pickle.dumps(pool))
         for name, content in files.items():
             digest.update(f"{name} {len(content)}\n".encode() + content)
@@ -61,6 +62,7 @@ class Shipment:
         """Write the files into a folder."""
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in self.files.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(content)
 
     def told_as_at_home(self, text: str, folder: Path) -> str:

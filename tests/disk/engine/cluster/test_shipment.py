@@ -53,3 +53,13 @@ def test_every_difference_is_named_with_what_was_found_and_expected():
         f"Python {here['Python']} where this command has 2.7, "
         f"numba {here['numba']} where this command has 0.1"
     )
+
+
+def test_copies_of_what_the_code_imports_travel_with_it(tmp_path):
+    Shipment.of(GENERATED).unpack(tmp_path / "home")
+    (tmp_path / "home" / "imported" / "pack").mkdir(parents=True)
+    (tmp_path / "home" / "imported" / "pack" / "leaf.py").write_text("A = 1\n", encoding="utf-8")
+
+    Shipment.of(tmp_path / "home").unpack(tmp_path / "away")
+
+    assert (tmp_path / "away" / "imported" / "pack" / "leaf.py").read_text() == "A = 1\n"
