@@ -9,11 +9,12 @@ from hashlib import sha256
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from time import time
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any, Final
 from zlib import crc32
 
-from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError
+from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError, WorkerLost
+from mrsfi_runtime.fence import TimeLimitReached, fenced, words
 from mrsfi_runtime.hosting.sides import SimInterface, Simulation
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.model.faults import FaultPool
@@ -74,6 +75,11 @@ def load_code(directory: Path, pool: FaultPool | None = None) -> MissionCode:
     """
     require_semantics(directory)
     require_filled(directory)
+    with fenced(lambda error: failed(error, directory, "cannot be loaded", directory)):
+        return _loaded_code(directory, pool)
+
+
+def _loaded_code(directory: Path, pool: FaultPool | None) -> MissionCode:
     collective = _module(directory, "collective_intelligence")
     topics, interface, simulation = _siblings(directory, "topics", "sim_interface", "simulation")
     return MissionCode(
@@ -179,15 +185,13 @@ def load_module(name: str, path: Path) -> ModuleType:
         raise EvaluationError(f"{path}: not a Python module")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    try:
+    with fenced(lambda error: failed(error, path.parent, "cannot be imported", path)):
         spec.loader.exec_module(module)
-    except Exception as error:
-        raise failed(error, path.parent, "cannot be imported", path) from error
     return module
 
 
 def failed(
-    error: Exception, directory: Path, what: str, file: Path | None = None
+    error: BaseException, directory: Path, what: str, file: Path | None = None
 ) -> EvaluationError:
     """Return what to raise for an error that arose in the code of a mission.
 
@@ -212,19 +216,27 @@ def failed(
     ]
     place = f"{lines[-1][0]}:{lines[-1][1]}: " if lines else f"{file}: " if file else ""
     remedy = "; correct the region" if lines else ""
-    said = str(error)
+    said = words(error)
     if isinstance(error, ImportError) and error.name == "mrsfi_runtime.api":
         said = said.partition(" (")[0]
         remedy = (
             "; code of another version of mrsfi: run `mrsfi generate`, then correct the regions"
         )
-    found = EvaluationError(f"{place}{what}: {type(error).__name__}: {said}{remedy}")
+    kind = WorkerLost if isinstance(error, TimeLimitReached) else EvaluationError
+    found = kind(f"{place}{what}: {type(error).__name__}: {said}{remedy}")
     found.line = lines[-1] if lines else None
     return found
 
 
 class _SourceLoader(SourceFileLoader):
     """Matches bytecode by what the source holds, where Python takes its second; edits are quick."""
+
+    def get_code(self, fullname: str) -> CodeType | None:
+        """Return the code; of the source, if the bytecode is damaged."""
+        try:
+            return super().get_code(fullname)
+        except (EOFError, TypeError, ValueError):
+            return self.source_to_code(self.get_data(self.path), self.path)
 
     def path_stats(self, path: str) -> Mapping[str, Any]:
         """Return a checksum in the place of the time."""

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self, TypeAlias
 
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError
+from mrsfi_runtime.errors import EvaluationError, SpecificationError, WorkerLost
+from mrsfi_runtime.fence import fenced
 from mrsfi_runtime.hosting.lockstep import Flight, Observer
 from mrsfi_runtime.hosting.own_effects import guarded
 from mrsfi_runtime.hosting.sides import SimInterface
@@ -164,6 +165,8 @@ class Engine(Evaluator):
         """Evaluate a specification; the failure of a region is a result too."""
         try:
             return self.evaluate(specification, seed)
+        except WorkerLost:
+            raise
         except EvaluationError:
             return FailedFlight(traceback.format_exc())
 
@@ -200,9 +203,12 @@ class PlainEngine(Engine):
     ----------
     interface
         Brings the messages of the simulation, and takes commands for it.
+    patience
+        Seconds for which it may wait for that.
     """
 
     interface: SimInterface
+    patience = 0.0
 
     @abstractmethod
     def _fly(self, flight: Flight, seed: int) -> None:
@@ -224,14 +230,17 @@ class PlainEngine(Engine):
         if own:
             functions = functions._replace(apply=guarded(functions.apply, own))
         flight = Flight(functions, code.mission, seed, self.interface, laid_out, observer)
-        try:
+
+        def tick() -> int:
+            return flight.world.mission.tick
+
+        def told(error: BaseException) -> EvaluationError:
+            what = f"mission '{code.mission.name}' failed at tick {tick()}"
+            return failed(error, code.directory, what)
+
+        with fenced(told, tick, self.patience):
             self._fly(flight, seed)
-        except MrsfiError:
-            raise
-        except Exception as error:
-            what = f"mission '{code.mission.name}' failed at tick {flight.world.mission.tick}"
-            raise failed(error, code.directory, what) from error
-        return _outcome(flight, laid_out)
+            return _outcome(flight, laid_out)
 
 
 def require_effects(known: FaultPool, pool: FaultPool) -> None:

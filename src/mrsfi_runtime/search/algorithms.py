@@ -282,8 +282,8 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
 def begin_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Begin the search that settings name; check what it makes if a team wrote a part of it."""
     algorithm = chosen(settings, "algorithm", ALGORITHMS)(space, settings)
-    named = (settings.algorithm, settings.crossover_operator, settings.mutation_operator)
-    written = [name for name in named if ":" in name]
+    keys = ("algorithm", "selection", "crossover_operator", "mutation_operator")
+    written = [name for name in (getattr(settings, key) for key in keys) if ":" in name]
     if not written:
         return algorithm
     where = f"{settings.source}: [search] {' or '.join(repr(name) for name in written)}"

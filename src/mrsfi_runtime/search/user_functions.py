@@ -13,7 +13,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, cast
 
-from mrsfi_runtime.errors import MrsfiError, UsageError
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.fence import fenced, words
 from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
@@ -81,15 +82,14 @@ def user_function(name: str, where: str) -> Callable[..., Any]:
 
 @contextmanager
 def told_by_line(where: str) -> Iterator[None]:
-    """Turn a foreign exception of a body or function into a ``UsageError`` with file and line."""
-    try:
+    """Turn whatever a body or function raises into a ``UsageError`` with file and line."""
+
+    def told(error: BaseException) -> UsageError:
+        said = f"{type(error).__name__}: {words(error)}"
+        return UsageError(f"{where} failed at {_place(error)}: {said}; correct it there")
+
+    with fenced(told):
         yield
-    except MrsfiError:
-        raise
-    except Exception as error:
-        raise UsageError(
-            f"{where} failed at {_place(error)}: {type(error).__name__}: {error}; correct it there"
-        ) from error
 
 
 def _imported(name: str, where: str) -> ModuleType:
@@ -110,7 +110,7 @@ def _imported(name: str, where: str) -> ModuleType:
         sys.path.remove(folder)
 
 
-def _place(error: Exception) -> str:
+def _place(error: BaseException) -> str:
     if isinstance(error, SyntaxError) and error.filename:
         return f"{error.filename}:{error.lineno}"
     frames = traceback.extract_tb(error.__traceback__)
