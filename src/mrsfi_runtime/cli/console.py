@@ -1,11 +1,46 @@
 """Where text goes: results to standard output, progress to standard error."""
 
 import json
+import os
+import sys
 from collections.abc import Iterable
+from io import BufferedWriter, FileIO, TextIOWrapper
 from pathlib import Path
 from typing import Any
 
 import click
+
+
+class Sink(FileIO):
+    """A stream of this process on which nothing fails; it keeps the first error."""
+
+    error: OSError | None = None
+
+    def write(self, content: Any) -> int:
+        """Write, as if there always were room and a reader."""
+        try:
+            return super().write(content) or 0
+        except OSError as error:
+            self.error = self.error or error
+            return len(content)
+
+
+def steady_output() -> Sink:
+    """Let a full disk, a reader that left or a poor encoding end no command midway."""
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(number)
+    output, errors = Sink(1, "w", closefd=False), Sink(2, "w", closefd=False)
+    for name, sink in (("stdout", output), ("stderr", errors)):
+        stream = getattr(sys, name)
+        if stream is getattr(sys, f"__{name}__"):  # nobody captures it
+            encoding = stream.encoding if stream else "utf-8"
+            is_prompt = sink is errors or sink.isatty()
+            steady = TextIOWrapper(
+                BufferedWriter(sink), encoding, "backslashreplace", line_buffering=is_prompt
+            )
+            setattr(sys, name, steady)
+    return output
 
 
 def print_json(value: Any) -> None:
