@@ -10,6 +10,8 @@ from typing import Any
 
 import click
 
+_OUTPUT, _ERRORS = 1, 2
+
 
 class Sink(FileIO):
     """A stream of this process on which nothing fails; it keeps the first error."""
@@ -25,19 +27,22 @@ class Sink(FileIO):
             return len(content)
 
 
-def steady_output() -> Sink:
-    """Let a full disk, a reader that left or a poor encoding end no command midway."""
-    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
-        pass
-    os.close(number)
-    output, errors = Sink(1, "w", closefd=False), Sink(2, "w", closefd=False)
-    for name, sink in (("stdout", output), ("stderr", errors)):
+def steady_output() -> Sink | None:
+    """Let a full disk, a reader that left or a poor encoding end no command midway.
+
+    Returns what standard output became, unless somebody captures that.
+    """
+    while None in (sys.stdin, sys.stdout, sys.stderr) and os.open(os.devnull, os.O_RDWR) < _ERRORS:
+        pass  # or the next file that is opened would be standard output
+    for number, name in ((_ERRORS, "stderr"), (_OUTPUT, "stdout")):
         stream = getattr(sys, name)
-        if stream is getattr(sys, f"__{name}__"):  # nobody captures it
+        output = None
+        if stream is getattr(sys, f"__{name}__"):
+            output = Sink(number, "w", closefd=False)
             encoding = stream.encoding if stream else "utf-8"
-            is_prompt = sink is errors or sink.isatty()
+            lines = number == _ERRORS or output.isatty()
             steady = TextIOWrapper(
-                BufferedWriter(sink), encoding, "backslashreplace", line_buffering=is_prompt
+                BufferedWriter(output), encoding, "backslashreplace", line_buffering=lines
             )
             setattr(sys, name, steady)
     return output

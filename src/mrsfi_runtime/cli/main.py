@@ -179,7 +179,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _INTERRUPTED
     decided = code if isinstance(code, int) else 0
     sys.stdout.flush()
-    if output.error is None or isinstance(output.error, BrokenPipeError):
+    if output is None or output.error is None or isinstance(output.error, BrokenPipeError):
         return decided
     click.echo(f"mrsfi: standard output cannot be written: {output.error.strerror}", err=True)
     return decided or UsageError.exit_code
