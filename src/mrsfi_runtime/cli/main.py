@@ -71,7 +71,7 @@ Beside it:
 Results go to standard output, progress to standard error.
 
 \b
-Exit codes:
+Exit codes, whoever reads the output:
   0  done                                6  the mission's own code failed
   1  a defect of mrsfi                   7  a replay differs from its record
   2  wrong usage                         8  messages were lost
@@ -162,13 +162,7 @@ def cli(traceback: bool) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code.
-
-    Parameters
-    ----------
-    arguments
-        Words after ``mrsfi``; those of this process if left out.
-    """
+    """Run the command line, that of this process or some words, and return its exit code."""
     output = steady_output()
     try:
         code = cli.main(args=arguments, prog_name="mrsfi", standalone_mode=False)

@@ -37,17 +37,10 @@ Evaluated: TypeAlias = Outcome | FailedFlight
 
 
 class Evaluator(ABC):
-    """Evaluates fault specifications of one mission.
-
-    Used as a context manager, it closes itself.
-
-    Attributes
-    ----------
-    engine
-        The engine in this process that it evaluates on; ``None`` if others evaluate.
-    """
+    """Evaluates fault specifications of one mission; as a context manager it closes itself."""
 
     engine: "Engine | None" = None
+    """The engine in this process that it evaluates on; ``None`` if others evaluate."""
 
     def __enter__(self) -> Self:
         return self
@@ -59,15 +52,7 @@ class Evaluator(ABC):
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order, as they come.
-
-        Parameters
-        ----------
-        specifications
-            All of them meet the same weather.
-        seed
-            Mission seed; the evaluator's own if left out.
-        """
+        """Evaluate in the weather of one seed, and yield the results in order, as they come."""
 
     @abstractmethod
     def close(self) -> None:
@@ -75,15 +60,7 @@ class Evaluator(ABC):
 
 
 class Engine(Evaluator):
-    """Flies the mission itself.
-
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    seed
-        Mission seed of what is evaluated without naming one: its weather.
-    """
+    """Flies the mission itself, in the weather of its seed where none is named."""
 
     def __init__(self, code: MissionCode, seed: int) -> None:
         self.code = code
@@ -98,33 +75,11 @@ class Engine(Evaluator):
         observer: Observer | None = None,
         tallies: list[FaultTally] | None = None,
     ) -> Outcome:
-        """Fly the mission under a fault specification.
+        """Fly the mission under a fault specification, of its own pool or another.
 
-        Parameters
-        ----------
-        specification
-            Timed faults; an empty one flies without faults.
-        seed
-            Mission seed; the engine's own if left out.
-        pool
-            Where its faults come from; the mission's own pool if left out.
-        observer
-            Sees every tick, in whatever thread.
-        tallies
-            Receives what each timed fault does, before the observer sees the first tick: its
-            ``first_changed`` says by the tick itself, at the latest, whether that was the one;
-            counts are complete when the flight has ended.
-
-        Raises
-        ------
-        SpecificationError
-            If a fault is unknown, conflicting faults overlap, or the mission has no region for the
-            effect of one.
-        EvaluationError
-            If the code of a region fails.
-        TransportError
-            If there is a bus, and messages were lost, the connection is gone, or the simulation
-            is late.
+        The observer sees every tick, in whatever thread. The tallies receive what each timed fault
+        does, before the first tick is seen: their ``first_changed`` says by the tick itself, at the
+        latest, whether that was the one; counts are complete when the flight has ended.
         """
         pool = self.code.pool if pool is None else pool
         require_effects(self.code.pool, pool)
@@ -134,31 +89,12 @@ class Engine(Evaluator):
         return self._evaluate(specification, seed, pool, observer, received)
 
     def record(self, specification: Specification, seed: int | None = None) -> "Recording":
-        """Fly the mission under a fault specification, and return every tick.
-
-        Parameters
-        ----------
-        specification
-            Timed faults of the mission's own pool.
-        seed
-            Mission seed; the engine's own if left out.
-
-        Raises
-        ------
-        SpecificationError, EvaluationError, TransportError
-            As ``evaluate``.
-        """
+        """Fly the mission under a specification of its own pool, and return every tick."""
         require_no_overlap(self.code.mission, self.code.pool, specification)
         return self._record(specification, self.seed if seed is None else seed)
 
     def try_out(self) -> None:
-        """Fly the mission without faults, to find out whether it flies.
-
-        Raises
-        ------
-        EvaluationError
-            If the code of a region fails.
-        """
+        """Fly the mission without faults, to find out whether it flies."""
         self.evaluate(())
 
     def attempt(self, specification: Specification, seed: int | None = None) -> Evaluated:
@@ -197,18 +133,12 @@ class Engine(Evaluator):
 
 
 class PlainEngine(Engine):
-    """Flies on plain Python objects: any Python is allowed in a region, and a debugger works.
-
-    Attributes
-    ----------
-    interface
-        Brings the messages of the simulation, and takes commands for it.
-    patience
-        Seconds for which it may wait for that.
-    """
+    """Flies on plain Python objects: any Python is allowed in a region, and a debugger works."""
 
     interface: SimInterface
+    """Brings the messages of the simulation, and takes commands for it."""
     patience = 0.0
+    """Seconds for which it may wait for the simulation in a tick."""
 
     @abstractmethod
     def _fly(self, flight: Flight, seed: int) -> None:
@@ -244,20 +174,7 @@ class PlainEngine(Engine):
 
 
 def require_effects(known: FaultPool, pool: FaultPool) -> None:
-    """Refuse faults whose effects are regions that this mission has not.
-
-    Parameters
-    ----------
-    known
-        Pool that the mission's regions were generated for.
-    pool
-        The faults.
-
-    Raises
-    ------
-    SpecificationError
-        Naming the fault.
-    """
+    """Refuse faults whose effects are regions that were not generated for the known pool."""
     if pool is known:
         return
     regions = {fault.type for fault in known}
@@ -284,15 +201,7 @@ def _outcome(flight: Flight, laid_out: Plan) -> Outcome:
 def digested(
     counts: Sequence[Sequence[int]], world: bytes | memoryview, belief: bytes | memoryview
 ) -> Outcome:
-    """Return an outcome with its digest.
-
-    Parameters
-    ----------
-    counts
-        What an outcome counts, in the order of its attributes.
-    world, belief
-        The last states, as ``state_bytes`` writes them.
-    """
+    """Return an outcome of these counts, and its digest over them and the last states' bytes."""
     believed, true, phantom, masked, missed, samples, applied, changed = map(tuple, counts)
     listed = (believed, true, phantom, masked, missed, samples, applied, changed)
     sha = hashlib.sha256(repr(listed).encode())

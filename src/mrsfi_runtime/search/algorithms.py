@@ -308,7 +308,11 @@ class _UserAlgorithm:
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
         with told_by_line(self.where):
-            return self.algorithm.tell(scores)
+            summary = self.algorithm.tell(scores)
+        if not isinstance(summary, GenerationSummary):
+            found = type(summary).__name__
+            raise UsageError(f"{self.where}: tell returned {found}; expected a GenerationSummary")
+        return summary
 
     def random_state(self) -> str:
         with told_by_line(self.where):

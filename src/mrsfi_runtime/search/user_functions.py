@@ -29,13 +29,7 @@ _NOT_WRITTEN_HERE = (
 
 
 def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
-    """Return the entry of a table that a setting names, or the function of a user's module.
-
-    Raises
-    ------
-    UsageError
-        If the table has no such entry, or there is no such function.
-    """
+    """Return the entry of a table that a setting names, or the function of a user's module."""
     name = getattr(settings, key)
     where = f"{settings.source}: [search] {key}"
     if ":" in name:
@@ -47,18 +41,9 @@ def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
 
 
 def user_function(name: str, where: str) -> Callable[..., Any]:
-    """Return the function that ``module:function`` names.
+    """Return the function that ``module:function`` names; ``where`` is the file and key that do.
 
-    Parameters
-    ----------
-    where
-        File and key that name it, for messages.
-
-    Raises
-    ------
-    UsageError
-        If there is no such module or function, or the module cannot be imported. The function
-        itself raises it too, in place of any foreign exception.
+    It raises a ``UsageError`` in place of any foreign exception.
     """
     module_name, _, attribute = name.partition(":")
     if not all(part.isidentifier() for part in (*module_name.split("."), attribute)):
