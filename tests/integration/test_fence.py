@@ -47,11 +47,11 @@ def test_machine_code_that_gets_no_further_is_given_up(tmp_path):
 
 @slow
 def test_what_machine_code_raises_is_told_by_the_reference_engine(tmp_path):
-    body = "    if ci.map.is_wrong:\n        raise SystemExit\n    return False\n"
+    body = "    if ci.map.is_wrong:\n        raise RuntimeError\n    return False\n"
     code = load_code(edited(tmp_path, "g1.check", body))
 
     with closing(EngineSettings(COMPILED).open(code, 1)) as engine:
         plain, moved = engine.evaluate_many([(), MOVED])
 
     assert not isinstance(plain, FailedFlight)
-    assert "at tick 5: SystemExit" in moved.traceback
+    assert "at tick 5: RuntimeError" in moved.traceback
