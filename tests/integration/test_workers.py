@@ -49,13 +49,19 @@ def test_the_same_workers_serve_several_mission_seeds():
     ]
 
 
-@pytest.mark.parametrize("n_workers", [1, 2])
-def test_a_failed_evaluation_comes_back_with_its_traceback(tmp_path, n_workers):
-    body = "    return 1 // (len(ci.robots) - 3) > 9\n"
+@pytest.mark.parametrize(
+    ("n_workers", "body", "told"),
+    [
+        (1, "    return 1 // (len(ci.robots) - 3) > 9\n", "ZeroDivisionError"),
+        (2, "    return 1 // (len(ci.robots) - 3) > 9\n", "ZeroDivisionError"),
+        (2, "    import os\n    os._exit(0)\n", "SystemExit: 0"),
+    ],
+)
+def test_a_failed_evaluation_comes_back_with_its_traceback(tmp_path, n_workers, body, told):
     folder = edited(tmp_path, "g2.check", body)
 
     with WorkerPool(load_code(folder), 1, n_workers) as pool:
         results = list(pool.evaluate_many(SPECIFICATIONS[:2]))
 
     assert all(isinstance(result, FailedFlight) for result in results)
-    assert all("ZeroDivisionError" in result.traceback for result in results)
+    assert all(told in result.traceback for result in results)

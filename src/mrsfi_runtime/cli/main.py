@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from difflib import get_close_matches
 from importlib import import_module
 from types import MappingProxyType
@@ -12,11 +11,11 @@ import click
 
 from mrsfi.project import metamodels_chosen
 from mrsfi.versions import installed_version
-from mrsfi_runtime.errors import MrsfiError
+from mrsfi_runtime.cli.console import steady_output
+from mrsfi_runtime.errors import MrsfiError, UsageError
 
 _INTERRUPTED = 130
 _DEFECT = 1
-_PIPE_CLOSED = 141
 
 _COMMANDS = MappingProxyType(
     {
@@ -72,7 +71,7 @@ Beside it:
 Results go to standard output, progress to standard error.
 
 \b
-Exit codes:
+Exit codes, whoever reads the output:
   0  done                                6  the mission's own code failed
   1  a defect of mrsfi                   7  a replay differs from its record
   2  wrong usage                         8  messages were lost
@@ -117,16 +116,11 @@ class CommandGroup(click.Group):
         try:
             with metamodels_chosen():
                 result = super().invoke(ctx)
-            sys.stdout.flush()
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except KeyboardInterrupt as error:
             ctx.exit(_tell(error, is_traced=False))
-        except BrokenPipeError:
-            with suppress(BrokenPipeError):  # nobody reads it: let the interpreter end quietly
-                sys.stdout.close()
-            ctx.exit(_PIPE_CLOSED)
-        except Exception as error:  # noqa: BLE001 - the last door: every error becomes an exit code
+        except BaseException as error:  # noqa: BLE001 - the last door: every error becomes an exit code
             ctx.exit(_tell(error, is_traced=ctx.params["traceback"]))
         return result
 
@@ -168,13 +162,8 @@ def cli(traceback: bool) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code.
-
-    Parameters
-    ----------
-    arguments
-        Words after ``mrsfi``; those of this process if left out.
-    """
+    """Run the command line, that of this process or some words, and return its exit code."""
+    output = steady_output()
     try:
         code = cli.main(args=arguments, prog_name="mrsfi", standalone_mode=False)
     except click.ClickException as error:
@@ -182,7 +171,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return error.exit_code
     except click.Abort:
         return _INTERRUPTED
-    return code if isinstance(code, int) else 0
+    decided = code if isinstance(code, int) else 0
+    sys.stdout.flush()
+    if output is None or output.error is None or isinstance(output.error, BrokenPipeError):
+        return decided
+    click.echo(f"mrsfi: standard output cannot be written: {output.error.strerror}", err=True)
+    return decided or UsageError.exit_code
 
 
 if __name__ == "__main__":

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self, TypeAlias
 
-from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError
+from mrsfi_runtime.errors import EvaluationError, SpecificationError, WorkerLost
+from mrsfi_runtime.fence import fenced
 from mrsfi_runtime.hosting.lockstep import Flight, Observer
 from mrsfi_runtime.hosting.own_effects import guarded
 from mrsfi_runtime.hosting.sides import SimInterface
@@ -36,17 +37,10 @@ Evaluated: TypeAlias = Outcome | FailedFlight
 
 
 class Evaluator(ABC):
-    """Evaluates fault specifications of one mission.
-
-    Used as a context manager, it closes itself.
-
-    Attributes
-    ----------
-    engine
-        The engine in this process that it evaluates on; ``None`` if others evaluate.
-    """
+    """Evaluates fault specifications of one mission; as a context manager it closes itself."""
 
     engine: "Engine | None" = None
+    """The engine in this process that it evaluates on; ``None`` if others evaluate."""
 
     def __enter__(self) -> Self:
         return self
@@ -58,15 +52,7 @@ class Evaluator(ABC):
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order, as they come.
-
-        Parameters
-        ----------
-        specifications
-            All of them meet the same weather.
-        seed
-            Mission seed; the evaluator's own if left out.
-        """
+        """Evaluate in the weather of one seed, and yield the results in order, as they come."""
 
     @abstractmethod
     def close(self) -> None:
@@ -74,15 +60,7 @@ class Evaluator(ABC):
 
 
 class Engine(Evaluator):
-    """Flies the mission itself.
-
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    seed
-        Mission seed of what is evaluated without naming one: its weather.
-    """
+    """Flies the mission itself, in the weather of its seed where none is named."""
 
     def __init__(self, code: MissionCode, seed: int) -> None:
         self.code = code
@@ -97,33 +75,11 @@ class Engine(Evaluator):
         observer: Observer | None = None,
         tallies: list[FaultTally] | None = None,
     ) -> Outcome:
-        """Fly the mission under a fault specification.
+        """Fly the mission under a fault specification, of its own pool or another.
 
-        Parameters
-        ----------
-        specification
-            Timed faults; an empty one flies without faults.
-        seed
-            Mission seed; the engine's own if left out.
-        pool
-            Where its faults come from; the mission's own pool if left out.
-        observer
-            Sees every tick, in whatever thread.
-        tallies
-            Receives what each timed fault does, before the observer sees the first tick: its
-            ``first_changed`` says by the tick itself, at the latest, whether that was the one;
-            counts are complete when the flight has ended.
-
-        Raises
-        ------
-        SpecificationError
-            If a fault is unknown, conflicting faults overlap, or the mission has no region for the
-            effect of one.
-        EvaluationError
-            If the code of a region fails.
-        TransportError
-            If there is a bus, and messages were lost, the connection is gone, or the simulation
-            is late.
+        The observer sees every tick, in whatever thread. The tallies receive what each timed fault
+        does, before the first tick is seen: their ``first_changed`` says by the tick itself, at the
+        latest, whether that was the one; counts are complete when the flight has ended.
         """
         pool = self.code.pool if pool is None else pool
         require_effects(self.code.pool, pool)
@@ -133,37 +89,20 @@ class Engine(Evaluator):
         return self._evaluate(specification, seed, pool, observer, received)
 
     def record(self, specification: Specification, seed: int | None = None) -> "Recording":
-        """Fly the mission under a fault specification, and return every tick.
-
-        Parameters
-        ----------
-        specification
-            Timed faults of the mission's own pool.
-        seed
-            Mission seed; the engine's own if left out.
-
-        Raises
-        ------
-        SpecificationError, EvaluationError, TransportError
-            As ``evaluate``.
-        """
+        """Fly the mission under a specification of its own pool, and return every tick."""
         specification = Gate(self.code.mission, self.code.pool).admitted(specification)
         return self._record(specification, self.seed if seed is None else seed)
 
     def try_out(self) -> None:
-        """Fly the mission without faults, to find out whether it flies.
-
-        Raises
-        ------
-        EvaluationError
-            If the code of a region fails.
-        """
+        """Fly the mission without faults, to find out whether it flies."""
         self.evaluate(())
 
     def attempt(self, specification: Specification, seed: int | None = None) -> Evaluated:
         """Evaluate a specification; the failure of a region is a result too."""
         try:
             return self.evaluate(specification, seed)
+        except WorkerLost:
+            raise
         except EvaluationError:
             return FailedFlight(traceback.format_exc())
 
@@ -194,15 +133,12 @@ class Engine(Evaluator):
 
 
 class PlainEngine(Engine):
-    """Flies on plain Python objects: any Python is allowed in a region, and a debugger works.
-
-    Attributes
-    ----------
-    interface
-        Brings the messages of the simulation, and takes commands for it.
-    """
+    """Flies on plain Python objects: any Python is allowed in a region, and a debugger works."""
 
     interface: SimInterface
+    """Brings the messages of the simulation, and takes commands for it."""
+    patience = 0.0
+    """Seconds for which it may wait for the simulation in a tick."""
 
     @abstractmethod
     def _fly(self, flight: Flight, seed: int) -> None:
@@ -224,31 +160,21 @@ class PlainEngine(Engine):
         if own:
             functions = functions._replace(apply=guarded(functions.apply, own))
         flight = Flight(functions, code.mission, seed, self.interface, laid_out, observer)
-        try:
+
+        def tick() -> int:
+            return flight.world.mission.tick
+
+        def told(error: BaseException) -> EvaluationError:
+            what = f"the mission failed at tick {tick()}"
+            return failed(error, code.directory, what)
+
+        with fenced(told, tick, self.patience):
             self._fly(flight, seed)
-        except MrsfiError:
-            raise
-        except Exception as error:
-            what = f"the mission failed at tick {flight.world.mission.tick}"
-            raise failed(error, code.directory, what) from error
-        return _outcome(flight, laid_out)
+            return _outcome(flight, laid_out)
 
 
 def require_effects(known: FaultPool, pool: FaultPool) -> None:
-    """Refuse faults whose effects are regions that this mission has not.
-
-    Parameters
-    ----------
-    known
-        Pool that the mission's regions were generated for.
-    pool
-        The faults.
-
-    Raises
-    ------
-    SpecificationError
-        Naming the fault.
-    """
+    """Refuse faults whose effects are regions that were not generated for the known pool."""
     if pool is known:
         return
     regions = {fault.type for fault in known}
@@ -275,15 +201,7 @@ def _outcome(flight: Flight, laid_out: Plan) -> Outcome:
 def digested(
     counts: Sequence[Sequence[int]], world: bytes | memoryview, belief: bytes | memoryview
 ) -> Outcome:
-    """Return an outcome with its digest.
-
-    Parameters
-    ----------
-    counts
-        What an outcome counts, in the order of its attributes.
-    world, belief
-        The last states, as ``state_bytes`` writes them.
-    """
+    """Return an outcome of these counts, and its digest over them and the last states' bytes."""
     believed, true, phantom, masked, missed, samples, applied, changed = map(tuple, counts)
     listed = (believed, true, phantom, masked, missed, samples, applied, changed)
     sha = hashlib.sha256(repr(listed).encode())

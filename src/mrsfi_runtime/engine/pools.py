@@ -28,21 +28,7 @@ from mrsfi_runtime.model.faults import Specification
 class WorkerPool(Evaluator):
     """Worker processes that each load the generated code once, or threads of compiled code.
 
-    Parameters
-    ----------
-    code
-        Generated code of the mission; processes load it from its folder.
-    seed
-        Mission seed of what is evaluated without naming one.
-    n_workers
-        Number of processes, or threads; 1 evaluates in this process.
-    settings
-        Which engine evaluates; every process has its own.
-
-    Raises
-    ------
-    MrsfiError
-        If the engine cannot be opened; told before any worker starts.
+    One worker is this process. An engine that cannot be opened is told before any worker starts.
     """
 
     def __init__(
@@ -76,13 +62,7 @@ class WorkerPool(Evaluator):
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order, as they come.
-
-        Raises
-        ------
-        WorkerLost
-            If a worker process died.
-        """
+        """Evaluate specifications, and yield the results in the same order, as they come."""
         seed = self._seed if seed is None else seed
         if self.engine is not None:
             yield from self.engine.evaluate_many(specifications, seed)

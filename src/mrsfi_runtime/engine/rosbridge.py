@@ -164,6 +164,7 @@ class RosbridgeEngine(PlainEngine):
             raise UsageError("--side ci needs --url: the server on which the simulation is found")
         _require_seed(seed)
         patience = Patience() if patience is None else patience
+        self.patience = 2 * (patience.tick + patience.handshake)
         self._simulation: SimulationProcess | None = None
         with ExitStack() as opened:
             if url is not None:  # first: it tells best what is wrong with the URL

@@ -107,7 +107,7 @@ def main(number: int) -> int:
     except MrsfiError as error:
         _say(connection, error=str(error))
         return error.exit_code
-    except Exception as error:  # noqa: BLE001 - the parent tells it
+    except BaseException as error:  # noqa: BLE001 - the parent tells it
         _say(connection, error=f"{type(error).__name__}: {error}")
         return MrsfiError.exit_code
     return 0

@@ -279,7 +279,7 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
 """Algorithms by their name in a campaign file, those of ``ALGORITHM_NAMES``."""
 
 
-_MADE_BY_TEAMS = ("algorithm", "crossover_operator", "mutation_operator")
+_MADE_BY_TEAMS = ("algorithm", "selection", "crossover_operator", "mutation_operator")
 
 
 def begin_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -308,7 +308,11 @@ class _UserAlgorithm:
 
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
         with told_by_line(self.where):
-            return self.algorithm.tell(scores)
+            summary = self.algorithm.tell(scores)
+        if not isinstance(summary, GenerationSummary):
+            found = type(summary).__name__
+            raise UsageError(f"{self.where}: tell returned {found}; expected a GenerationSummary")
+        return summary
 
     def random_state(self) -> str:
         with told_by_line(self.where):

@@ -7,10 +7,12 @@ Source paper, section III-E e), equations (1) to (3).
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from statistics import fmean
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
+from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -132,7 +134,11 @@ class Judge:
     def score(self, outcome: Outcome) -> Score:
         """Return the fitness and the goal vector of one outcome."""
         findings = Findings(outcome, getattr(outcome, self._measure), self._goals, self._duration)
-        return Score(self._fitness(findings), self.goals(outcome))
+        fitness = self._fitness(findings)
+        if not isinstance(fitness, Real):
+            found = type(fitness).__name__
+            raise EvaluationError(f"the fitness function returned {found}; expected a number")
+        return Score(fitness, self.goals(outcome))
 
     def goals(self, outcome: Outcome) -> tuple[int, ...]:
         """Return the goal vector of one outcome."""

@@ -13,7 +13,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, cast
 
-from mrsfi_runtime.errors import MrsfiError, UsageError, expected
+from mrsfi_runtime.errors import UsageError, expected
+from mrsfi_runtime.fence import fenced, words
 from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
@@ -28,13 +29,7 @@ _NOT_WRITTEN_HERE = (
 
 
 def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
-    """Return the entry of a table that a setting names, or the function of a user's module.
-
-    Raises
-    ------
-    UsageError
-        If the table has no such entry, or there is no such function.
-    """
+    """Return the entry of a table that a setting names, or the function of a user's module."""
     name = getattr(settings, key)
     where = settings.where(key)
     if ":" in name:
@@ -46,18 +41,9 @@ def chosen(settings: CampaignSettings, key: str, table: Mapping[str, T]) -> T:
 
 
 def user_function(name: str, where: str) -> Callable[..., Any]:
-    """Return the function that ``module:function`` names.
+    """Return the function that ``module:function`` names; ``where`` is the file and key that do.
 
-    Parameters
-    ----------
-    where
-        File and key that name it, for messages.
-
-    Raises
-    ------
-    UsageError
-        If there is no such module or function, or the module cannot be imported. The function
-        itself raises it too, in place of any foreign exception.
+    It raises a ``UsageError`` in place of any foreign exception.
     """
     module_name, _, attribute = name.partition(":")
     if not all(part.isidentifier() for part in (*module_name.split("."), attribute)):
@@ -81,15 +67,14 @@ def user_function(name: str, where: str) -> Callable[..., Any]:
 
 @contextmanager
 def told_by_line(where: str) -> Iterator[None]:
-    """Turn a foreign exception of a body or function into a ``UsageError`` with file and line."""
-    try:
+    """Turn whatever a body or function raises into a ``UsageError`` with file and line."""
+
+    def told(error: BaseException) -> UsageError:
+        said = f"{type(error).__name__}: {words(error)}"
+        return UsageError(f"{where} failed at {_place(error)}: {said}; correct it there")
+
+    with fenced(told):
         yield
-    except MrsfiError:
-        raise
-    except Exception as error:
-        raise UsageError(
-            f"{where} failed at {_place(error)}: {type(error).__name__}: {error}; correct it there"
-        ) from error
 
 
 def _imported(name: str, where: str) -> ModuleType:
@@ -110,7 +95,7 @@ def _imported(name: str, where: str) -> ModuleType:
         sys.path.remove(folder)
 
 
-def _place(error: Exception) -> str:
+def _place(error: BaseException) -> str:
     if isinstance(error, SyntaxError) and error.filename:
         return f"{error.filename}:{error.lineno}"
     frames = traceback.extract_tb(error.__traceback__)

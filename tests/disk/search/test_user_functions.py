@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.errors import SpecificationError, UsageError
+from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import require_settings, run_campaign
 from mrsfi_runtime.search.user_functions import chosen
@@ -46,6 +46,18 @@ def first_goal(findings):
 
 def worst_first(individuals, n_selected, rng):
     return sorted(individuals, key=lambda i: i.score.fitness)[:1] * n_selected
+
+
+def nobody(individuals, n_selected, rng):
+    return None
+
+
+def strangers(individuals, n_selected, rng):
+    return ["strangers"] * n_selected
+
+
+def ending(*args):
+    raise SystemExit(0)
 
 
 def unchanged(space, first, second, rng):
@@ -159,6 +171,22 @@ def test_a_function_that_fails_is_told_by_line(key):
         run(campaign(**{key: "own_functions:broken"}))
 
     assert str(failed.value).startswith(f"case.toml: [search] {key}: ")
+
+
+@pytest.mark.parametrize("function", ["nobody", "strangers", "ending"])
+@pytest.mark.parametrize("algorithm", ["paper", "eaMuPlusLambda"])
+@pytest.mark.usefixtures("own")
+def test_a_selection_that_selects_nobody_is_told_as_such(algorithm, function):
+    with pytest.raises(UsageError, match=rf"selection|'own_functions:{function}' failed at "):
+        run(campaign(algorithm=algorithm, selection=f"own_functions:{function}"))
+
+
+@pytest.mark.parametrize("value", ["None", "'much'", "[1]", "float('nan')"])
+def test_a_fitness_that_is_no_number_is_told(own, value):
+    own.write_text(f"def fitness(findings):\n    return {value}\n", encoding="utf-8")
+
+    with pytest.raises(MrsfiError, match=r"fitness"):
+        run(campaign(fitness="own_functions:fitness"))
 
 
 @pytest.mark.parametrize(

@@ -33,28 +33,9 @@ _SILENT = logging.CRITICAL + 1
 
 
 class Cluster:
-    """A scheduler with workers that come and go.
+    """A scheduler with workers that come and go, or ``LOCAL`` with so many processes.
 
-    Parameters
-    ----------
-    address
-        That of the scheduler, or ``LOCAL``.
-    n_workers
-        Processes of a local cluster.
-    patience
-        Seconds that may pass without any worker.
-
-    Attributes
-    ----------
-    address
-        As given.
-
-    Raises
-    ------
-    TransportError
-        If no scheduler answers, or it has no workers.
-    UsageError
-        If dask's configuration lacks the certificates for an address with TLS.
+    For so many seconds of patience there may be no worker.
     """
 
     def __init__(self, address: str, n_workers: int = 1, patience: float = WORKER_SECONDS) -> None:
@@ -85,18 +66,7 @@ class Cluster:
         return max(self._count_workers(), 1)
 
     def ship(self, shipment: Shipment) -> str:
-        """Give every worker, also those to come, the code of a mission; once.
-
-        Returns
-        -------
-        str
-            What a ``Chunk`` calls it.
-
-        Raises
-        ------
-        TransportError
-            If a worker lacks what it takes.
-        """
+        """Give every worker, also those to come, a mission's code once; name it for chunks."""
         if shipment.name not in self._plugins:
             name = f"{shipment.name}-{self._client.id}"  # another command's end must not take it
             try:
@@ -118,25 +88,13 @@ class Cluster:
             return self._client.submit(pickle.loads, pickle.dumps(chunk), key=key)
 
     def result(self, future: Any) -> EvaluatedChunk:
-        """Return what came of a chunk.
-
-        Raises
-        ------
-        MrsfiError
-            If nothing did.
-        """
+        """Return what came of a chunk, or raise why nothing did."""
         with self._told():
             found: EvaluatedChunk = future.result()
         return found
 
     def wait(self, futures: Iterable[Any]) -> None:
-        """Wait until another chunk is done, or for a moment.
-
-        Raises
-        ------
-        TransportError
-            If there has been no worker for too long.
-        """
+        """Wait until another chunk is done, or for a moment; without workers not for long."""
         open_ones = [future for future in futures if not future.done()]
         with suppress(TimeoutError, CancelledError), self._client.as_current():
             if open_ones:

@@ -21,15 +21,7 @@ class Pace:
         self._seconds = found if self._seconds is None else (self._seconds + found) / 2
 
     def chunk_size(self, n_specifications: int, n_workers: int) -> int:
-        """Return how many specifications to evaluate in one go.
-
-        Parameters
-        ----------
-        n_specifications
-            All that are asked for together.
-        n_workers
-            Every one of them should get a chunk.
-        """
+        """Return how many of some specifications to evaluate in one go; all workers get some."""
         seconds = _FIRST_GUESS if self._seconds is None else self._seconds
         fair = -(-n_specifications // max(n_workers, 1))
         return max(1, min(fair, int(CHUNK_SECONDS / max(seconds, 1e-6))))

@@ -21,25 +21,9 @@ _N_AHEAD = 2  # chunks for each worker, so that the next is there when one is do
 
 
 class ClusterPool(Evaluator):
-    """The workers of a cluster, with an engine each.
+    """The workers of a cluster, with an engine each; every one gets the generated code once.
 
-    Parameters
-    ----------
-    cluster
-        Where they are.
-    code
-        Generated code of the mission, whose folder every worker gets once.
-    seed
-        Mission seed of what is evaluated without naming one.
-    settings
-        Which engine evaluates; every worker has its own.
-
-    Raises
-    ------
-    MrsfiError
-        If the engine cannot be opened; told before any worker begins.
-    TransportError
-        If a worker cannot be used.
+    An engine that cannot be opened is told before any worker begins.
     """
 
     def __init__(
@@ -58,15 +42,7 @@ class ClusterPool(Evaluator):
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order, as they come.
-
-        Raises
-        ------
-        WorkerLost
-            If a chunk kills every worker that evaluates it.
-        TransportError
-            If the scheduler is lost, or no worker is left.
-        """
+        """Evaluate specifications, and yield the results in the same order, as they come."""
         seed = self._seed if seed is None else seed
         n_workers = self._cluster.n_workers()
         first = 0

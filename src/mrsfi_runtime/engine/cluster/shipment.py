@@ -19,18 +19,8 @@ from mrsfi_runtime.model.faults import FaultPool
 class Shipment:
     """The generated code of a mission, and what a worker needs to fly it with the same bits.
 
-    Attributes
-    ----------
-    name
-        Follows from the content.
-    files
-        By name.
-    pool
-        The faults; ``None`` for those of the mission's own pool.
-    given, absolute
-        Folder of the code where it comes from, as the user names it and from the root.
-    environment
-        What the worker has to have; see ``environment``.
+    Its name follows from the content. ``given`` and ``absolute`` are the folder it comes from, as
+    the user names it and from the root; ``environment`` is what the worker has to have.
     """
 
     name: str

@@ -29,16 +29,8 @@ class EvaluatedChunk:
 class Chunk:
     """Specifications for any worker, on which unpickling this evaluates them in one go.
 
-    So a task is ``pickle.loads`` and bytes, and a scheduler without mrsfi can pass it on.
-
-    Attributes
-    ----------
-    plugin
-        Name of the ``MissionPlugin`` that has the mission.
-    seed, settings
-        Mission seed, and the engine.
-    specifications
-        What to evaluate.
+    So a task is ``pickle.loads`` and bytes, and a scheduler without mrsfi can pass it on. It
+    names the ``MissionPlugin`` that has the mission.
     """
 
     plugin: str
@@ -58,15 +50,6 @@ def _evaluate(plugin: str, *chunk: Any) -> EvaluatedChunk:
 class MissionPlugin(WorkerPlugin):
     """Keeps the code of a mission on a worker, and its engines, one for each of their settings.
 
-    Parameters
-    ----------
-    name
-        Names the plugin on its cluster.
-    shipment
-        The code.
-
-    Notes
-    -----
     A worker evaluates one chunk at a time. Compiled code shares it among the worker's threads;
     plain Python would gain nothing from them, and a region need not know of threads.
     """
@@ -76,13 +59,7 @@ class MissionPlugin(WorkerPlugin):
         self._shipment = shipment
 
     def setup(self, worker: Any) -> None:
-        """Unpack the code into the worker's own folder.
-
-        Raises
-        ------
-        TransportError
-            If the worker could find other results, or none.
-        """
+        """Unpack the code into the folder of a worker that finds the same results."""
         self._address = str(worker.address)
         self._folder = Path(worker.local_directory) / self.name
         self._n_threads = int(worker.state.nthreads)
@@ -105,16 +82,8 @@ class MissionPlugin(WorkerPlugin):
     def evaluate(
         self, seed: int, settings: EngineSettings, specifications: tuple[Specification, ...]
     ) -> EvaluatedChunk:
-        """Evaluate a chunk; errors and failures tell of the places of the code at home.
-
-        Raises
-        ------
-        TransportError
-            If the worker could find other results; it may have joined late.
-        MrsfiError
-            If the mission cannot be evaluated.
-        """
-        self._require_same_environment()
+        """Evaluate a chunk; errors and failures tell of the places of the code at home."""
+        self._require_same_environment()  # it may have joined late
         with self._lock:
             try:
                 engine = self._engine(seed, settings)

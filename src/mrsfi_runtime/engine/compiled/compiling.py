@@ -1,6 +1,6 @@
 """Makes the kernel and the regions of a mission known to numba, and compiles its flight."""
 
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
@@ -18,6 +18,8 @@ from mrsfi_runtime.engine.compiled.driver import (
 )
 from mrsfi_runtime.engine.compiled.inlining import Inlined, bind
 from mrsfi_runtime.engine.compiled.reach import kernel_functions
+from mrsfi_runtime.errors import EvaluationError, WorkerLost
+from mrsfi_runtime.fence import TimeLimitReached, apart, fenced, words
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.mission import MissionCode
 
@@ -58,7 +60,20 @@ class CompiledFlight:
             If a region cannot be compiled.
         """
         self._compile(arrays)
-        self._fly_many(arrays, first, last)
+
+        def progress() -> tuple[int, int]:
+            return int(arrays.at[0]), int(arrays.states[0]["mission"]["tick"])
+
+        def told(error: BaseException) -> EvaluationError:
+            if not isinstance(error, TimeLimitReached):
+                return EvaluationError(words(error))
+            return WorkerLost(
+                f"{self._code.directory}: compiled, the mission stays at "
+                f"tick {progress()[1]}: {error}; --engine reference tells the line"
+            )
+
+        with fenced(told, progress):
+            apart(partial(self._fly_many, arrays, first, last))
 
     def _compile(self, arrays: Arrays) -> None:
         """Compile before the call, so that an error of the compiler is none of the flight."""

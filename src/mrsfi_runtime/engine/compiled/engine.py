@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from mrsfi_runtime.engine.compiled.batch import Batch
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
+from mrsfi_runtime.engine.compiled.compilation_errors import CompilationError
 from mrsfi_runtime.engine.compiled.compiling import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import (
     plan_type,
@@ -29,7 +30,7 @@ from mrsfi_runtime.engine.compiled.self_check import FLIES, SAME, SelfCheck
 from mrsfi_runtime.engine.flights import Engine, Evaluated
 from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
@@ -226,7 +227,9 @@ class CompiledEngine(Engine):
         while first < last:
             try:
                 self._fly_many(arrays, first, last)
-            except (ArithmeticError, LookupError, ValueError):
+            except (CompilationError, WorkerLost):
+                raise
+            except EvaluationError:  # the reference engine tells what and where
                 failed.append(int(at[0]))
                 first = int(at[0]) + 1
             else:

@@ -1,0 +1,57 @@
+"""Regions that loop for ever, or raise anything, in other processes and in machine code."""
+
+from contextlib import closing
+
+import pytest
+
+from mrsfi_runtime.engine.flights import FailedFlight
+from mrsfi_runtime.engine.pools import WorkerPool
+from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
+from mrsfi_runtime.errors import WorkerLost
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import TimedFault
+from tests.support.edited import edited
+from tests.tiers import slow
+
+MOVED = (TimedFault("f9", 5, 50, (0.0, 0.0, 0.0)),)
+"""A fault that moves an obstacle on the map, which regions here look at."""
+
+FOREVER = "    while ci.map.is_wrong:\n        pass\n    return False\n"
+
+
+@pytest.fixture
+def limited(monkeypatch):
+    monkeypatch.setenv("MRSFI_TIME_LIMIT", "1")
+
+
+@slow
+@pytest.mark.usefixtures("limited")
+def test_a_worker_that_gets_no_further_ends_the_evaluation(tmp_path):
+    code = load_code(edited(tmp_path, "g1.check", FOREVER))
+
+    with WorkerPool(code, 1, 2) as pool, pytest.raises(WorkerLost, match=r":\d+: .* at tick 5: "):
+        list(pool.evaluate_many([MOVED, ()]))
+
+
+@slow
+@pytest.mark.usefixtures("limited")
+def test_machine_code_that_gets_no_further_is_given_up(tmp_path):
+    code = load_code(edited(tmp_path, "g1.check", FOREVER))
+
+    with closing(EngineSettings(COMPILED).open(code, 1, 2)) as engine:
+        with pytest.raises(WorkerLost, match=r"compiled, .* at tick 5: .* tells the line"):
+            list(engine.evaluate_many([(), MOVED]))
+        with pytest.raises(WorkerLost):
+            engine.record(MOVED)
+
+
+@slow
+def test_what_machine_code_raises_is_told_by_the_reference_engine(tmp_path):
+    body = "    if ci.map.is_wrong:\n        raise RuntimeError\n    return False\n"
+    code = load_code(edited(tmp_path, "g1.check", body))
+
+    with closing(EngineSettings(COMPILED).open(code, 1)) as engine:
+        plain, moved = engine.evaluate_many([(), MOVED])
+
+    assert not isinstance(plain, FailedFlight)
+    assert "at tick 5: RuntimeError" in moved.traceback
