@@ -17,6 +17,8 @@ from mrsfi_runtime.engine.compiled.batch import Batch
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
 from mrsfi_runtime.engine.compiled.compiling import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import (
+    PlanSize,
+    allowed_words,
     plan_type,
     read_recorded,
     split,
@@ -25,26 +27,32 @@ from mrsfi_runtime.engine.compiled.layout import (
     words_type,
     write_state,
 )
-from mrsfi_runtime.engine.compiled.self_check import FLIES, SAME, SelfCheck
+from mrsfi_runtime.engine.compiled.self_check import (
+    SECONDS,
+    SECONDS_OF_NEW,
+    require_same,
+    trials,
+)
 from mrsfi_runtime.engine.flights import Engine, Evaluated
 from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.errors import EvaluationError, MrsfiError
 from mrsfi_runtime.hosting.lockstep import Observer
+from mrsfi_runtime.hosting.own_effects import allowed_columns
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, plan_rows
+from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, OwnRow, plan_rows
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import Exclusion
 
-N_CHECKED = 2
-"""Evaluations that the reference engine repeats before any result of new code is given out."""
-
 CHUNK = 64
 """Specifications that are laid out and flown in one call, at most."""
+
+_TRUSTED: set[tuple[str, str]] = set()
+"""What this process has held to the reference engine: compiled code by its key, and missions."""
 
 
 class CompiledEngine(Engine):
@@ -73,7 +81,7 @@ class CompiledEngine(Engine):
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
         super().__init__(code, seed)
         state = initial_state(code.mission, seed)
-        state_layout = state_type(state)
+        self._state_layout = state_layout = state_type(state)
         self._fresh = cache(partial(_fresh, code.mission, state_layout))
         self._moment_type = moment_type(state)
         self._words_type = words_type(self._moment_type)
@@ -83,19 +91,50 @@ class CompiledEngine(Engine):
         self._n_threads = n_threads
         self._threads = ThreadPoolExecutor(n_threads)
         self._fly_many = CompiledFlight(code, state_layout)
-        self._self_check = SelfCheck(self._fly_many.folder, code, seed)
-        self._fly(self._batch([()], code.pool), self._fresh(seed), 0, 1)
-        self._is_checked = self._self_check.is_known(SAME)
+        self._first_ticks((), 0)
 
     def close(self) -> None:
         """End the threads."""
         self._threads.shutdown()
 
-    def try_out(self) -> None:
-        """Fly the mission without faults on plain Python, unless that very flight went well."""
-        if not self._self_check.is_known(FLIES):
-            self._reference.evaluate(())
-            self._self_check.remember(FLIES)
+    def require_same(self) -> None:
+        """Refuse compiled code that differs from the reference engine, once in a process.
+
+        Raises
+        ------
+        EvaluationError
+            If it differs although it was compiled anew.
+        """
+        mission = (self._fly_many.key, repr((self.code.mission, self.code.pool)))
+        if mission in _TRUSTED:
+            return
+        flown = [*trials(self.code.mission, self.code.pool, self._fits)]
+        if self._fly_many.is_new:
+            flown.insert(0, ())
+        try:
+            self._require_same(flown)
+        except EvaluationError:
+            if self._fly_many.is_new:
+                raise
+            self._fly_many.forget()
+            self._require_same(flown)
+        _TRUSTED.add(mission)
+
+    def _require_same(self, flown: Sequence[Specification]) -> None:
+        self._first_ticks((), 0)
+        seconds = SECONDS_OF_NEW if self._fly_many.is_new else SECONDS
+        require_same(self._reference, self._first_ticks, flown, seconds)
+
+    def _first_ticks(self, specification: Specification, n_ticks: int) -> Recording | None:
+        """Return the first ticks of a flight; ``None`` if the reference engine is to repeat it."""
+        batch = self._batch([specification], self.code.pool)
+        recording = self._blank(n_ticks)
+        failed = self._fly(batch, self._fresh(self.seed), 0, 1, recording)
+        return None if failed else recording
+
+    def _fits(self, specification: Specification) -> bool:
+        """Return whether the plans that are always compiled have room for a specification."""
+        return self._batch([specification], self.code.pool).plan_size == PlanSize()
 
     def _evaluate(
         self,
@@ -105,6 +144,7 @@ class CompiledEngine(Engine):
         observer: Observer | None,
         tallies: list[FaultTally],
     ) -> Outcome:
+        self.require_same()
         batch = self._batch([specification], pool)
         recording = self._blank(self.code.mission.duration if observer else 0)
         if self._fly(batch, self._fresh(seed), 0, 1, recording):
@@ -117,6 +157,7 @@ class CompiledEngine(Engine):
         return batch.outcome(0)
 
     def _record(self, specification: Specification, seed: int) -> Recording:
+        self.require_same()
         batch = self._batch([specification], self.code.pool)
         recording = self._blank(self.code.mission.duration)
         if self._fly(batch, self._fresh(seed), 0, 1, recording):
@@ -134,36 +175,12 @@ class CompiledEngine(Engine):
         Raises
         ------
         EvaluationError
-            If one of the very first of new code is another than on the reference engine, or fails
-            there alone.
+            If compiled flights differ from those of the reference engine.
         """
+        self.require_same()
         seed = self.seed if seed is None else seed
         for first in range(0, len(specifications), CHUNK):
-            chunk = specifications[first : first + CHUNK]
-            outcomes = self._evaluate_chunk(chunk, seed)
-            if not self._is_checked:
-                self._check(chunk[:N_CHECKED], seed, outcomes)
-            yield from outcomes
-
-    def _check(
-        self, specifications: Sequence[Specification], seed: int, found: Sequence[Evaluated]
-    ) -> None:
-        """Refuse to go on if the reference engine finds anything else; remember if it does not."""
-        n_same = 0
-        for specification, outcome in zip(specifications, found, strict=False):
-            if not isinstance(outcome, Outcome):
-                continue  # what failed was flown by the reference engine already
-            expected = self._reference.evaluate(specification, seed)
-            if expected != outcome:
-                raise EvaluationError(
-                    f"{self.code.directory}: compiled, the mission has outcome {outcome}; the "
-                    f"reference engine has {expected} for {specification}; look for what compiles "
-                    "but differs (`mrsfi validate` warns of it), or use --engine reference"
-                )
-            n_same += bool(specification)
-        self._is_checked = True
-        if n_same == N_CHECKED:
-            self._self_check.remember(SAME)
+            yield from self._evaluate_chunk(specifications[first : first + CHUNK], seed)
 
     def _evaluate_chunk(
         self, specifications: Sequence[Specification], seed: int
@@ -188,7 +205,14 @@ class CompiledEngine(Engine):
         is_own = pool is self.code.pool
         shapes = self._shapes if is_own else FaultShapes(self.code.mission, pool)
         plans = [plan_rows(shapes, specification) for specification in specifications]
-        return Batch(plans, self._moment_type)
+        kinds = {fault.kind.effect: fault.kind for fault in pool}
+
+        def allowed(row: OwnRow) -> Sequence[int]:
+            _, effect, of, target, *_ = row
+            listed, columns = allowed_columns(kinds[effect], of)
+            return allowed_words(self._state_layout, listed, target, columns)
+
+        return Batch(plans, self._moment_type, allowed)
 
     def _fly(
         self,
@@ -227,7 +251,9 @@ class CompiledEngine(Engine):
         while first < last:
             try:
                 self._fly_many(arrays, first, last)
-            except (ArithmeticError, LookupError, ValueError):
+            except (KeyboardInterrupt, MrsfiError):
+                raise
+            except BaseException:  # noqa: BLE001 - whatever a region raises, as in Python
                 failed.append(int(at[0]))
                 first = int(at[0]) + 1
             else:

@@ -9,10 +9,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.extending import register_jitable
+
+from mrsfi_runtime.engine.compiled.likeness import Checked
 
 
-class Inlined(Compiler):
+class Inlined(Checked):
     """Numba's pipeline, for ``pipeline_class`` of functions that are always inlined."""
 
     def __init__(self, *arguments: Any) -> None:
@@ -80,6 +82,12 @@ def _code(library: Any) -> Any:
 class _NoEnvironments:
     def set_env(self, _name: str, _environment: object) -> None:
         """Leave it to ``bind``."""
+
+
+jitable = register_jitable(
+    boundscheck=True, forceinline=True, no_cfunc_wrapper=True, pipeline_class=Inlined
+)
+"""Lets compiled code call a function, which stays as it is."""
 
 
 def bind(compiled: Any) -> None:
