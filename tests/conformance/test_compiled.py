@@ -231,7 +231,7 @@ def test_what_python_refuses_is_not_compiled(tmp_path, body):
 
     with pytest.raises((AttributeError, TypeError)):
         check(state)
-    with pytest.raises(TypingError, match=r"in Python|lists have|number has"):
+    with pytest.raises(TypingError, match="is not in Python what it is here"):
         njit(pipeline_class=Checked)(check).compile((from_dtype(state_type(state)),))
 
 

@@ -23,21 +23,11 @@ _TALLY = record_type(FaultTally)
 
 
 class Batch:
-    """Plans of some specifications in flat arrays, and room for their results.
+    """Plans of some specifications in flat arrays, one after the other, and room for their results.
 
-    ``allowed`` returns the words of the belief that a fault of a team's own type may change.
-
-    Attributes
-    ----------
-    injections, tallies, own
-        Those of all specifications, one after the other.
-    ends
-        Shape ``(n, 8)``: where each specification's messages, reports and commands begin in
-        ``injections``, where its commands end, where its tallies begin and end, and its ``own``.
-    results
-        One record a specification.
-    plan_size
-        What a compiled plan must have room for.
+    ``ends``, shape ``(n, 8)``, says where each specification's messages, reports and commands begin
+    in ``injections``, where its commands end, where its tallies begin and end, and its ``own``. Of
+    those, ``allowed`` returns which words of the belief they may change.
     """
 
     def __init__(

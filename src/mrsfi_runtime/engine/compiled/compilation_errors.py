@@ -27,17 +27,7 @@ _REASONS = (
 
 
 def explain(code: MissionCode, state_type: Any, error: Exception) -> CompilationError:
-    """Return why a mission does not compile.
-
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    state_type
-        Layout of its states.
-    error
-        What numba said of the whole.
-    """
+    """Return why a mission does not compile, by what numba said of the whole."""
     state = numba.from_dtype(state_type)
     own = (state, state, numba.from_dtype(record_type(OwnFault)))
     for role, function in code.functions._asdict().items():

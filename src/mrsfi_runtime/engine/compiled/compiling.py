@@ -20,15 +20,7 @@ _REGISTERED: dict[FunctionType, str] = {}
 
 
 class CompiledFlight:
-    """The flight of a mission, compiled for the shapes of its arguments or found in the cache.
-
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    state_type
-        Layout of its states.
-    """
+    """The flight of a mission, compiled for the shapes of its arguments or found in the cache."""
 
     def __init__(self, code: MissionCode, state_type: Any) -> None:
         self._code = code
@@ -47,13 +39,7 @@ class CompiledFlight:
         return self._driver is not None and bool(self._driver.fly_many.stats.cache_misses)
 
     def __call__(self, arrays: Arrays, first: int, last: int) -> None:
-        """Fly the specifications ``first … last - 1``.
-
-        Raises
-        ------
-        CompilationError
-            If a region cannot be compiled.
-        """
+        """Fly the specifications ``first … last - 1``, compiled if need be."""
         self._compile(arrays)
         self._driver.fly_many(arrays, first, last)  # type: ignore[union-attr]
 
@@ -114,13 +100,7 @@ def _require_one_file(code: MissionCode) -> None:
 
 
 def register(reached: Reached) -> None:
-    """Let compiled code call kernel functions; they stay as they are.
-
-    Raises
-    ------
-    CompilationError
-        If one reads other values than when this process compiled it.
-    """
+    """Let compiled code call functions, unless they read other values than when first compiled."""
     for function in reached.functions:
         is_ours = function.__module__.startswith("mrsfi_runtime.")
         text = "" if is_ours else Reached([function]).text

@@ -56,25 +56,8 @@ _TRUSTED: set[tuple[str, str]] = set()
 
 
 class CompiledEngine(Engine):
-    """Flies the mission many times in one call.
+    """Flies the mission many times in one call, on threads that truly run side by side.
 
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    seed
-        Mission seed of what is evaluated without naming one: its weather.
-    n_threads
-        Threads that share a chunk. Compiled code needs no interpreter, so they truly run side
-        by side.
-
-    Raises
-    ------
-    CompilationError
-        If a region cannot be compiled.
-
-    Notes
-    -----
     A flight that fails is repeated on the reference engine, which can tell where and why.
     """
 
@@ -98,19 +81,11 @@ class CompiledEngine(Engine):
         self._threads.shutdown()
 
     def require_same(self) -> None:
-        """Refuse compiled code that differs from the reference engine, once in a process.
-
-        Raises
-        ------
-        EvaluationError
-            If it differs although it was compiled anew.
-        """
+        """Hold compiled code to the reference engine once in a process; differing, compile anew."""
         mission = (self._fly_many.key, repr((self.code.mission, self.code.pool)))
         if mission in _TRUSTED:
             return
-        flown = [*trials(self.code.mission, self.code.pool, self._fits)]
-        if self._fly_many.is_new:
-            flown.insert(0, ())
+        flown = trials(self.code.mission, self.code.pool, self._fits)
         try:
             self._require_same(flown)
         except EvaluationError:
@@ -121,16 +96,19 @@ class CompiledEngine(Engine):
         _TRUSTED.add(mission)
 
     def _require_same(self, flown: Sequence[Specification]) -> None:
-        self._first_ticks((), 0)
-        seconds = SECONDS_OF_NEW if self._fly_many.is_new else SECONDS
+        self._first_ticks((), 0)  # compiles, if need be
+        is_new = self._fly_many.is_new
+        flown, seconds = ([(), *flown], SECONDS_OF_NEW) if is_new else (flown, SECONDS)
         require_same(self._reference, self._first_ticks, flown, seconds)
 
-    def _first_ticks(self, specification: Specification, n_ticks: int) -> Recording | None:
+    def _first_ticks(
+        self, specification: Specification, n_ticks: int, seed: int | None = None
+    ) -> Recording | None:
         """Return the first ticks of a flight; ``None`` if the reference engine is to repeat it."""
         batch = self._batch([specification], self.code.pool)
-        recording = self._blank(n_ticks)
-        failed = self._fly(batch, self._fresh(self.seed), 0, 1, recording)
-        return None if failed else recording
+        recording: Recording = np.zeros(n_ticks, self._moment_type)
+        fresh = self._fresh(self.seed if seed is None else seed)
+        return None if self._fly(batch, fresh, 0, 1, recording) else recording
 
     def _fits(self, specification: Specification) -> bool:
         """Return whether the plans that are always compiled have room for a specification."""
@@ -146,7 +124,8 @@ class CompiledEngine(Engine):
     ) -> Outcome:
         self.require_same()
         batch = self._batch([specification], pool)
-        recording = self._blank(self.code.mission.duration if observer else 0)
+        n_ticks = self.code.mission.duration if observer else 0
+        recording: Recording = np.zeros(n_ticks, self._moment_type)
         if self._fly(batch, self._fresh(seed), 0, 1, recording):
             return self._reference.evaluate(
                 specification, seed, pool=pool, observer=observer, tallies=tallies
@@ -158,25 +137,13 @@ class CompiledEngine(Engine):
 
     def _record(self, specification: Specification, seed: int) -> Recording:
         self.require_same()
-        batch = self._batch([specification], self.code.pool)
-        recording = self._blank(self.code.mission.duration)
-        if self._fly(batch, self._fresh(seed), 0, 1, recording):
-            return self._reference.record(specification, seed)
-        return recording
-
-    def _blank(self, n_ticks: int) -> Recording:
-        return np.zeros(n_ticks, self._moment_type)
+        recording = self._first_ticks(specification, self.code.mission.duration, seed)
+        return self._reference.record(specification, seed) if recording is None else recording
 
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order.
-
-        Raises
-        ------
-        EvaluationError
-            If compiled flights differ from those of the reference engine.
-        """
+        """Evaluate specifications, and yield the results in the same order."""
         self.require_same()
         seed = self.seed if seed is None else seed
         for first in range(0, len(specifications), CHUNK):
@@ -233,7 +200,7 @@ class CompiledEngine(Engine):
         states = fresh.states.copy()
         (fresh_words, fresh_tables), (words, tables) = split(fresh.states), split(states)
         plans = np.zeros(1, plan_type(batch.plan_size))
-        recording = self._blank(0) if recording is None else recording
+        recording = np.zeros(0, self._moment_type) if recording is None else recording
         arrays = Arrays(
             fresh_words,
             words,

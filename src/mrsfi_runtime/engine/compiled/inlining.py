@@ -91,12 +91,6 @@ jitable = register_jitable(
 
 
 def bind(compiled: Any) -> None:
-    """Tell machine code of a compiled function where the environments of those inlined are.
-
-    Parameters
-    ----------
-    compiled
-        Numba's result of compiling it.
-    """
+    """Tell machine code, as numba returns it, where the environments of functions inlined are."""
     for environment in compiled._find_referenced_environments():  # noqa: SLF001 - no other way
         compiled.library.codegen.set_env(environment.env_name, environment)

@@ -4,7 +4,6 @@ To numba a list of the state is an array, which has more attributes and operator
 an array of the team's is no other than one of the state.
 """
 
-from collections.abc import Sequence
 from typing import Any, get_args, get_type_hints
 
 from numba import types
@@ -43,26 +42,22 @@ class _LikePython(AnalysisPass):
         for block in () if is_ours else state.func_ir.blocks.values():
             for found in block.find_exprs():
                 named = {"getattr": "attr", "static_getitem": "index"}.get(found.op)
-                name = named and getattr(found, named)
-                if isinstance(name, str) or found.op in _OPERATORS:
+                name = getattr(found, named) if named else ""
+                if isinstance(name, str) and (named or found.op in _OPERATORS):
                     kinds = [state.typemap[each.name] for each in found.list_vars()]
-                    why = next(filter(None, (_refused(kind, found.op, name) for kind in kinds)), "")
-                    if why:
-                        what = name or found.fn.__name__
-                        raise TypingError(f"'{what}' {why}", loc=found.loc)
+                    if any(_refused(kind, found.op, name) for kind in kinds):
+                        what = f"'{name or found.fn.__name__}'"
+                        raise TypingError(f"{what} is not in Python what it is here", loc=found.loc)
         return False
 
 
-def _refused(kind: Any, op: str, name: str) -> str:
-    """Return why Python refuses an operator, an attribute or an entry by name of an operand."""
+def _refused(kind: Any, op: str, name: str) -> bool:
+    """Return whether Python refuses an operator, an attribute or an entry by name of an operand."""
     if isinstance(kind, types.Record):
-        is_of_state = kind.fields.keys() - {ALLOWED} in _KNOWN
-        if is_of_state != (op == "getattr"):
-            return "is no attribute of this record in Python, or the other way round"
+        return (kind.fields.keys() - {ALLOWED} in _KNOWN) != (op == "getattr")
     is_of_records = isinstance(kind, types.Array) and isinstance(kind.dtype, types.Record)
-    if is_of_records or isinstance(kind, types.NestedArray):
-        return "is not what lists have; write a loop"
-    return "is what no number has" if isinstance(kind, types.Number) and name == "item" else ""
+    is_list = is_of_records or isinstance(kind, types.NestedArray)
+    return is_list or (isinstance(kind, types.Number) and name == "item")
 
 
 class Checked(Compiler):

@@ -17,9 +17,8 @@ _FIRST_ALLOWED = _FAULT.itemsize // 8
 _ODD = -7046029254386353131
 
 
-@intrinsic
 def _word(_context: Any, record: Any, _place: Any) -> Any:
-    """Read a word of 8 bytes of a record."""
+    """Type and write what reads a word of 8 bytes of a record."""
 
     def written(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         word = context.get_value_type(signature.return_type)
@@ -29,7 +28,7 @@ def _word(_context: Any, record: Any, _place: Any) -> Any:
     return types.int64(record, types.int64), written
 
 
-_word_of: Any = _word  # to mypy it still takes a context
+_word_of: Any = intrinsic(_word)
 
 
 def guarded(apply: Any, n_recorded: int, spans: tuple[tuple[int, int], ...]) -> Any:

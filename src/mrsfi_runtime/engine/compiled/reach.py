@@ -6,9 +6,8 @@ has to know all of that by value: as it is loaded, not as a file says.
 
 import builtins
 import dis
-import inspect
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from enum import Enum, EnumMeta
 from functools import partial
@@ -43,19 +42,10 @@ def is_kernel(value: object) -> TypeGuard[FunctionType]:
 
 
 class Reached:
-    """What some kernel functions reach.
+    """What some functions reach: ``functions`` of the kernel, each once, and ``text``.
 
-    Attributes
-    ----------
-    functions
-        Kernel functions, each once.
-    text
-        All that machine code of them may hold: two of the same text compile to the same.
-
-    Raises
-    ------
-    CompilationError
-        If there is something of which no text tells the value, such as an object of a class.
+    The text holds all that machine code of them may hold. A CompilationError names what has none,
+    such as an object of a class.
     """
 
     def __init__(self, functions: Sequence[Callable[..., Any]]) -> None:
@@ -135,24 +125,12 @@ class Reached:
         texts = (f"{name}: {self._of(known[name], names)}" for name in sorted(names & known.keys()))
         return f"{module.__name__} {{{', '.join(texts)}}}"
 
-    def _enum(self, member: Enum, names: frozenset[str]) -> str:
-        return self._all((type(member), member.name, member.value), names)
-
-    def _tuple(self, values: tuple[Any, ...], names: frozenset[str]) -> str:
-        return self._all((*getattr(values, "_fields", ()), *values), names)
-
-    def _set(self, values: Iterable[Any], names: frozenset[str]) -> str:
-        return str(sorted(self._of(value, names) for value in values))
-
     def _array(self, array: Any, _: frozenset[str]) -> str:
         if array.dtype.hasobject or type(array) is np.ma.MaskedArray:
             raise _UnknownError(f"an array of {array.dtype}")
         return (
             f"{array.dtype!r} {array.shape} {array.strides} {sha256(array.tobytes()).hexdigest()}"
         )
-
-    def _mapping(self, mapping: Mapping[Any, Any], names: frozenset[str]) -> str:
-        return self._all([part for item in mapping.items() for part in item], names)
 
     def _class(self, kind: type, names: frozenset[str]) -> str:
         """Return the name of a class, and what numba knows of one: members or fields."""
@@ -165,13 +143,13 @@ class Reached:
         return f"{kind.__module__}.{kind.__qualname__} {self._all(content, names)}"
 
     _written: ClassVar[Sequence[tuple[Any, _Write]]] = (
-        (Enum, _enum),
-        (tuple, _tuple),
+        (Enum, lambda self, each, names: self._all((type(each), each.name, each.value), names)),
+        (tuple, lambda self, each, names: self._all((*getattr(each, "_fields", ()), *each), names)),
         (list, partial(_once, write=_all)),
-        (dict, partial(_once, write=_mapping)),
-        (set | frozenset, _set),
+        (dict, partial(_once, write=lambda self, each, names: self._all(each.items(), names))),
+        (set | frozenset, lambda self, each, names: str(sorted(self._of(x, names) for x in each))),
         (np.ndarray | np.generic, _array),
-        (np.dtype, lambda _self, value, _names: repr(value)),
+        (np.dtype, lambda _self, each, _names: repr(each)),
         (CodeType, _code),
         (FunctionType, _function),
         (ModuleType, partial(_once, write=_module)),
@@ -203,7 +181,7 @@ def _names(code: CodeType) -> Iterator[str]:
 
 def _loads(code: CodeType, name: str) -> bool:
     """Return whether a function reads a name that is no attribute; defaults are always read."""
-    inner = [each for each in code.co_consts if inspect.iscode(each)]
+    inner = [each for each in code.co_consts if isinstance(each, CodeType)]
     is_read = any(
         each.argval == name and each.opname in ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_DEREF")
         for each in dis.get_instructions(code)

@@ -17,81 +17,47 @@ from mrsfi_runtime.errors import EvaluationError, MrsfiError
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import conflicts
 
 SECONDS, SECONDS_OF_NEW = 0.05, 1.0
 """How long the reference engine flies in every process, and in the one that compiled."""
 
-_WINDOWS = (2, 16, 128)
-"""Ticks for which faults act that take turns, one round after the other."""
+_WINDOWS = ((0, 7), (16, None))
+"""First and last ticks at which a fault acts; ``None`` is the mission's last."""
 
-Fits = Callable[[Specification], bool]
-"""Whether compiled plans have room for a specification."""
-
-
-def trials(mission: Mission, pool: FaultPool, fits: Fits) -> Iterator[Specification]:
-    """Yield specifications in which all faults of a pool act, conflicting ones in turns."""
-    groups = _groups(mission, pool, fits)
-    if not groups:
-        yield ()
-    while groups:
-        flown, n_acting = _laid_out(groups, mission.duration, fits)
-        yield flown
-        groups = groups[n_acting:]
-
-
-def _groups(mission: Mission, pool: FaultPool, fits: Fits) -> list[list[Fault]]:
-    """Return the faults of a pool in groups that may act at once."""
-    others = conflicts(mission, pool)
-    groups: list[list[Fault]] = []
-    for fault in pool:
-        for group in groups:
-            is_alone = others[fault.id].isdisjoint(each.id for each in group)
-            if is_alone and fits(_at(0, 0, [*group, fault])):
-                group.append(fault)
-                break
-        else:
-            groups.append([fault])
-    return groups
-
-
-def _laid_out(
-    groups: Sequence[Sequence[Fault]], duration: int, fits: Fits
-) -> tuple[Specification, int]:
-    """Return as much of some groups as there is room for, and how many of them act."""
-    flown: Specification = ()
-    start = n_acting = 0
-    for n_ticks in _WINDOWS:
-        for group in groups[: n_acting or len(groups)]:
-            more = flown + _at(start, min(start + n_ticks, duration) - 1, group)
-            if start >= duration or not fits(more):
-                return flown, max(1, n_acting)
-            flown = more
-            start += n_ticks + 1
-            n_acting += n_ticks == _WINDOWS[0]
-    return flown, n_acting
-
-
-def _at(start: int, finish: int, faults: Sequence[Fault]) -> Specification:
-    return tuple(TimedFault(fault.id, start, finish, fault.values) for fault in faults)
-
+_HINT = (
+    "look for what compiles but differs (`mrsfi validate` warns of it), or use --engine reference"
+)
 
 Record = Callable[[Specification, int], Recording | None]
 """Flies compiled, and returns the first ticks; ``None`` if that failed and is not relied on."""
 
 
+def trials(
+    mission: Mission, pool: FaultPool, fits: Callable[[Specification], bool]
+) -> list[Specification]:
+    """Return specifications with all faults of a pool, as many in each as may act at once."""
+    others, last = conflicts(mission, pool), mission.duration - 1
+    flown: list[Specification] = [()]
+    for fault in pool:
+        windows = [(a, last if b is None else min(b, last)) for a, b in _WINDOWS if a <= last]
+        timed = tuple(TimedFault(fault.id, *window, fault.values) for window in windows)
+        timed = timed if fits(timed) else timed[:1]
+        for k, before in enumerate(flown):
+            if others[fault.id].isdisjoint(each.fault for each in before) and fits(before + timed):
+                flown[k] += timed
+                break
+        else:
+            flown.append(timed)
+    return flown
+
+
 def require_same(
     reference: Engine, record: Record, flown: Sequence[Specification], seconds: float
 ) -> None:
-    """Refuse compiled flights that differ from those of the reference engine.
-
-    Raises
-    ------
-    EvaluationError
-        Naming the regions among which to look, and what differs first.
-    """
+    """Refuse compiled flights that differ: an EvaluationError says where, and in which region."""
     for specification in flown:
         seen, failure = _seen(reference, specification, thread_time() + seconds / len(flown))
         recording = record(specification, len(seen))
@@ -99,16 +65,12 @@ def require_same(
             continue
         for tick, (expected, found) in enumerate(zip(seen, _moments(recording), strict=True)):
             if expected != found:
-                what = _difference(reference.code.mission, recording, expected, found)
-                where = reference.code.directory
-                raise EvaluationError(f"{where}: {what} at tick {tick} of {specification}; {_HINT}")
+                what = _difference(reference.code.mission, recording[0], expected, found)
+                acting = [one.fault for one in specification if one.start <= tick <= one.finish]
+                where, under = reference.code.directory, ", ".join(acting) or "no fault"
+                raise EvaluationError(f"{where}: {what} at tick {tick} under {under}; {_HINT}")
         if failure is not None:
             raise EvaluationError(f"{failure}; compiled, it does not fail: {_HINT}") from failure
-
-
-_HINT = (
-    "look for what compiles but differs (`mrsfi validate` warns of it), or use --engine reference"
-)
 
 
 class _EnoughError(MrsfiError):
@@ -118,21 +80,19 @@ class _EnoughError(MrsfiError):
 def _seen(
     reference: Engine, specification: Specification, ends: float
 ) -> tuple[list[list[Any]], EvaluationError | None]:
-    """Return as many ticks as there is time for, but those at least at which each fault begins."""
+    """Return as many ticks as there is time for, two at least, and how the flight failed if so."""
     seen: list[list[Any]] = []
-    n_acting = len({timed.fault for timed in specification})
-    least = max((timed.start for timed in specification[:n_acting]), default=0)
 
     def observe(world: State, belief: State, verdicts: Verdicts) -> None:
         judged = [list(getattr(verdicts, name)) for name in VERDICTS]
         seen.append([*judged, state_bytes(world), state_bytes(belief)])
-        if thread_time() > ends and len(seen) > least + 1:
+        if len(seen) > 1 and thread_time() > ends:
             raise _EnoughError
 
     try:
         reference.evaluate(specification, observer=observe)
     except _EnoughError:
-        pass
+        return seen, None
     except EvaluationError as error:
         return seen, error
     return seen, None
@@ -146,20 +106,20 @@ def _moments(recording: Recording) -> Iterator[list[Any]]:
 
 
 def _difference(
-    mission: Mission, recording: Recording, expected: Sequence[Any], found: Sequence[Any]
+    mission: Mission, moment: Any, expected: Sequence[Any], found: Sequence[Any]
 ) -> str:
     """Return in words what differs first of a tick, and in which region to look."""
     pairs = zip((*VERDICTS, *SIDES), expected, found, strict=True)
     name, left, right = next(pair for pair in pairs if pair[1] != pair[2])
-    places = [(f"'{goal.id}.check'", f"of goal '{goal.id}'") for goal in mission.goals]
+    places = [f"{name} of goal '{goal.id}' (region '{goal.id}.check')" for goal in mission.goals]
     if name in SIDES:
         left, right = np.frombuffer(left), np.frombuffer(right)
         places = [
-            ("of a reaction or an effect", f"{listed}[{index}].{column}")
+            f"{column} of {name}.{listed}[{index}] (a reaction or an effect)"
             for listed, columns in COLUMNS.items()
-            for index in range(len(recording[name][0][listed]))
+            for index in range(len(moment[name][listed]))
             for column in columns
-        ]
-    both = zip(places, left, right, strict=False)
-    (region, place), a, b = next((each for each in both if each[1] != each[2]), (places[-1], 0, 1))
-    return f"region {region}: compiled, {name} {place} is {b}; the reference engine has {a}"
+        ] + ["what goals remember"] * len(left)
+    differing = (each for each in zip(places, left, right, strict=False) if each[1] != each[2])
+    place, a, b = next(differing, ("what goals remember", "something", "nothing"))
+    return f"compiled, {place} is {b}; the reference engine has {a}"
