@@ -22,8 +22,10 @@ OTHER = KERNEL + TWO
 COLORS = "import enum\nclass Low(enum.IntEnum):\n    A = 1\nclass High(enum.IntEnum):\n    A = 2\n"
 
 
-def _verdict(body: str, before: str = "", arguments: str = "x") -> str:
-    return f"{KERNEL}{before}\n@kernel\ndef verdict({arguments}):\n    return {body}\n"
+def _verdict(body: str, names: str = "", arguments: str = "x") -> Mapping[str, str]:
+    """Return a function in one file, and what its names stand for in another."""
+    verdict = f"{KERNEL}from edit_names import *\n@kernel\ndef verdict({arguments}):\n"
+    return {"edit_team": f"{verdict}    return {body}\n", "edit_names": f"{KERNEL}{names}\n"}
 
 
 def _numbers(last: float) -> str:
@@ -36,44 +38,44 @@ _BY_MODULE = {"edit_other": OTHER}
 EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     "alias of an import": (
         {
-            "edit_team": _verdict("policy(x)", "from edit_other import careful as policy"),
+            **_verdict("policy(x)", "from edit_other import careful as policy"),
             **_BY_MODULE,
         },
         "careful as policy",
         "bold as policy",
     ),
     "default of an argument": (
-        {"edit_team": _verdict("pick(x, 2.0)", arguments="x, pick=min")},
-        "pick=min",
-        "pick=max",
+        {**_verdict("pick(x, 2.0)", "PICK = min", "x, pick=PICK")},
+        "PICK = min",
+        "PICK = max",
     ),
     "default of a keyword": (
-        {"edit_team": _verdict("by(x)", "@kernel\ndef by(x, *, step=1.0):\n    return x + step\n")},
+        {**_verdict("by(x)", "@kernel\ndef by(x, *, step=1.0):\n    return x + step\n")},
         "step=1.0",
         "step=2.0",
     ),
     "a library's function behind a name": (
-        {"edit_team": _verdict("whole(x)", "from math import floor as whole")},
+        {**_verdict("whole(x)", "from math import floor as whole")},
         "floor",
         "ceil",
     ),
     "a builtin behind a name": (
-        {"edit_team": _verdict("pick(x, 2.0)", "pick = min")},
+        {**_verdict("pick(x, 2.0)", "pick = min")},
         "pick = min",
         "pick = max",
     ),
     "alias of a constant": (
         {
-            "edit_team": _verdict("x + LIMIT", "from edit_other import LOW as LIMIT"),
+            **_verdict("x + LIMIT", "from edit_other import LOW as LIMIT"),
             "edit_other": "LOW, HIGH = 1.0, 2.0\n",
         },
         "LOW as",
         "HIGH as",
     ),
-    "alias of a class": ({"edit_team": _verdict("kind(x)", "kind = int")}, "= int", "= float"),
+    "alias of a class": ({**_verdict("kind(x)", "kind = int")}, "= int", "= float"),
     "fields of a class": (
         {
-            "edit_team": _verdict(
+            **_verdict(
                 "Point(x, 1.0).a",
                 "from typing import NamedTuple\n"
                 "class Point(NamedTuple):\n    a: float\n    b: float\n",
@@ -84,9 +86,7 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     ),
     "alias of an enum": (
         {
-            "edit_team": _verdict(
-                "x if Color.A > 1 else -x", "from edit_other import Low as Color"
-            ),
+            **_verdict("x if Color.A > 1 else -x", "from edit_other import Low as Color"),
             "edit_other": COLORS,
         },
         "Low as",
@@ -94,7 +94,7 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     ),
     "value of an enum": (
         {
-            "edit_team": _verdict("x if Low.A > 1 else -x", "from edit_other import Low"),
+            **_verdict("x if Low.A > 1 else -x", "from edit_other import Low"),
             "edit_other": COLORS,
         },
         "A = 1",
@@ -102,25 +102,27 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     ),
     "swapped closures": (
         {
-            "edit_team": _verdict(
+            **_verdict(
                 "first(x) - 2.0 * second(x)",
-                "def made(step):\n    @kernel\n    def by(x):\n        return x * step\n"
-                "    return by\nfirst, second = made(3.0), made(5.0)",
-            )
+                "from edit_other import made\nfirst, second = made(3.0), made(5.0)",
+            ),
+            "edit_other": f"{KERNEL}def made(step):\n    @kernel\n    def by(x):\n"
+            "        return x * step\n    return by\n",
         },
-        "first, second",
-        "second, first",
+        "first, second =",
+        "second, first =",
     ),
     "a tuple of functions": (
-        {"edit_team": _verdict("ALL[0](x)", f"{TWO}ALL = (careful, bold)")},
+        {
+            **_verdict("ALL[0](x)", "from edit_other import careful, bold\nALL = (careful, bold)"),
+            **_BY_MODULE,
+        },
         "(careful, bold)",
         "(bold, careful)",
     ),
     "a tuple of long arrays": (
         {
-            "edit_team": _verdict(
-                "x + ALL[0][2500]", "from edit_other import TABLE\nALL = (TABLE,)"
-            ),
+            **_verdict("x + ALL[0][2500]", "from edit_other import TABLE\nALL = (TABLE,)"),
             "edit_other": _numbers(7.0),
         },
         "7.0",
@@ -128,33 +130,33 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     ),
     "nearly equal digits": (
         {
-            "edit_team": _verdict("x * 0.0 + TABLE[2500]", "from edit_other import TABLE"),
+            **_verdict("x * 0.0 + TABLE[2500]", "from edit_other import TABLE"),
             "edit_other": _numbers(0.1),
         },
         "= 0.1\n",
         "= 0.10000000000000002\n",
     ),
     "a nested tuple": (
-        {"edit_team": _verdict("x + ALL[0][1]", "ALL = ((1, 2.5), 3)")},
+        {**_verdict("x + ALL[0][1]", "ALL = ((1, 2.5), 3)")},
         "2.5",
         "4.5",
     ),
     "a helper of a helper in another file": (
         {
-            "edit_team": _verdict("inner(inner(x))", "from edit_other import inner"),
+            **_verdict("inner(inner(x))", "from edit_other import inner"),
             **_INNER,
         },
         "x * 2.0",
         "x * 3.0",
     ),
     "a marked lambda": (
-        {"edit_team": _verdict("by(x)", "by = kernel(lambda x: x + 1.0)")},
+        {**_verdict("by(x)", "by = kernel(lambda x: x + 1.0)")},
         "x + 1.0",
         "x + 2.0",
     ),
     "a partial function": (
         {
-            "edit_team": _verdict(
+            **_verdict(
                 "by(x)",
                 "from functools import partial\nfrom edit_other import careful, bold\n"
                 "by = partial(careful)",
@@ -166,7 +168,7 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     ),
     "what a module's name stands for": (
         {
-            "edit_team": _verdict("edit_other.policy(x)", "import edit_other"),
+            **_verdict("edit_other.policy(x)", "import edit_other"),
             "edit_other": f"{OTHER}policy = careful\n",
         },
         "policy = careful",
@@ -174,7 +176,7 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     ),
     "what a star imports": (
         {
-            "edit_team": _verdict("x + LIMIT", "from edit_other import *"),
+            **_verdict("x + LIMIT", "from edit_other import *"),
             "edit_other": "LIMIT = 1.0\n",
         },
         "1.0",
@@ -182,7 +184,7 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     ),
     "a constant that an import computes": (
         {
-            "edit_team": _verdict("x + LIMIT", "from edit_other import LIMIT"),
+            **_verdict("x + LIMIT", "from edit_other import LIMIT"),
             "edit_other": "LIMIT = sum(k * 0.5 for k in range(9))\n",
         },
         "range(9)",
@@ -190,7 +192,7 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     ),
     "a wrapped helper": (
         {
-            "edit_team": _verdict(
+            **_verdict(
                 "by(x)",
                 "def twice(inner):\n    @kernel\n    def outer(x):\n"
                 "        return inner(inner(x))\n    return outer\n"
@@ -201,32 +203,28 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
         "x + 2.0",
     ),
     "a global in a comprehension": (
-        {"edit_team": _verdict("max([x * STEP for _ in range(2)])", "STEP = 1.5")},
+        {**_verdict("max([x * STEP for _ in range(2)])", "STEP = 1.5")},
         "1.5",
         "2.5",
     ),
     "a text": (
-        {"edit_team": _verdict("x if MODE == 'near' else -x", "MODE = 'near'")},
+        {**_verdict("x if MODE == 'near' else -x", "MODE = 'near'")},
         "MODE = 'near'",
         "MODE = 'away'",
     ),
     "a number of numpy": (
-        {"edit_team": _verdict("x + LIMIT", "import numpy as np\nLIMIT = np.float64(1.0)")},
+        {**_verdict("x + LIMIT", "import numpy as np\nLIMIT = np.float64(1.0)")},
         "np.float64(1.0)",
         "np.float64(1.1)",
     ),
     "an attribute of a function": (
-        {
-            "edit_team": _verdict(
-                "x + by.step", "@kernel\ndef by(x):\n    return x\nby.step = 1.0\n"
-            )
-        },
+        {**_verdict("x + by.step", "@kernel\ndef by(x):\n    return x\nby.step = 1.0\n")},
         "step = 1.0",
         "step = 2.0",
     ),
     "a conditional import": (
         {
-            "edit_team": _verdict(
+            **_verdict(
                 "policy(x)",
                 "IS_BOLD = False\nif IS_BOLD:\n    from edit_other import bold as policy\n"
                 "else:\n    from edit_other import careful as policy",
@@ -238,7 +236,7 @@ EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
     ),
     "an object": (
         {
-            "edit_team": _verdict(
+            **_verdict(
                 "LIMIT.value + x",
                 "class Limit:\n    value = 1.0\nLIMIT = Limit()",
             )
@@ -253,6 +251,9 @@ REFUSED = {"a partial function": "by", "an object": "LIMIT"}
 NUMBA_REFUSES = ("default of a keyword", "a tuple of functions", "an attribute of a function")
 
 
+MODULES = ("edit_team", "edit_names", "edit_other")
+
+
 def write_team(folder: Path, kind: str, *, is_edited: bool, number: str = "") -> str:
     """Write the files of a kind of edit, before it or after; the next import finds those.
 
@@ -262,7 +263,7 @@ def write_team(folder: Path, kind: str, *, is_edited: bool, number: str = "") ->
     assert sum(text.count(old) for text in files.values()) == 1, f"{kind}: what is edited?"
     for name, text in files.items():
         written = text.replace(old, new) if is_edited else text
-        for module in ("edit_team", "edit_other"):
+        for module in MODULES:
             written = written.replace(module, f"{module}{number}")
             sys.modules.pop(f"{module}{number}", None)
         (folder / f"{name}{number}.py").write_text(written, encoding="utf-8")

@@ -1,8 +1,8 @@
 """What in a function of a region would not compile, or would compile to something else.
 
 Rules speak of what they can see: a value that only a flight knows, such as the argument of
-``math.sqrt`` or the size of a product of names, is left to the engine, which repeats the first
-evaluations on the reference engine.
+``math.sqrt`` or the size of a product of names, is left to the engine, which compares first ticks
+with the reference engine.
 """
 
 import ast

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mrsfi_runtime.engine.compiled.reach import CompilationError, Reached
-from tests.support.edits import EDITS, REFUSED, write_team
+from tests.support.edits import EDITS, MODULES, REFUSED, write_team
 
 
 @pytest.fixture
@@ -56,7 +56,7 @@ def test_what_counts_is_what_was_loaded_and_not_the_file(team):
 
     path.write_text("LOW, HIGH = 4.0, 2.0\n", encoding="utf-8")
     os.utime(path, (1, 1))
-    for name in ("edit_team", "edit_other"):
+    for name in MODULES:
         del sys.modules[name]
 
     assert (
