@@ -200,7 +200,7 @@ def test_after_an_edit_of_all_that_a_region_reaches_both_engines_agree(tmp_path,
         ]
         names = [f"from {modules[n]} import verdict as verdict_{n}\n" for n in numbers]
         body = f"x = ci.robots[0].x * 1.0e-3\nreturn ({mean}) * 2.0 > ci.mission.tick"
-        code = edited(tmp_path / "mission", body, "".join(names))
+        code = edited(tmp_path / f"mission_{is_edited}", body, "".join(names))
         command = [sys.executable, "-c", FLY, str(code.directory)]
         told = subprocess.run(command, capture_output=True, check=True, text=True).stdout
         assert told == "1\n"

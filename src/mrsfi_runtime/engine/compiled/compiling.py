@@ -103,7 +103,7 @@ def register(reached: Reached) -> None:
     """Let compiled code call functions, unless they read other values than when first compiled."""
     for function in reached.functions:
         is_ours = function.__module__.startswith("mrsfi_runtime.")
-        text = "" if is_ours else Reached([function]).text
+        text = "" if is_ours else Reached([function], is_deep=False).text
         if function not in _REGISTERED:
             _REGISTERED[function] = text
             jitable(function)

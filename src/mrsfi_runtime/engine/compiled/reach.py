@@ -44,11 +44,12 @@ def is_kernel(value: object) -> TypeGuard[FunctionType]:
 class Reached:
     """What some functions reach: ``functions`` of the kernel, each once, and ``text``.
 
-    The text holds all that machine code of them may hold. A CompilationError names what has none,
-    such as an object of a class.
+    The text holds all that machine code of them may hold; not of functions that others call, if it
+    is not deep. A CompilationError names what has no text, such as an object of a class.
     """
 
-    def __init__(self, functions: Sequence[Callable[..., Any]]) -> None:
+    def __init__(self, functions: Sequence[Callable[..., Any]], *, is_deep: bool = True) -> None:
+        self._is_deep = is_deep
         self.functions: list[FunctionType] = []
         self._numbers: dict[Any, int] = {}
         self._kept: list[Any] = []  # a number of what is gone would be given to another
@@ -80,6 +81,8 @@ class Reached:
 
     def _function(self, function: FunctionType, names: frozenset[str]) -> str:
         """Return the text of a function; what is not marked is not compiled."""
+        if is_kernel(function) and self.functions and not self._is_deep:
+            return str(id(function))
         if is_kernel(function):
             return self._once(function, names, Reached._deep)
         return f"{function.__module__}.{function.__qualname__} {self._code(function.__code__)}"
@@ -89,17 +92,15 @@ class Reached:
         names = frozenset(_names(function.__code__))
         read = {name: vars(builtins)[name] for name in names if hasattr(builtins, name)}
         read |= {n: function.__globals__[n] for n in names if n in function.__globals__}
-        for name, cell in zip(
-            function.__code__.co_freevars, function.__closure__ or (), strict=True
-        ):
-            with suppress(ValueError):  # nothing in it yet
-                read[name] = cell.cell_contents
+        cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+        with suppress(ValueError):  # nothing in it yet
+            read |= {name: cell.cell_contents for name, cell in cells}
         read |= {f"default {n}": value for n, value in enumerate(function.__defaults__ or ())}
         read |= {f"default {n}": value for n, value in (function.__kwdefaults__ or {}).items()}
         read |= {f".{name}": value for name, value in vars(function).items()}
-        texts = (
+        texts = [
             f"{name}: {self._read(function, name, read[name], names)}" for name in sorted(read)
-        )
+        ]
         return f"{self._code(function.__code__)} {{{', '.join(texts)}}}"
 
     def _read(self, function: FunctionType, name: str, value: Any, names: frozenset[str]) -> str:
@@ -128,9 +129,8 @@ class Reached:
     def _array(self, array: Any, _: frozenset[str]) -> str:
         if array.dtype.hasobject or type(array) is np.ma.MaskedArray:
             raise _UnknownError(f"an array of {array.dtype}")
-        return (
-            f"{array.dtype!r} {array.shape} {array.strides} {sha256(array.tobytes()).hexdigest()}"
-        )
+        content = sha256(array.tobytes()).hexdigest()
+        return f"{array.dtype!r} {array.shape} {array.strides} {content}"
 
     def _class(self, kind: type, names: frozenset[str]) -> str:
         """Return the name of a class, and what numba knows of one: members or fields."""
