@@ -106,8 +106,8 @@ class SimulationProcess:
 class RosbridgeEngine(PlainEngine):
     """Flies missions over a rosbridge server, one connection for many evaluations.
 
-    It takes what ``EngineSettings`` have; a seed is at most 2**63 - 1. What does not go together is a
-    UsageError, a server or a simulation that cannot be reached a TransportError.
+    It takes what ``EngineSettings`` have; a seed is at most 2**63 - 1. A server or a simulation
+    that cannot be reached is a TransportError, what does not go together a UsageError.
     """
 
     def __init__(

@@ -27,8 +27,8 @@ class EngineSettings:
 
     ``url`` is that of the server, one is embedded without; ``client`` the kind of roslibpy's
     connection. ``has_simulation`` says whether to start the simulation, which is somebody else's
-    otherwise, ``is_bundled`` whether the messages of a tick travel as one, ``patience`` how long the
-    other side may take.
+    otherwise, ``is_bundled`` whether the messages of a tick travel as one, ``patience`` how long
+    the other side may take.
     """
 
     name: str = REFERENCE

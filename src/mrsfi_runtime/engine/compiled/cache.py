@@ -1,8 +1,7 @@
 """Where compiled missions are kept: in a folder that is this user's alone, each entry sealed.
 
-Numba keeps pickles, and whoever loads one runs what it holds; of a damaged one it says nothing that
-a user could understand. So nothing is read from a folder that others may write to, nor from an
-entry that is not, byte for byte, what was sealed.
+Whoever loads what numba keeps runs what it holds. So nothing is read from a folder that others may
+write to, nor from an entry that is not, byte for byte, what was sealed.
 """
 
 import atexit
@@ -21,14 +20,9 @@ from mrsfi_runtime.engine.compiled.reach import CompilationError
 N_KEPT = 64
 """Compiled missions that the cache keeps; one takes about 2 MB."""
 
-_SEAL, _LOCK = "seal", "lock"
-
 
 def cache_folder() -> Path:
-    """Return where compiled code is kept: ``MRSFI_CACHE``, else the user's cache folder.
-
-    Where neither is to be trusted, it is a temporary one, of which the user is told.
-    """
+    """Return ``MRSFI_CACHE``, else the user's cache folder, or tell the user of another one."""
     users = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     folder = Path(os.environ.get("MRSFI_CACHE") or Path(users, "mrsfi"))
     try:
@@ -57,41 +51,35 @@ def temporary(folder: Path, why: str) -> Path:
         raise CompilationError(f"{folder}: cannot keep compiled code: {why}; {error}") from error
     atexit.register(shutil.rmtree, own, ignore_errors=True)
     os.environ["MRSFI_CACHE"] = own
-    logging.getLogger(__name__).warning(
-        "warning: %s: compiled code is not kept there: %s; it is lost when this command ends; "
-        "set MRSFI_CACHE to a folder of your own",
-        folder,
-        why,
-    )
+    remedy = "it is lost when this command ends; set MRSFI_CACHE to a folder of your own"
+    told = "warning: %s: compiled code is not kept there: %s; %s"
+    logging.getLogger(__name__).warning(told, folder, why, remedy)
     return Path(own)
 
 
 def is_sound(entry: Path) -> bool:
     """Return whether an entry is as it was sealed."""
     try:
-        return (entry / _SEAL).read_text(encoding="ascii") == _digest(entry)
+        return (entry / "seal").read_text(encoding="ascii") == _digest(entry)
     except (OSError, ValueError):
         return False
 
 
 @contextmanager
 def sealing(entry: Path) -> Iterator[None]:
-    """Let one process at a time work in an entry: empty unless it is sound, and sealed by the end.
-
-    Whoever waited finds what the other has compiled.
-    """
+    """Let one process at a time work in an entry: empty unless it is sound, sealed by the end."""
     _make_room(entry)
     if entry.is_symlink() or entry.is_file():
         entry.unlink()
     entry.mkdir(mode=0o700, exist_ok=True)
-    with (entry / _LOCK).open("w") as file:
+    with (entry / "lock").open("w") as file:
         with suppress(OSError):  # a file system without locks: then each compiles for itself
             fcntl.flock(file, fcntl.LOCK_EX)
         if not is_sound(entry):
             empty(entry)
         yield
         if not is_sound(entry):
-            (entry / _SEAL).write_text(_digest(entry), encoding="ascii")
+            (entry / "seal").write_text(_digest(entry), encoding="ascii")
 
 
 def empty(entry: Path) -> None:
@@ -101,8 +89,8 @@ def empty(entry: Path) -> None:
 
 
 def _content(entry: Path) -> list[Path]:
-    names = (_LOCK, _SEAL)
-    return sorted(p for p in entry.rglob("*") if p.name not in names and not p.is_dir())
+    found = sorted(path for path in entry.rglob("*") if not path.is_dir())
+    return [path for path in found if path.name not in ("seal", "lock")]
 
 
 def _digest(entry: Path) -> str:

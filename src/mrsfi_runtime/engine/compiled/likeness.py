@@ -1,7 +1,7 @@
 """Keeps compiled regions from what plain Python refuses, where numba alone would not.
 
-To numba a list of the state is an array, which has more attributes and operators, and a record of
-an array of the team's is no other than one of the state.
+To it a list of the state is an array, with more attributes and operators, and a record of an array
+of the team's is like one of the state.
 """
 
 from typing import Any, get_args, get_type_hints

@@ -10,10 +10,8 @@ from mrsfi_runtime.engine.compiled.layout import N_ALLOWED
 from mrsfi_runtime.engine.recording import record_type
 from mrsfi_runtime.kernel.injections import OwnFault
 
-_FAULT = record_type(OwnFault)
-_FIELDS: Any = _FAULT.fields
-_N_CONSTANT = _FIELDS["memory"][1] // 8
-_FIRST_ALLOWED = _FAULT.itemsize // 8
+_FAULT: Any = record_type(OwnFault)
+_N_CONSTANT, _FIRST_ALLOWED = _FAULT.fields["memory"][1] // 8, _FAULT.itemsize // 8
 _ODD = -7046029254386353131
 
 

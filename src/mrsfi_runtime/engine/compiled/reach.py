@@ -1,7 +1,6 @@
-"""What compiled code reaches from some functions, however deep: kernel functions, and all values.
+"""What compiled code reaches from some functions, however deep, by value.
 
-Machine code holds what was a global, a default, a constant when it was made. So whoever keeps it
-has to know all of that by value: as it is loaded, not as a file says.
+Machine code holds what was a global, a default, a constant when it was made, as it was loaded.
 """
 
 import builtins
@@ -33,7 +32,7 @@ _Write: TypeAlias = "Callable[[Reached, Any, frozenset[str]], str]"
 
 
 class _UnknownError(Exception):
-    """What was found that has no text; no caller of this module sees it."""
+    """What was found has no text; nobody else sees this."""
 
 
 def is_kernel(value: object) -> TypeGuard[FunctionType]:
