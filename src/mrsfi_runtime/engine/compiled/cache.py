@@ -51,7 +51,7 @@ def temporary(folder: Path, why: str) -> Path:
         raise CompilationError(f"{folder}: cannot keep compiled code: {why}; {error}") from error
     atexit.register(shutil.rmtree, own, ignore_errors=True)
     os.environ["MRSFI_CACHE"] = own
-    remedy = "it is lost when this command ends; set MRSFI_CACHE to a folder of your own"
+    remedy = "it is lost when this command ends; make it yours (chmod 700) or set MRSFI_CACHE"
     told = "warning: %s: compiled code is not kept there: %s; %s"
     logging.getLogger(__name__).warning(told, folder, why, remedy)
     return Path(own)

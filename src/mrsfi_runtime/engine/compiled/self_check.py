@@ -5,7 +5,7 @@ work: what compiles to something else mostly does so at once.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from time import thread_time
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -59,7 +59,7 @@ def require_same(
 ) -> None:
     """Refuse compiled flights that differ: an EvaluationError says where, and in which region."""
     for specification in flown:
-        seen, failure = _seen(reference, specification, thread_time() + seconds / len(flown))
+        seen, failure = _seen(reference, specification, process_time() + seconds / len(flown))
         recording = record(specification, len(seen))
         if recording is None:
             continue
@@ -86,7 +86,7 @@ def _seen(
     def observe(world: State, belief: State, verdicts: Verdicts) -> None:
         judged = [list(getattr(verdicts, name)) for name in VERDICTS]
         seen.append([*judged, state_bytes(world), state_bytes(belief)])
-        if len(seen) > 1 and thread_time() > ends:
+        if len(seen) > 1 and process_time() > ends:
             raise _EnoughError
 
     try:
