@@ -8,7 +8,6 @@ import pytest
 from numba import from_dtype, njit
 from numba.core.errors import TypingError
 
-from mrsfi_runtime.engine.compiled.cache import sealing
 from mrsfi_runtime.engine.compiled.layout import state_type
 from mrsfi_runtime.engine.compiled.likeness import Checked
 from mrsfi_runtime.engine.reference import ReferenceEngine
@@ -254,26 +253,32 @@ def campaign(code, drawn):
         return [list(engine.evaluate_many(drawn, seed)) for seed in (1, 2, SEED)]
 
 
+ONE_KEY = """
+from mrsfi_runtime.engine.compiled import compiling
+stub_of = compiling.stub_of
+compiling.stub_of = lambda *given: stub_of(*given)._replace(key="one")
+"""
+
+
 @slow
-def test_compiled_code_that_is_not_that_of_its_key_is_found_out_and_compiled_anew(
+def test_compiled_code_of_another_region_is_found_out_by_every_process_and_compiled_anew(
     tmp_path, monkeypatch
 ):
-    """A process finds the machine code of another region, sealed, under the key of this one."""
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path / "cache"))
-    true, false = (
-        edited(tmp_path / name, f"return ci.mission.tick {name} -1") for name in (">", "<")
-    )
-    for code in (true, false):
-        subprocess.run([sys.executable, "-c", FLY, str(code.directory)], check=True)
-    first, second = sorted((tmp_path / "cache").iterdir(), key=lambda path: path.stat().st_mtime)
-    with sealing(second):
-        for path in second.glob("__pycache__/*.nb?"):
-            path.write_bytes(next(first.glob(f"__pycache__/*{path.suffix}")).read_bytes())
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    (tmp_path / "one_limit.py").write_text("LIMIT = 1.0e9\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    code = edited(tmp_path, "return ci.robots[0].x > one_limit.LIMIT", "import one_limit\n")
+    n_compiled = []
 
-    command = [sys.executable, "-c", FLY, str(false.directory)]
-    flown = subprocess.run(command, check=False, capture_output=True, text=True)
+    for limit in (1.0e9, -1.0e9, -1.0e9):
+        (tmp_path / "one_limit.py").write_text(f"LIMIT = {limit}\n", encoding="utf-8")
+        command = [sys.executable, "-c", ONE_KEY + FLY, str(code.directory)]
+        flown = subprocess.run(command, check=True, capture_output=True, text=True)
+        n_compiled.append(flown.stdout)
 
-    assert (flown.returncode, flown.stdout, flown.stderr) == (0, "1\n", "")
+    assert n_compiled == ["1\n", "1\n", "0\n"]
 
 
 def test_what_was_found_to_differ_is_found_again_and_again(tmp_path):
