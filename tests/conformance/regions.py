@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numba import from_dtype, njit
 
-from mrsfi_runtime.engine.compiled import batch_flight
 from mrsfi_runtime.engine.compiled.compiling import register
 from mrsfi_runtime.engine.compiled.layout import state_type, write_state
+from mrsfi_runtime.engine.compiled.likeness import Checked
+from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, load_module
 from tests.support.edited import COLLECTIVE
@@ -31,10 +32,9 @@ def outcomes(folder: Path, n_states: int = 40) -> Iterator[tuple[Any, Any]]:
     the kind of error that it ends with.
     """
     module = load_module(f"region_{next(_numbers)}", folder / COLLECTIVE)
-    for one in (batch_flight, module):
-        register(one)
     plain = module.check_g1
-    compiled = njit(boundscheck=True)(plain)
+    register(Reached([plain]))
+    compiled = njit(boundscheck=True, pipeline_class=Checked)(plain)
     rng = Random(4)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # numba's, of what it reflects or finds slow

@@ -2,20 +2,23 @@
 
 import subprocess
 import sys
-from dataclasses import replace
 from itertools import islice
-from uuid import uuid4
 
 import pytest
+from numba import from_dtype, njit
+from numba.core.errors import TypingError
 
+from mrsfi_runtime.engine.compiled.layout import state_type
+from mrsfi_runtime.engine.compiled.likeness import Checked
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, indented, write_body
+from tests.support.edits import EDITS, NUMBA_REFUSES, REFUSED, write_team
 from tests.support.models.shapes import small_mission
-from tests.support.modules import old_modules  # noqa: F401 - a fixture
 from tests.support.trace import traced
 from tests.support.tree import ROOT
 from tests.support.world import paper_code, specifications
@@ -177,33 +180,58 @@ def test_a_region_that_runs_on_no_engine_is_refused_by_auto_too(tmp_path, body, 
         EngineSettings("auto").tried(code, SEED, print)
 
 
-HEAD = "from mrsfi_runtime.api import kernel\n\n\n@kernel\n"
-IMPORTED = {
-    "an edited import": {"team_limits": f"{HEAD}def limit():\n    return {{}}\n"},
-    "what an import imports, known by its constants": {
-        "team_inner": f"import team_numbers\n{HEAD}def inner():\n    return team_numbers.LIMIT\n",
-        "team_limits": f"import team_inner\n{HEAD}def limit():\n    return team_inner.inner()\n",
-        "team_numbers": "LIMIT = {}\n",
-    },
-}
+FLOWN = [kind for kind in EDITS if kind not in (*REFUSED, *NUMBA_REFUSES)]
 
 
 @slow
-@pytest.mark.parametrize("modules", IMPORTED.values(), ids=IMPORTED)
-def test_what_was_edited_compiles_anew(tmp_path, monkeypatch, modules):
+def test_after_an_edit_of_all_that_a_region_reaches_both_engines_agree(tmp_path, monkeypatch):
+    """All are made at once, for it compiles long; that each is seen, ``test_reach`` says."""
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.syspath_prepend(str(tmp_path))
-    counts = []
-    for value in ("-1.0e9", "1.0e9"):
-        for name, text in modules.items():
-            (tmp_path / f"{name}.py").write_text(text.format(value), encoding="utf-8")
-        body = "return ci.robots[0].x > team_limits.limit()"
-        code = edited(tmp_path / value, body, "import team_limits\n")
+    numbers = range(len(FLOWN))
+    mean = " + ".join(f"verdict_{n}(x)" for n in numbers)
+    digests = []
+    for is_edited in (False, True):
+        modules = [
+            write_team(tmp_path, kind, is_edited=is_edited, number=f"_{n}")
+            for n, kind in enumerate(FLOWN)
+        ]
+        names = [f"from {modules[n]} import verdict as verdict_{n}\n" for n in numbers]
+        body = f"x = ci.robots[0].x * 1.0e-3\nreturn ({mean}) * 2.0 > ci.mission.tick"
+        code = edited(tmp_path / f"mission_{is_edited}", body, "".join(names))
+        command = [sys.executable, "-c", FLY, str(code.directory)]
+        told = subprocess.run(command, capture_output=True, check=True, text=True).stdout
+        assert told == "1\n"
         with COMPILED.open(code, SEED) as engine:
-            counts.append(engine.evaluate(()).believed[0])
-        for name in modules:
-            del sys.modules[name]
+            digests.append(engine.evaluate(()).digest)
+        assert digests[-1] == ReferenceEngine(code, SEED).evaluate(()).digest
 
-    assert counts == [40, 0]
+    assert digests[0] != digests[1]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "return len(ci.robots.x) > 0",
+        "return ci.robots.size > 0",
+        "return ci.robots[0]['x'] > 0.0",
+        "return ci.robots[0].x.item() > 0.0",
+        "return TABLE[0].a > 0.0",
+        "return len(ci.goals[0].memory + 1.0) > 0",
+        "return len(-ci.goals[0].memory) > 0",
+    ],
+)
+def test_what_python_refuses_is_not_compiled(tmp_path, body):
+    imports = "import numpy as np\nTABLE = np.ones(3, [('a', 'f8')])\n"
+    code = edited(tmp_path, body, imports)
+    check = sys.modules[code.functions.check.__module__].check_g0
+    state = initial_state(code.mission, SEED)
+
+    with pytest.raises((AttributeError, TypeError)):
+        check(state)
+    with pytest.raises(TypingError, match="is not in Python what it is here"):
+        njit(pipeline_class=Checked)(check).compile((from_dtype(state_type(state)),))
 
 
 def test_threads_and_chunks_change_nothing():
@@ -219,77 +247,42 @@ def test_threads_and_chunks_change_nothing():
     assert all(result == results[0] for result in results)
 
 
-@pytest.fixture
-def checked(monkeypatch):
-    """Mission seeds of the flights on the reference engine."""
-    seeds = []
-    evaluate = ReferenceEngine.evaluate
-
-    def counted(engine, specification, seed=None, **others):
-        seeds.append(engine.seed if seed is None else seed)
-        return evaluate(engine, specification, seed, **others)
-
-    monkeypatch.setattr(ReferenceEngine, "evaluate", counted)
-    return seeds
-
-
-@pytest.fixture
-def unchecked(tmp_path, old_modules):  # noqa: F811 - a fixture
-    """Code of a mission that nothing is remembered of."""
-    return renamed(edited(tmp_path, "return ci.robots[0].x > 31.0"))
-
-
-def renamed(code):
-    """Return code of a mission with a name that no other has."""
-    return replace(code, mission=replace(code.mission, name=uuid4().hex))
-
-
 def campaign(code, drawn):
     """Try a mission out and evaluate on three mission seeds, as commands do."""
     with EngineSettings("auto").tried(code, SEED, print).open(code, SEED) as engine:
         return [list(engine.evaluate_many(drawn, seed)) for seed in (1, 2, SEED)]
 
 
+ONE_KEY = """
+from mrsfi_runtime.engine.compiled import compiling
+stub_of = compiling.stub_of
+compiling.stub_of = lambda *given: stub_of(*given)._replace(key="one")
+"""
+
+
 @slow
-def test_what_is_compiled_is_tried_and_checked_once_for_all_seeds_and_campaigns(checked, unchecked):
-    drawn = specifications(unchecked, 3)
+def test_compiled_code_of_another_region_is_found_out_by_every_process_and_compiled_anew(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    (tmp_path / "one_limit.py").write_text("LIMIT = 1.0e9\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    code = edited(tmp_path, "return ci.robots[0].x > one_limit.LIMIT", "import one_limit\n")
+    n_compiled = []
 
-    first = campaign(unchecked, drawn)
+    for limit in (1.0e9, -1.0e9, -1.0e9):
+        (tmp_path / "one_limit.py").write_text(f"LIMIT = {limit}\n", encoding="utf-8")
+        command = [sys.executable, "-c", ONE_KEY + FLY, str(code.directory)]
+        flown = subprocess.run(command, check=True, capture_output=True, text=True)
+        n_compiled.append(flown.stdout)
 
-    assert checked == [SEED, 1, 1]
-    assert campaign(unchecked, drawn) == first
-    assert checked == [SEED, 1, 1]
-
-
-def test_a_mission_that_is_known_to_fly_alone_is_checked(checked, unchecked):
-    EngineSettings("auto").tried(unchecked, SEED, print)
-    EngineSettings("auto").tried(unchecked, SEED, print)
-    assert checked == [SEED]
-
-    campaign(unchecked, specifications(unchecked, 2))
-    assert checked == [SEED, 1, 1]
-
-
-def test_a_mission_that_is_known_to_compile_alike_alone_is_tried(checked, unchecked):
-    with COMPILED.open(unchecked, SEED) as engine:
-        list(engine.evaluate_many(specifications(unchecked, 2)))
-    assert checked == [SEED, SEED]
-
-    campaign(unchecked, specifications(unchecked, 2))
-    assert checked == [SEED, SEED, SEED]
-
-
-@pytest.mark.parametrize("drawn", [[()], [(), ()]], ids=["one", "without faults"])
-def test_a_check_of_little_is_not_remembered(checked, unchecked, drawn):
-    campaign(unchecked, drawn)
-    campaign(unchecked, drawn)
-
-    checks = [1] * len(drawn)
-    assert checked == [SEED, *checks, *checks]
+    assert n_compiled == ["1\n", "1\n", "0\n"]
 
 
 def test_what_was_found_to_differ_is_found_again_and_again(tmp_path):
-    code = renamed(edited(tmp_path, "return (ci.mission.tick + 2) * 9000000000000000000 > 0"))
+    code = edited(tmp_path, "return (ci.mission.tick + 2) * 9000000000000000000 > 0")
 
     for _ in range(2):
         with pytest.raises(EvaluationError, match="the reference engine has"):

@@ -311,3 +311,45 @@ def test_an_effect_that_changes_what_its_type_does_not_name_is_an_error(
 
     assert f"region 'StuckReport.apply' of fault_effects.py changed {named}" in str(caught.value)
     assert "expected it to change SPEED and ENERGY of its target alone" in str(caught.value)
+
+
+LINES = {
+    101: ("ci.robots[0].speed = 99.0", "speed of ci.robots[0]"),
+    102: ("ci.robots[fault.target].x = 99.0", "x of ci.robots[2]"),
+    103: ("ci.commands[1].speed = 99.0", "speed of ci.commands[1]"),
+    104: ("ci.goals[1].memory[3] = 99.0", "memory of ci.goals[1]"),
+    105: ("ci.mission.tick = 99", "tick of ci.mission[0]"),
+    106: ("ci.map.reach = 99.0", "reach of ci.map[0]"),
+    107: ("inbox.robots[2].speed = 99.0", "speed of inbox.robots[2]"),
+    108: ("fault.target = 1", "target of fault[0]"),
+    109: ("fault.values[1] = 99.0", "values of fault[0]"),
+}
+"""Offset of a stuck report, what it makes the effect do from tick 42 on, and what that is."""
+
+
+@slow
+def test_compiled_too_an_effect_may_change_only_what_its_type_names(target, tmp_path, monkeypatch):
+    folder = shutil.copytree(target, tmp_path / "generated")
+    end = "    # protected region StuckReport.apply end\n"
+    lines = "".join(
+        f"    if fault.age == 42 and fault.values[0] == {offset}.0:\n        {line}\n"
+        for offset, (line, _) in LINES.items()
+    )
+    edit(folder / "fault_effects.py", end, f"{lines}{end}")
+    code = load_code(folder)
+    specifications = [(TimedFault("stuck", 0, 80, (float(k),)),) for k in (1, *LINES, 2)]
+
+    with CompiledEngine(code, 3) as engine:
+        engine.require_same()
+        repeated = []
+        attempt = ReferenceEngine.attempt
+        monkeypatch.setattr(
+            ReferenceEngine, "attempt", lambda *each: (repeated.append(each[1]), attempt(*each))[1]
+        )
+        first, *found, last = engine.evaluate_many(specifications)
+
+    expected = [*ReferenceEngine(code, 3).evaluate_many(specifications)]
+    assert repeated[: len(LINES)] == specifications[1:-1]
+    assert (first, last) == (expected[0], expected[-1])
+    for failure, (_, named) in zip(found, LINES.values(), strict=True):
+        assert f"'StuckReport.apply' of fault_effects.py changed {named}" in failure.traceback

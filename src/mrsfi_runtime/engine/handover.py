@@ -41,18 +41,8 @@ class HandoverEngine(Engine):
     """Flies on the reference engine, and on the compiled one as soon as that is built.
 
     Building begins after a head start with what is evaluated first, because a compiled plan has a
-    size.
-
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    seed
-        Mission seed of what is evaluated without naming one.
-    n_workers
-        Processes until then, of which one compiles; threads from then on.
-    tell
-        Told when the compiled engine takes over, or why it does not.
+    size. Until it ends there are ``n_workers`` processes, of which one compiles; then threads.
+    ``tell`` is told when the compiled engine takes over, or why it does not.
     """
 
     def __init__(
@@ -77,13 +67,7 @@ class HandoverEngine(Engine):
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order, as they come.
-
-        Raises
-        ------
-        WorkerLost
-            If a worker process died.
-        """
+        """Evaluate specifications, and yield the results in the same order, as they come."""
         seed = self.seed if seed is None else seed
         ends = monotonic() + HEAD_START
         first = 0
@@ -135,17 +119,7 @@ class HandoverEngine(Engine):
 
 
 class Build:
-    """A process that compiles a mission into the cache, and holds it to the reference engine.
-
-    Parameters
-    ----------
-    code
-        Generated code of the mission; the process loads it from its folder.
-    seed
-        Mission seed that it flies with.
-    specifications
-        What it flies, on both engines.
-    """
+    """A process that compiles a mission into the cache, and flies specifications there."""
 
     def __init__(
         self, code: MissionCode, seed: int, specifications: Sequence[Specification]

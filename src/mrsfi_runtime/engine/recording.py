@@ -60,13 +60,7 @@ def moment_type(state: State) -> np.dtype[Any]:
 
 
 class Recorder:
-    """Observer that records a flight.
-
-    Parameters
-    ----------
-    state
-        A state of the mission.
-    """
+    """Observer that records a flight, like that of a state of the mission."""
 
     def __init__(self, state: State) -> None:
         self._recording: Recording = np.zeros(state.mission.duration, moment_type(state))

@@ -82,21 +82,10 @@ def _folded(op: ast.operator, left: float | None, right: float | None) -> int | 
 
 
 class Kinds:
-    """Kinds of the expressions of one function.
+    """Kinds of the expressions of one function of a file.
 
-    Parameters
-    ----------
-    function
-        The function.
-    source
-        The file that it stands in.
-
-    Attributes
-    ----------
-    local
-        Its arguments, and the names that it assigns to.
-    names
-        Kinds of what names hold.
+    ``local`` are its arguments and the names that it assigns to, ``names`` the kinds of what names
+    hold.
     """
 
     def __init__(self, function: ast.FunctionDef, source: Source) -> None:

@@ -43,20 +43,11 @@ COMPILES, COMPILES_ALIKE = "RegionCompiles", "RegionCompilesAlike"
 
 @dataclass(frozen=True, slots=True)
 class RegionFinding:
-    """What is wrong with a line.
+    """What is wrong with a line: what was found, why it matters and what to write instead.
 
-    Attributes
-    ----------
-    path, line
-        Where it stands.
-    place
-        Region, function or module that it stands in, such as ``region 'g1.check'``.
-    constraint
-        ``RegionFilled`` and ``RegionRuns`` are errors; the others, ``RegionCompiles`` and
-        ``RegionCompilesAlike``, are warnings: the line does not compile, or does to something
-        else.
-    message
-        What was found, why it matters and what to write instead.
+    ``place`` is the region, function or module that it stands in, such as ``region 'g1.check'``.
+    Of the constraints ``RegionFilled`` and ``RegionRuns`` are errors; the others are warnings: the
+    line does not compile, or does to something else.
     """
 
     path: Path
@@ -82,24 +73,13 @@ def lint_regions(
 ) -> tuple[RegionFinding, ...]:
     """Return what is wrong with the regions of a mission, and the team's files they import.
 
-    Parameters
-    ----------
-    directory
-        ``generated/<mission>``; where no code was generated yet nothing is wrong.
-    search_path
-        Folders in which imports are found, by default those of Python.
+    Where no code was generated yet nothing is wrong; ``search_path`` is by default that of Python.
     """
     return _found(directory, search_path, (*ERRORS, _compiled))
 
 
 def require_sound_regions(directory: Path) -> None:
-    """Refuse regions that cannot run.
-
-    Raises
-    ------
-    EvaluationError
-        With all errors, one a line.
-    """
+    """Raise EvaluationError of all regions that cannot run, one a line."""
     errors = _found(directory, None, ERRORS)
     if errors:
         raise EvaluationError("\n".join(map(str, errors)))

@@ -11,15 +11,7 @@ from typing import NamedTuple
 
 
 class Remark(NamedTuple):
-    """Why a name is remarked upon.
-
-    Attributes
-    ----------
-    does_compile
-        Whether it compiles, to something else.
-    why
-        What happens and what to write instead, as the end of a sentence about it.
-    """
+    """Why a name is remarked upon, as a sentence ends; whether it compiles, to something else."""
 
     does_compile: bool
     why: str

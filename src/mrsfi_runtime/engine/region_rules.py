@@ -1,8 +1,8 @@
 """What in a function of a region would not compile, or would compile to something else.
 
 Rules speak of what they can see: a value that only a flight knows, such as the argument of
-``math.sqrt`` or the size of a product of names, is left to the engine, which repeats the first
-evaluations on the reference engine.
+``math.sqrt`` or the size of a product of names, is left to the engine, which compares first ticks
+with the reference engine.
 """
 
 import ast
@@ -60,11 +60,8 @@ class _Function(Kinds):
 def remarks(function: ast.FunctionDef, source: Source) -> Iterator[tuple[int, bool, str]]:
     """Yield what is to be said of a function that will be compiled.
 
-    Yields
-    ------
-    tuple
-        Line; whether it compiles, to something else; what was found, why it matters and what
-        to write instead.
+    That is its line; whether it compiles, to something else; and what was found, why it matters and
+    what to write instead.
     """
     at = _Function(function, source)
     for node in at.nodes:
@@ -214,16 +211,10 @@ def _always(_node: ast.AST, _at: _Function) -> bool:
 
 
 class Rule(NamedTuple):
-    """What is said of some syntax.
+    """What is said of some syntax: kinds of nodes, and calls of functions and ``.methods``.
 
-    Attributes
-    ----------
-    syntax
-        What it looks at: kinds of nodes, and calls of functions and ``.methods``.
-    applies
-        Whether it has something to say of such a node of a function.
-    why
-        Why that matters and what to write instead, ``{}`` for what ``applies`` returned.
+    ``applies`` says whether it has something to say of such a node of a function; ``why`` says why
+    it matters and what to write instead, ``{}`` for what ``applies`` returned.
     """
 
     syntax: str

@@ -17,21 +17,10 @@ from mrsfi_runtime.unfilled import FILES
 
 
 class Source:
-    """A file of Python.
+    """A file of Python; if it is generated, only its regions are the team's.
 
-    Parameters
-    ----------
-    path
-        Where it is.
-    has_regions
-        Whether it is generated, so that only its regions are the team's.
-
-    Attributes
-    ----------
-    regions
-        Region of each line that stands in one; ``None`` where all is the team's.
-    tree, error
-        Its syntax; empty if it is no Python, and why.
+    ``regions`` has the region of each line that stands in one, ``None`` where all is the team's;
+    ``tree`` is empty if it is no Python, ``error`` says why.
     """
 
     def __init__(self, path: Path, *, has_regions: bool = False) -> None:
@@ -93,12 +82,7 @@ class Source:
 def sources(directory: Path, search_path: Sequence[str] | None = None) -> Iterator[Source]:
     """Yield the files of a mission that hold regions, and the team's files that they import.
 
-    Parameters
-    ----------
-    directory
-        ``generated/<mission>``; nothing is yielded where no code was generated yet.
-    search_path
-        Folders in which imports are found, by default those of Python.
+    None where no code was generated yet; ``search_path`` is by default that of Python.
     """
     generated = [path for path in (directory / name for name in FILES) if path.is_file()]
     folders = sys.path if search_path is None else search_path

@@ -40,26 +40,9 @@ _LATER = 5.0
 class SimulationProcess:
     """The simulation of a mission in a process of its own, which dies with this one.
 
-    Attributes
-    ----------
-    url
-        The rosbridge server on which it is found, with its token if it asks for one.
-
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    url
-        The server to join; one is embedded if left out.
-    client
-        Kind of roslibpy's connection, for a server that is joined.
-    patience
-        How long to wait for it, and how long it waits in mid-run.
-
-    Raises
-    ------
-    TransportError
-        If it cannot serve.
+    It joins the server at ``url``, or embeds one if that is left out; ``patience`` is how long to
+    wait for it, and how long it waits in mid-run. Afterwards ``url`` is the server on which it is
+    found, with its token if it asks for one. That it cannot serve is a TransportError.
     """
 
     def __init__(
@@ -123,29 +106,8 @@ class SimulationProcess:
 class RosbridgeEngine(PlainEngine):
     """Flies missions over a rosbridge server, one connection for many evaluations.
 
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    seed
-        Mission seed, at most 2**63 - 1.
-    url
-        The server; the simulation process embeds one if left out.
-    client
-        Kind of roslibpy's connection.
-    has_simulation
-        Whether to start the simulation; otherwise somebody else's is behind the topics.
-    is_bundled
-        Whether the messages of a tick travel as one; the simulation has to know of it.
-    patience
-        How long the simulation may take.
-
-    Raises
-    ------
-    UsageError
-        If these do not go together.
-    TransportError
-        If the server or the simulation cannot be reached.
+    It takes what ``EngineSettings`` have; a seed is at most 2**63 - 1. A server or a simulation
+    that cannot be reached is a TransportError, what does not go together a UsageError.
     """
 
     def __init__(

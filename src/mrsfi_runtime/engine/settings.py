@@ -23,22 +23,12 @@ ON_REFERENCE = "the reference engine evaluates, about 100 times slower"
 
 @dataclass(frozen=True, slots=True)
 class EngineSettings:
-    """What makes an engine; all but the name belongs to the engine over rosbridge.
+    """What makes an engine; all but the name, of ``ENGINES``, belongs to the engine over rosbridge.
 
-    Attributes
-    ----------
-    name
-        One of ``ENGINES``.
-    url
-        The rosbridge server; one is embedded if left out.
-    client
-        Kind of roslibpy's connection.
-    has_simulation
-        Whether to start the simulation; otherwise somebody else's is behind the topics.
-    is_bundled
-        Whether the messages of a tick travel as one.
-    patience
-        How long the other side may take.
+    ``url`` is that of the server, one is embedded without; ``client`` the kind of roslibpy's
+    connection. ``has_simulation`` says whether to start the simulation, which is somebody else's
+    otherwise, ``is_bundled`` whether the messages of a tick travel as one, ``patience`` how long
+    the other side may take.
     """
 
     name: str = REFERENCE
@@ -67,24 +57,10 @@ class EngineSettings:
         *,
         waits: bool = True,
     ) -> Self:
-        """Fly the mission without faults on plain Python, and return settings that name an engine.
+        """Fly the mission without faults, and return settings that name an engine.
 
-        Parameters
-        ----------
-        code, seed
-            The mission, which is not flown if it is known to fly. Auto becomes compiled, or else
-            reference. Somebody else's simulation is not asked to fly.
-        tell
-            Told why it cannot be compiled.
-        waits
-            Whether to wait for the compiler; otherwise auto stays auto where that would take long.
-
-        Raises
-        ------
-        UsageError
-            If the settings make no sense together, or numba is not installed.
-        EvaluationError
-            If the flight fails, or a region cannot be compiled although it must be.
+        Auto becomes compiled, or else reference, and ``tell`` is told why; it stays auto where
+        compiling takes long and nobody ``waits``. Somebody else's simulation is not asked to fly.
         """
         settings = self
         engine: Engine | None = None
@@ -104,24 +80,7 @@ class EngineSettings:
         return settings
 
     def open(self, code: "MissionCode", seed: int, n_threads: int = 1) -> "Engine":
-        """Return the engine, ready to evaluate; the caller closes it.
-
-        Parameters
-        ----------
-        code, seed
-            The mission.
-        n_threads
-            Threads of the compiled engine.
-
-        Raises
-        ------
-        UsageError
-            If the settings make no sense together, or numba is not installed.
-        EvaluationError
-            If a region cannot be compiled.
-        TransportError
-            If the server or the simulation cannot be reached.
-        """
+        """Return the engine, ready to evaluate, or raise why it cannot be; the caller closes it."""
         if self.name == REFERENCE:
             return _reference(code, seed)
         if self.name == COMPILED:
@@ -139,13 +98,7 @@ class EngineSettings:
         )
 
     def require_workers(self, n_workers: int) -> None:
-        """Refuse more workers than the engine can have.
-
-        Raises
-        ------
-        UsageError
-            If several would share one server, and with it one set of topics.
-        """
+        """Refuse several workers that would share one server, and with it one set of topics."""
         if self.url is not None and n_workers > 1:
             raise UsageError(
                 f"--workers {n_workers}: found a server at --url, whose topics belong to one "

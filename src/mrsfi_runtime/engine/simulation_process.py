@@ -34,25 +34,10 @@ def serve_simulation(
     patience: Patience,
     on_ready: Callable[[str, SimulationHost], None],
 ) -> None:
-    """Serve the simulation of a mission until it is stopped.
+    """Serve the simulation of a mission until it is stopped, on the server at ``url`` or its own.
 
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    url
-        The rosbridge server to join; one is embedded if left out.
-    client
-        Kind of roslibpy's connection, for a server that is joined.
-    patience
-        How long the collective intelligence may be silent in mid-run.
-    on_ready
-        Told the server's URL, and the host that it may stop.
-
-    Raises
-    ------
-    TransportError
-        If messages were lost, the connection is gone, or the CI is silent in mid-run.
+    ``patience`` is how long the collective intelligence may be silent in mid-run; ``on_ready`` is
+    told the server's URL, and the host that it may stop. Lost messages are a TransportError.
     """
     with _transport(url, client) as (transport, reached):
         bundling = BundlingTransport.of_simulation(transport)
@@ -88,13 +73,7 @@ def _transport(url: str | None, client: Client) -> Iterator[tuple[Transport, str
 
 
 def main(number: int) -> int:
-    """Serve what the first message on a connection asks for; return the exit code.
-
-    Parameters
-    ----------
-    number
-        File descriptor of the connection.
-    """
+    """Serve what the first message on a connection asks for; return the exit code."""
     connection = Connection(number)
     directory, url, client, patience = connection.recv()
 

@@ -28,6 +28,11 @@ def source_hash() -> str:
     return digest.hexdigest()[:8]
 
 
+def is_library(file: str) -> bool:
+    """Return whether a file belongs to Python or to an installed library."""
+    return any(library in file for library in _LIBRARIES)
+
+
 def team_files() -> list[Path]:
     """Return the files of all modules that are loaded, but for libraries, ours, and generated."""
     files = set()
@@ -35,11 +40,6 @@ def team_files() -> list[Path]:
         if name.partition(".")[0] in _OURS or name.startswith(_LOADED_BY_US):
             continue
         file = vars(module).get("__file__") if isinstance(module, ModuleType) else None
-        if file is not None and not any(library in file for library in _LIBRARIES):
+        if file is not None and not is_library(file):
             files.add(Path(file))
     return sorted(files)
-
-
-def installed() -> tuple[str, ...]:
-    """Return names and versions of all libraries that can be imported, as installers note them."""
-    return tuple(sorted(path.name for folder in sys.path for path in Path(folder).glob("*-info")))

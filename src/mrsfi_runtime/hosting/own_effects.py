@@ -28,6 +28,14 @@ Place = tuple[str, int, str]
 """A list of a state, such as ``ci.robots``; the index of a record in it, and a column."""
 
 
+def allowed_columns(kind: FaultType, of: int) -> tuple[str, list[str]]:
+    """Return which list of a state a fault may change, and which columns of its target there.
+
+    ``of`` is ``OwnFault.kind``.
+    """
+    return _LISTS[of], [column for affected in kind.properties for column in _COLUMNS[affected]]
+
+
 def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
     """Return an effect that fails when it changes what its fault type does not name.
 
@@ -41,11 +49,8 @@ def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
 
     def apply_guarded(ci: State, inbox: State, fault: OwnFault) -> None:
         kind = kinds[fault.effect]
-        allowed = {
-            (f"ci.{_LISTS[fault.kind]}", fault.target, column)
-            for affected in kind.properties
-            for column in _COLUMNS[affected]
-        }
+        listed, columns = allowed_columns(kind, fault.kind)
+        allowed = {(f"ci.{listed}", fault.target, column) for column in columns}
         before = _snapshot(ci, inbox, fault)
         apply(ci, inbox, fault)
         for place, value in _snapshot(ci, inbox, fault).items():

@@ -1,79 +1,99 @@
-"""What compiled code reaches from a module."""
+"""What compiled code reaches, by value: whatever an edit changes, it changes the text of it."""
 
+import importlib
+import os
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mrsfi_runtime.engine.compiled.reach import constants, kernel_functions, sources
-from mrsfi_runtime.mission import load_module
-
-KERNEL = "from mrsfi_runtime.api import kernel\n"
-FILES = {
-    "reach_limits": "LIMIT = 3.5\nUNREAD = 4\nOBJECT = object()\n",
-    "reach_pack/__init__": "",
-    "reach_pack/inner": f"{KERNEL}import reach_limits\n"
-    "@kernel\ndef inner():\n    return reach_limits.LIMIT\n",
-    "reach_pack/outer": f"{KERNEL}import reach_pack.inner\n"
-    "@kernel\ndef outer():\n    return reach_pack.inner.inner()\n",
-    "reach_first": f"{KERNEL}from reach_limits import OBJECT\nimport reach_pack.outer\n"
-    "@kernel\ndef first():\n    OBJECT\n    return reach_pack.outer.outer()\n"
-    "def plain():\n    return 0\n",
-    "reach_made": f"{KERNEL}import enum\nimport reach_limits\n"
-    "class Size(enum.Enum):\n    BIG = 6\n"
-    "def made(around, called):\n    @kernel\n    def inner(given=(1, around)):\n"
-    "        return [around + called() + reach_limits.LIMIT for _ in range(Size.BIG.value)]\n"
-    "    return inner\n"
-    "@kernel\ndef five():\n    return 5\n"
-    "made = made(2.5, five)\n",
-}
+from mrsfi_runtime.engine.compiled.reach import CompilationError, Reached
+from tests.support.edits import EDITS, MODULES, REFUSED, write_team
 
 
 @pytest.fixture
-def first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    for name, text in FILES.items():
-        path = tmp_path / f"{name}.py"
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+def team(tmp_path, monkeypatch):
+    """A folder of a team's modules, that are imported from source."""
     monkeypatch.syspath_prepend(str(tmp_path))
-    yield load_module("reach_first", tmp_path / "reach_first.py")
-    for name in [name for name in sys.modules if name.startswith("reach_")]:
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    yield tmp_path
+    for name in [name for name in sys.modules if name.startswith(("edit_", "reach_"))]:
         del sys.modules[name]
 
 
-def test_functions_are_reached_through_modules_and_packages(first):
-    found = {function.__name__ for function in kernel_functions(first)}
-
-    assert found == {"first", "outer", "inner"}
-
-
-def test_files_are_those_of_the_functions(first, tmp_path):
-    names = ("reach_first", "reach_pack/inner", "reach_pack/outer")
-
-    assert sources(first) == sorted(tmp_path / f"{name}.py" for name in names)
+def loaded(name="edit_team"):
+    """Return a module as it stands now."""
+    return importlib.import_module(name)
 
 
-def test_constants_are_those_that_are_read_and_that_numba_freezes(first):
-    assert constants(first) == ["reach_pack.inner.reach_limits.LIMIT 3.5"]
+@pytest.mark.parametrize("kind", [kind for kind in EDITS if kind not in REFUSED])
+def test_an_edit_is_seen_and_what_was_not_edited_is_the_same(team, kind):
+    texts, values = [], []
+    for is_edited in (False, True, False):
+        write_team(team, kind, is_edited=is_edited)
+        verdict = loaded().verdict
+        values.append(verdict(2.7))
+        texts.append(Reached([verdict]).text)
+
+    assert values[0] == values[2] != values[1]
+    assert texts[0] == texts[2] != texts[1]
 
 
-def test_what_a_function_was_made_with_and_what_its_comprehensions_read_is_reached(first, tmp_path):
-    module = load_module("reach_made", tmp_path / "reach_made.py")
+@pytest.mark.parametrize(("kind", "name"), REFUSED.items())
+def test_what_no_text_tells_is_refused_with_its_name(team, kind, name):
+    write_team(team, kind, is_edited=False)
 
-    assert {function.__name__ for function in kernel_functions(module)} == {"inner", "five"}
-    assert constants(module) == [
-        "reach_made.Size [<Size.BIG: 6>]",
-        "reach_made.around 2.5",
-        "reach_made.inner, default 0 (1, 2.5)",
-        "reach_made.reach_limits.LIMIT 3.5",
-    ]
+    with pytest.raises(CompilationError, match=rf"edit_team.py:\d+: verdict .* name '{name}'"):
+        Reached([loaded().verdict])
 
 
-def test_long_arrays_are_told_apart(first):
-    first.TABLE = np.zeros(10_000)
-    first.first.__globals__["OBJECT"] = first.TABLE
-    before = constants(first)
-    first.TABLE[5_000] = 1.0
+def test_what_counts_is_what_was_loaded_and_not_the_file(team):
+    write_team(team, "alias of a constant", is_edited=False)
+    path = team / "edit_other.py"
+    sys.dont_write_bytecode = False
+    os.utime(path, (1, 1))
+    before = Reached([loaded().verdict]).text
 
-    assert constants(first) != before
+    path.write_text("LOW, HIGH = 4.0, 2.0\n", encoding="utf-8")
+    os.utime(path, (1, 1))
+    for name in MODULES:
+        del sys.modules[name]
+
+    assert (
+        loaded("edit_other").LOW == 1.0
+    )  # Python takes its bytecode: size and second are the same
+    assert Reached([loaded().verdict]).text == before
+
+
+def test_functions_are_reached_through_modules_that_reach_each_other(team):
+    (team / "reach_a.py").write_text(
+        "from mrsfi_runtime.api import kernel\nimport reach_b\n"
+        "@kernel\ndef a(n):\n    return reach_b.b(n)\ndef plain():\n    return 0\n"
+    )
+    (team / "reach_b.py").write_text(
+        "from mrsfi_runtime.api import kernel\nimport reach_a\n"
+        "@kernel\ndef b(n):\n    return reach_a.a(n - 1) if n else reach_a.plain\n"
+    )
+
+    found = Reached([loaded("reach_a").a]).functions
+
+    assert [function.__name__ for function in found] == ["a", "b"]
+
+
+def test_an_array_that_changes_in_memory_is_another(team):
+    write_team(team, "a tuple of long arrays", is_edited=False)
+    verdict = loaded().verdict
+    before = Reached([verdict]).text
+
+    sys.modules["edit_other"].TABLE[2501] = np.nextafter(250.1, 0)
+
+    assert Reached([verdict]).text != before
+
+
+def test_a_field_may_have_the_name_of_an_object_of_the_module(team):
+    (team / "reach_c.py").write_text(
+        "from mrsfi_runtime.api import kernel\nspeed = object()\n"
+        "@kernel\ndef c(robot):\n    return robot.speed\n"
+    )
+
+    assert Reached([loaded("reach_c").c]).functions

@@ -1,140 +1,132 @@
-"""What is remembered of compiled code is remembered of the very same code, and of no other."""
+"""Compiled flights are held to those of the reference engine, tick by tick, faults at work."""
 
-import os
-import sys
 from dataclasses import replace
-from shutil import copytree
 
 import pytest
 
-from mrsfi_runtime.engine.compiled.self_check import FLIES, SAME, SelfCheck
-from mrsfi_runtime.mission import load_code
-from tests.support.cli import edit
-from tests.support.modules import old_modules  # noqa: F401 - a fixture
+from mrsfi_runtime.engine.compiled.layout import PlanSize
+from mrsfi_runtime.engine.compiled.self_check import require_same, trials
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.kernel.injections import FaultShapes, plan_rows
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.targets import require_no_overlap
 from tests.support.world import paper_code
 
 SEED = 3
 
 
-@pytest.fixture
-def folder(tmp_path):
-    """A cache folder with machine code in it."""
-    path = tmp_path / "cache"
-    (path / "__pycache__").mkdir(parents=True)
-    for k in (1, 2):
-        write_before(path / "__pycache__" / f"flight.{k}.nbc", "machine code")
-    return path
+def anything(_specification):
+    return True
+
+
+def test_every_fault_of_the_pool_acts_at_once_or_in_turns():
+    code = paper_code()
+    shapes = FaultShapes(code.mission, code.pool)
+
+    def fits(specification):
+        return PlanSize().for_plans([plan_rows(shapes, specification)]) == PlanSize()
+
+    flown = trials(code.mission, code.pool, fits)
+
+    for each in flown:
+        require_no_overlap(code.mission, code.pool, each)
+        assert {timed.fault for timed in each if timed.start == 0} == {one.fault for one in each}
+        assert any(timed.finish == code.mission.duration - 1 for timed in each)
+    assert {timed.fault for each in flown for timed in each} == set(code.pool.by_id)
+    assert len(flown) < 9
+
+
+@pytest.mark.parametrize(("duration", "room"), [(1, 64), (3, 64), (1000, 2), (1000, 7)])
+def test_what_does_not_fit_into_one_flight_flies_in_another(duration, room):
+    code = paper_code()
+    mission = replace(code.mission, duration=duration)
+
+    flown = trials(mission, code.pool, lambda specification: len(specification) <= room)
+
+    assert {timed.fault for each in flown for timed in each} == set(code.pool.by_id)
+    for each in flown:
+        assert len(each) <= room
+        require_no_overlap(mission, code.pool, each)
+        assert all(timed.finish < duration for timed in each)
+
+
+def test_without_faults_the_mission_flies_alone():
+    code = paper_code()
+    assert trials(code.mission, FaultPool("none", ()), anything) == [()]
 
 
 @pytest.fixture
-def code(tmp_path, monkeypatch, old_modules):  # noqa: F811 - a fixture
-    """Code of a mission in a folder of its own, whose interface imports a module of the team."""
-    monkeypatch.syspath_prepend(str(tmp_path / "team"))
-    (tmp_path / "team").mkdir()
-    write_before(tmp_path / "team" / "checked_outer.py", "from checked_inner import LIMIT\n")
-    write_before(tmp_path / "team" / "checked_inner.py", "LIMIT = 3\n")
-    directory = copytree(paper_code().directory, tmp_path / "generated")
-    edit(directory / "sim_interface.py", "from .topics", "import checked_outer\nfrom .topics")
-    yield load_code(directory)
-    forget()
+def reference():
+    return ReferenceEngine(paper_code(40), SEED)
 
 
-def write_before(path, text):
-    """Write a file as if before this process began."""
-    path.write_text(text, encoding="utf-8")
-    os.utime(path, (1.0, 1.0))
+def recorded(reference, change=lambda _recording: None):
+    """Return what records flights on the reference engine, but for a change."""
+
+    def record(specification, n_ticks):
+        recording = reference.record(specification)[:n_ticks]
+        change(recording)
+        return recording
+
+    return record
 
 
-def forget():
-    """Let the next import find the team's modules as they stand now."""
-    for name in ("checked_outer", "checked_inner"):
-        sys.modules.pop(name, None)
+def one(reference):
+    return trials(reference.code.mission, reference.code.pool, anything)
 
 
-def test_what_is_remembered_is_known_in_every_folder_of_the_same_code(folder, code, tmp_path):
-    assert not SelfCheck(folder, code, SEED).is_known(SAME)
+def test_equal_flights_pass_over_as_many_ticks_as_there_is_time_for(reference):
+    lengths = []
+    record = recorded(reference, lambda recording: lengths.append(len(recording)))
 
-    SelfCheck(folder, code, SEED).remember(SAME)
+    require_same(reference, record, one(reference), 10.0)
+    require_same(reference, record, one(reference), 0.0)
 
-    copy = SelfCheck(folder, load_code(copytree(code.directory, tmp_path / "copy")), SEED)
-    assert copy.is_known(SAME)
-    assert not copy.is_known(FLIES)
+    n = len(one(reference))
+    assert lengths == [40] * n + [2] * n
+
+
+def spoilt(*path, tick=9):
+    def change(recording):
+        where = recording[tick]
+        for name in path[:-1]:
+            where = where[name]
+        where[path[-1]] += 1
+
+    return change
 
 
 @pytest.mark.parametrize(
-    "changed",
+    ("change", "told"),
     [
-        "cache/__pycache__/flight.1.nbc",
-        "cache/__pycache__/flight.2.nbc",
-        "generated/simulation.py",
-        "team/checked_outer.py",
-        "team/checked_inner.py",
+        (spoilt("is_true", 1), r"is_true of goal 'g2' \(region 'g2.check'\) is 1; .* has 0"),
+        (spoilt("believed", 0), r"believed of goal 'g1' \(region 'g1.check'\) is"),
+        (spoilt("belief", "commands", "speed", 2), r"speed of belief.commands\[2\] \(a reaction"),
+        (spoilt("world", "robots", "x", 1), r"x of world.robots\[1\] \("),
+        (spoilt("belief", "goals", "memory", (0, 3)), "what goals remember"),
     ],
 )
-def test_nothing_is_known_of_other_machine_code_generated_code_or_modules(
-    folder, code, tmp_path, changed
-):
-    SelfCheck(folder, code, SEED).remember(SAME)
-
-    path = tmp_path / changed
-    text = path.read_text(encoding="utf-8")
-    write_before(path, f"{text}# edited\n")
-
-    forget()
-    assert not SelfCheck(folder, load_code(code.directory), SEED).is_known(SAME)
-    write_before(path, text)
-    assert SelfCheck(folder, load_code(code.directory), SEED).is_known(SAME)
+def test_the_first_difference_is_named_with_tick_and_region(reference, change, told):
+    with pytest.raises(EvaluationError, match=rf"compiled, {told}.* at tick 9 under no fault; "):
+        require_same(reference, recorded(reference, change), one(reference), 10.0)
 
 
-def test_nothing_is_known_of_another_mission_pool_or_seed_or_of_other_libraries(
-    folder, code, tmp_path
-):
-    SelfCheck(folder, code, SEED).remember(SAME)
-
-    mission = replace(code.mission, duration=code.mission.duration - 1)
-    assert not SelfCheck(folder, replace(code, mission=mission), SEED).is_known(SAME)
-    pool = replace(code.pool, id="other")
-    assert not SelfCheck(folder, replace(code, pool=pool), SEED).is_known(SAME)
-    assert not SelfCheck(folder, code, SEED + 1).is_known(SAME)
-    (tmp_path / "team" / "library-2.0.dist-info").mkdir()
-    assert not SelfCheck(folder, code, SEED).is_known(SAME)
+def test_flights_that_fail_compiled_are_not_compared_for_they_are_repeated(reference):
+    require_same(reference, lambda *_: None, one(reference), 0.0)
 
 
-@pytest.mark.parametrize("changed", ["generated/simulation.py", "team/checked_inner.py"])
-def test_nothing_is_remembered_of_code_that_was_edited_while_it_flew(
-    folder, code, tmp_path, changed
-):
-    check = SelfCheck(folder, code, SEED)
+def test_what_fails_on_the_reference_engine_alone_is_told_with_its_line():
+    code = paper_code(40)
+    sound = ReferenceEngine(code, SEED)
 
-    with (tmp_path / changed).open("a", encoding="utf-8") as file:
-        file.write("# edited\n")
-    check.remember(SAME)
+    def check(ci, violated):
+        code.functions.check(ci, violated)
+        if ci.mission.tick == 12:
+            raise ZeroDivisionError
 
-    assert not list(folder.glob(f"{SAME}_*"))
+    functions = code.functions._replace(check=check)
+    failing = ReferenceEngine(replace(code, functions=functions), SEED)
 
-
-def test_nothing_is_known_of_modules_that_were_edited_since_the_process_began(
-    folder, code, tmp_path
-):
-    SelfCheck(folder, code, SEED).remember(SAME)
-
-    os.utime(tmp_path / "team" / "checked_inner.py")
-
-    assert not SelfCheck(folder, code, SEED).is_known(SAME)
-
-
-def test_nothing_is_remembered_of_code_that_loads_modules_while_it_flies(folder, code, tmp_path):
-    check = SelfCheck(folder, code, SEED)
-
-    write_before(tmp_path / "team" / "checked_late.py", "")
-    __import__("checked_late")
-    check.remember(SAME)
-
-    assert not list(folder.glob(f"{SAME}_*"))
-    del sys.modules["checked_late"]
-
-
-def test_nothing_is_remembered_of_machine_code_that_is_elsewhere(tmp_path, code):
-    SelfCheck(tmp_path, code, SEED).remember(SAME)
-
-    assert not SelfCheck(tmp_path, code, SEED).is_known(SAME)
+    with pytest.raises(EvaluationError, match=r"at tick 12: ZeroDivisionError.* compiled, it does"):
+        require_same(failing, recorded(sound), one(sound), 10.0)

@@ -1,19 +1,18 @@
 """Fault specifications laid out side by side for the compiled flight, and what it leaves."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from mrsfi_runtime.engine.compiled.layout import PlanSize, packed
+from mrsfi_runtime.engine.compiled.layout import ALLOWED, OWN, PlanSize, packed
 from mrsfi_runtime.engine.flights import digested
 from mrsfi_runtime.engine.recording import Records, record_type
 from mrsfi_runtime.kernel.injections import (
     FaultTally,
     InjectionRow,
     InjectionState,
-    OwnFault,
     OwnRow,
     PlanRows,
 )
@@ -21,26 +20,22 @@ from mrsfi_runtime.model.outcome import COUNTED, Outcome
 
 _INJECTION = record_type(InjectionState)
 _TALLY = record_type(FaultTally)
-_OWN = record_type(OwnFault)
 
 
 class Batch:
-    """Plans of some specifications in flat arrays, and room for their results.
+    """Plans of some specifications in flat arrays, one after the other, and room for their results.
 
-    Attributes
-    ----------
-    injections, tallies, own
-        Those of all specifications, one after the other.
-    ends
-        Shape ``(n, 8)``: where each specification's messages, reports and commands begin in
-        ``injections``, where its commands end, where its tallies begin and end, and its ``own``.
-    results
-        One record a specification.
-    plan_size
-        What a compiled plan must have room for.
+    ``ends``, shape ``(n, 8)``, says where each specification's messages, reports and commands begin
+    in ``injections``, where its commands end, where its tallies begin and end, and its ``own``. Of
+    those, ``allowed`` returns which words of the belief they may change.
     """
 
-    def __init__(self, plans: Sequence[PlanRows], result_type: np.dtype[Any]) -> None:
+    def __init__(
+        self,
+        plans: Sequence[PlanRows],
+        result_type: np.dtype[Any],
+        allowed: Callable[[OwnRow], Sequence[int]],
+    ) -> None:
         rows: list[InjectionRow] = []
         ends = []
         n_tallies = 0
@@ -56,8 +51,9 @@ class Batch:
             n_tallies += one.n_faults
         self.injections: Records = np.zeros(len(rows), _INJECTION)
         _fill(self.injections, rows)
-        self.own: Records = np.zeros(len(own), _OWN)
+        self.own: Records = np.zeros(len(own), OWN)
         _fill(self.own, own)
+        self.own[ALLOWED] = [allowed(row) for row in own] or 0
         self.ends = np.array(ends, np.int64)
         self.tallies: Records = np.zeros(n_tallies, _TALLY)
         for name in ("last_applied", "last_changed", "first_changed"):

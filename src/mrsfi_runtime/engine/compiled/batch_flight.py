@@ -21,24 +21,12 @@ from mrsfi_runtime.kernel.motion import move
 class Arrays(NamedTuple):
     """What some flights read and write.
 
-    Attributes
-    ----------
-    fresh, words
-        What changes in the states, as words: before the first tick, and of ``states`` itself.
-    states
-        Truth, belief and inbox.
-    weather
-        Valid samples of each sensor, a row a tick.
-    plans
-        Room for one plan.
-    injections, tallies, own, ends
-        Those of all specifications, and where each one's are; see ``Batch``.
-    results
-        A record a specification: verdicts, and the words of the last truth and belief.
-    moments
-        A record a tick, of those that are to be kept.
-    at
-        Receives the number of the specification that flies.
+    ``fresh`` and ``words`` are what changes in the states, as words: before the first tick, and of
+    ``states`` itself, which are truth, belief and inbox. ``weather`` has the valid samples of each
+    sensor, a row a tick. ``injections, tallies, own, ends`` are those of a ``Batch``, ``plans`` is
+    room for one plan; ``results`` has a record a specification: verdicts, and the words of the last
+    truth and belief; ``moments`` one for each tick to be kept. ``at`` receives the number of the
+    specification that flies.
     """
 
     fresh: npt.NDArray[np.int64]

@@ -8,9 +8,9 @@ from typing import Any
 
 import numba
 
-from mrsfi_runtime.engine.compiled.reach import is_kernel
+from mrsfi_runtime.engine.compiled.likeness import Checked
+from mrsfi_runtime.engine.compiled.reach import CompilationError, is_kernel
 from mrsfi_runtime.engine.recording import record_type
-from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.markers import MARKER
 from mrsfi_runtime.mission import MissionCode
@@ -26,22 +26,8 @@ _REASONS = (
 )
 
 
-class CompilationError(EvaluationError):
-    """A region cannot be compiled; the message names file, line, region and reason."""
-
-
 def explain(code: MissionCode, state_type: Any, error: Exception) -> CompilationError:
-    """Return why a mission does not compile.
-
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    state_type
-        Layout of its states.
-    error
-        What numba said of the whole.
-    """
+    """Return why a mission does not compile, by what numba said of the whole."""
     state = numba.from_dtype(state_type)
     own = (state, state, numba.from_dtype(record_type(OwnFault)))
     for role, function in code.functions._asdict().items():
@@ -49,7 +35,7 @@ def explain(code: MissionCode, state_type: Any, error: Exception) -> Compilation
         called = [function.__globals__.get(name) for name in function.__code__.co_names]
         for region in filter(is_kernel, called):
             try:
-                numba.njit(boundscheck=True)(region).compile(arguments)
+                numba.njit(boundscheck=True, pipeline_class=Checked)(region).compile(arguments)
             except Exception as found:  # noqa: BLE001 - numba raises errors of any kind
                 where = _where(code.directory, region, str(found))
                 return CompilationError(f"{where} cannot be compiled: {_why(found)}")

@@ -2,44 +2,41 @@
 
 The stub only says whose functions fly. It goes to a file because numba caches only what it finds
 in one. Numba does not notice when a function that the file calls has changed, so the file's
-folder is named after a hash of all sources that take part, and of the shapes that they are
+folder is named after all that compiled code may hold, by value, and after the shapes that it is
 compiled for.
 """
 
-import fcntl
-import os
-import shutil
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from mrsfi_runtime.engine.compiled import batch_flight
-from mrsfi_runtime.engine.compiled.layout import state_type
-from mrsfi_runtime.engine.compiled.reach import constants, sources
+from mrsfi_runtime.engine.compiled.cache import cache_folder, is_sound
+from mrsfi_runtime.engine.compiled.layout import recorded_words, state_type
+from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import MissionCode, load_module
-
-N_KEPT = 64
-"""Compiled missions that the cache keeps; one takes about 2 MB."""
 
 _TEXT = '''"""Compiled flight of a mission."""
 
 import {collective} as ci
 import {effects} as own
 from mrsfi_runtime.engine.compiled import batch_flight
+from mrsfi_runtime.engine.compiled.own_guard import guarded
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from numba import njit
+
+apply = guarded(own.apply, {n_recorded}, {spans})
 
 
 @njit(cache=True, nogil=True, boundscheck=True)
 def fly_many(arrays, first, last):
-    functions = MissionFunctions(ci.progress, ci.check, ci.react, own.apply)
+    functions = MissionFunctions(ci.progress, ci.check, ci.react, apply)
     batch_flight.fly_many(functions, arrays, first, last)
 '''
 
@@ -51,21 +48,32 @@ class Stub(NamedTuple):
     key: str
 
     @property
-    def path(self) -> Path:
-        """Its file; beside it numba keeps what it compiled."""
-        return _cache_folder() / self.key / "flight.py"
+    def name(self) -> str:
+        """Name of its module."""
+        return f"mrsfi_compiled_{self.key}"
 
 
-@lru_cache(maxsize=16)
-def stub_of(functions: MissionFunctions, layout: Any) -> Stub:
+def reached_by(functions: MissionFunctions) -> Reached:
+    """Return what the compiled flight of a mission reaches, as the stub finds its functions."""
+    collective, effects = _modules(functions)
+    own = [vars(collective)[name] for name in MissionFunctions._fields[:-1]]
+    return Reached([batch_flight.fly_many, *own, vars(effects)["apply"]])
+
+
+def stub_of(functions: MissionFunctions, layout: Any, reached: Reached) -> Stub:
     """Return the stub of a mission, by its functions and the layout of its states."""
-    modules = compiled_modules(functions)
-    _, collective, effects = modules
-    text = _TEXT.format(collective=collective.__name__, effects=effects.__name__)
-    parts = [sys.version, text, repr(layout)]
-    for module in modules:
-        parts += [path.read_text(encoding="utf-8") for path in sources(module)]
-        parts += constants(module)
+    collective, effects = _modules(functions)
+    spans = [
+        (layout.fields[name][1], layout.fields[name][0].itemsize) for name in ("mission", "map")
+    ]
+    text = _TEXT.format(
+        collective=collective.__name__,
+        effects=effects.__name__,
+        n_recorded=recorded_words(layout),
+        spans=tuple((first // 8, (first + size) // 8) for first, size in spans),
+    )
+    ours = [path.read_text(encoding="utf-8") for path in sorted(Path(__file__).parent.glob("*.py"))]
+    parts = (sys.version, np.__version__, text, repr(layout), reached.text, *ours)
     return Stub(text, sha256("\0".join(parts).encode()).hexdigest()[:24])
 
 
@@ -74,48 +82,19 @@ def is_compiled(code: MissionCode, seed: int) -> bool:
 
     Who only asks does not wait for numba to load.
     """
-    stub = stub_of(code.functions, state_type(initial_state(code.mission, seed)))
-    return any(stub.path.parent.glob("__pycache__/*.nbc"))
+    layout = state_type(initial_state(code.mission, seed))
+    return is_sound(
+        cache_folder() / stub_of(code.functions, layout, reached_by(code.functions)).key
+    )
 
 
-def compiled_modules(functions: MissionFunctions) -> tuple[ModuleType, ...]:
-    """Return the modules from which a mission is compiled; the last two are its own."""
-    own = (functions.check.__module__, functions.apply.__module__)
-    return (batch_flight, *(sys.modules[name] for name in own))
+def _modules(functions: MissionFunctions) -> tuple[ModuleType, ModuleType]:
+    """Return the modules of a mission from which it is compiled."""
+    return sys.modules[functions.check.__module__], sys.modules[functions.apply.__module__]
 
 
-def load_driver(stub: Stub) -> ModuleType:
-    """Load a stub, written to the cache folder before if need be."""
-    name = f"mrsfi_compiled_{stub.key}"
-    if name in sys.modules:  # with what it has compiled
-        return sys.modules[name]
-    path = stub.path
+def load_driver(stub: Stub, path: Path) -> ModuleType:
+    """Load a stub from a file, written before if need be."""
     if not path.is_file():
-        _make_room(path.parent.parent)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        staged = path.with_suffix(f".{os.getpid()}.tmp")
-        staged.write_text(stub.text, encoding="utf-8")
-        staged.replace(path)
-    return load_module(name, path)
-
-
-def _cache_folder() -> Path:
-    """Return where compiled code is kept: ``MRSFI_CACHE``, else the user's cache folder."""
-    users = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(os.environ.get("MRSFI_CACHE") or Path(users, "mrsfi"))
-
-
-def _make_room(cache: Path) -> None:
-    """Remove the oldest compiled missions but for one less than are kept; who uses one has it."""
-    known = sorted(cache.glob("*/flight.py"), key=lambda path: path.stat().st_mtime, reverse=True)
-    for path in known[N_KEPT - 1 :]:
-        shutil.rmtree(path.parent, ignore_errors=True)
-
-
-@contextmanager
-def only_compiler(driver: ModuleType) -> Iterator[None]:
-    """Let one process at a time compile a driver: whoever waits finds it in the cache."""
-    with Path(str(driver.__file__)).with_name("lock").open("w") as file:
-        with suppress(OSError):  # a file system without locks: then each compiles for itself
-            fcntl.flock(file, fcntl.LOCK_EX)
-        yield
+        path.write_text(stub.text, encoding="utf-8")
+    return load_module(stub.name, path)

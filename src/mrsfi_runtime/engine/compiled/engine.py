@@ -15,9 +15,10 @@ import numpy.typing as npt
 
 from mrsfi_runtime.engine.compiled.batch import Batch
 from mrsfi_runtime.engine.compiled.batch_flight import Arrays
-from mrsfi_runtime.engine.compiled.compilation_errors import CompilationError
 from mrsfi_runtime.engine.compiled.compiling import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import (
+    PlanSize,
+    allowed_words,
     plan_type,
     read_recorded,
     split,
@@ -26,55 +27,45 @@ from mrsfi_runtime.engine.compiled.layout import (
     words_type,
     write_state,
 )
-from mrsfi_runtime.engine.compiled.self_check import FLIES, SAME, SelfCheck
+from mrsfi_runtime.engine.compiled.reach import CompilationError
+from mrsfi_runtime.engine.compiled.self_check import (
+    SECONDS,
+    SECONDS_OF_NEW,
+    require_same,
+    trials,
+)
 from mrsfi_runtime.engine.flights import Engine, Evaluated
 from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.hosting.lockstep import Observer
+from mrsfi_runtime.hosting.own_effects import allowed_columns
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, plan_rows
+from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, OwnRow, plan_rows
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 
-N_CHECKED = 2
-"""Evaluations that the reference engine repeats before any result of new code is given out."""
-
 CHUNK = 64
 """Specifications that are laid out and flown in one call, at most."""
 
+_TRUSTED: set[tuple[str, str]] = set()
+"""What this process has held to the reference engine: compiled code by its key, and missions."""
+
 
 class CompiledEngine(Engine):
-    """Flies the mission many times in one call.
+    """Flies the mission many times in one call, on threads that truly run side by side.
 
-    Parameters
-    ----------
-    code
-        Generated code of the mission.
-    seed
-        Mission seed of what is evaluated without naming one: its weather.
-    n_threads
-        Threads that share a chunk. Compiled code needs no interpreter, so they truly run side
-        by side.
-
-    Raises
-    ------
-    CompilationError
-        If a region cannot be compiled.
-
-    Notes
-    -----
     A flight that fails is repeated on the reference engine, which can tell where and why.
     """
 
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
         super().__init__(code, seed)
         state = initial_state(code.mission, seed)
-        state_layout = state_type(state)
+        self._state_layout = state_layout = state_type(state)
         self._fresh = cache(partial(_fresh, code.mission, state_layout))
         self._moment_type = moment_type(state)
         self._words_type = words_type(self._moment_type)
@@ -84,19 +75,46 @@ class CompiledEngine(Engine):
         self._n_threads = n_threads
         self._threads = ThreadPoolExecutor(n_threads)
         self._fly_many = CompiledFlight(code, state_layout)
-        self._self_check = SelfCheck(self._fly_many.folder, code, seed)
-        self._fly(self._batch([()], code.pool), self._fresh(seed), 0, 1)
-        self._is_checked = self._self_check.is_known(SAME)
+        self._first_ticks((), 0)
 
     def close(self) -> None:
         """End the threads."""
         self._threads.shutdown()
 
-    def try_out(self) -> None:
-        """Fly the mission without faults on plain Python, unless that very flight went well."""
-        if not self._self_check.is_known(FLIES):
-            self._reference.evaluate(())
-            self._self_check.remember(FLIES)
+    def require_same(self) -> None:
+        """Hold compiled code to the reference engine once in a process; differing, compile anew."""
+        mission = (self._fly_many.key, repr((self.code.mission, self.code.pool)))
+        if mission in _TRUSTED:
+            return
+        flown = trials(self.code.mission, self.code.pool, self._fits)
+        try:
+            self._require_same(flown)
+        except EvaluationError:
+            if self._fly_many.is_new:
+                raise
+            self._fly_many.forget()
+            self._require_same(flown)
+        _TRUSTED.add(mission)
+
+    def _require_same(self, flown: Sequence[Specification]) -> None:
+        self._first_ticks((), 0)  # compiles, if need be
+        key = self._fly_many.key
+        is_new = self._fly_many.is_new and all(key != known for known, _ in _TRUSTED)
+        flown, seconds = ([(), *flown], SECONDS_OF_NEW) if is_new else (flown, SECONDS)
+        require_same(self._reference, self._first_ticks, flown, seconds)
+
+    def _first_ticks(
+        self, specification: Specification, n_ticks: int, seed: int | None = None
+    ) -> Recording | None:
+        """Return the first ticks of a flight; ``None`` if the reference engine is to repeat it."""
+        batch = self._batch([specification], self.code.pool)
+        recording: Recording = np.zeros(n_ticks, self._moment_type)
+        fresh = self._fresh(self.seed if seed is None else seed)
+        return None if self._fly(batch, fresh, 0, 1, recording) else recording
+
+    def _fits(self, specification: Specification) -> bool:
+        """Return whether the plans that are always compiled have room for a specification."""
+        return self._batch([specification], self.code.pool).plan_size == PlanSize()
 
     def _evaluate(
         self,
@@ -106,8 +124,10 @@ class CompiledEngine(Engine):
         observer: Observer | None,
         tallies: list[FaultTally],
     ) -> Outcome:
+        self.require_same()
         batch = self._batch([specification], pool)
-        recording = self._blank(self.code.mission.duration if observer else 0)
+        n_ticks = self.code.mission.duration if observer else 0
+        recording: Recording = np.zeros(n_ticks, self._moment_type)
         if self._fly(batch, self._fresh(seed), 0, 1, recording):
             return self._reference.evaluate(
                 specification, seed, pool=pool, observer=observer, tallies=tallies
@@ -118,53 +138,18 @@ class CompiledEngine(Engine):
         return batch.outcome(0)
 
     def _record(self, specification: Specification, seed: int) -> Recording:
-        batch = self._batch([specification], self.code.pool)
-        recording = self._blank(self.code.mission.duration)
-        if self._fly(batch, self._fresh(seed), 0, 1, recording):
-            return self._reference.record(specification, seed)
-        return recording
-
-    def _blank(self, n_ticks: int) -> Recording:
-        return np.zeros(n_ticks, self._moment_type)
+        self.require_same()
+        recording = self._first_ticks(specification, self.code.mission.duration, seed)
+        return self._reference.record(specification, seed) if recording is None else recording
 
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
-        """Evaluate specifications, and yield the results in the same order.
-
-        Raises
-        ------
-        EvaluationError
-            If one of the very first of new code is another than on the reference engine, or fails
-            there alone.
-        """
+        """Evaluate specifications, and yield the results in the same order."""
+        self.require_same()
         seed = self.seed if seed is None else seed
         for first in range(0, len(specifications), CHUNK):
-            chunk = specifications[first : first + CHUNK]
-            outcomes = self._evaluate_chunk(chunk, seed)
-            if not self._is_checked:
-                self._check(chunk[:N_CHECKED], seed, outcomes)
-            yield from outcomes
-
-    def _check(
-        self, specifications: Sequence[Specification], seed: int, found: Sequence[Evaluated]
-    ) -> None:
-        """Refuse to go on if the reference engine finds anything else; remember if it does not."""
-        n_same = 0
-        for specification, outcome in zip(specifications, found, strict=False):
-            if not isinstance(outcome, Outcome):
-                continue  # what failed was flown by the reference engine already
-            expected = self._reference.evaluate(specification, seed)
-            if expected != outcome:
-                raise EvaluationError(
-                    f"{self.code.directory}: compiled, the mission has outcome {outcome}; the "
-                    f"reference engine has {expected} for {specification}; look for what compiles "
-                    "but differs (`mrsfi validate` warns of it), or use --engine reference"
-                )
-            n_same += bool(specification)
-        self._is_checked = True
-        if n_same == N_CHECKED:
-            self._self_check.remember(SAME)
+            yield from self._evaluate_chunk(specifications[first : first + CHUNK], seed)
 
     def _evaluate_chunk(
         self, specifications: Sequence[Specification], seed: int
@@ -188,7 +173,14 @@ class CompiledEngine(Engine):
         is_own = pool is self.code.pool
         shapes = self._shapes if is_own else FaultShapes(self.code.mission, pool)
         plans = [plan_rows(shapes, specification) for specification in specifications]
-        return Batch(plans, self._moment_type)
+        kinds = {fault.kind.effect: fault.kind for fault in pool}
+
+        def allowed(row: OwnRow) -> Sequence[int]:
+            _, effect, of, target, *_ = row
+            listed, columns = allowed_columns(kinds[effect], of)
+            return allowed_words(self._state_layout, listed, target, columns)
+
+        return Batch(plans, self._moment_type, allowed)
 
     def _fly(
         self,
@@ -209,7 +201,7 @@ class CompiledEngine(Engine):
         states = fresh.states.copy()
         (fresh_words, fresh_tables), (words, tables) = split(fresh.states), split(states)
         plans = np.zeros(1, plan_type(batch.plan_size))
-        recording = self._blank(0) if recording is None else recording
+        recording = np.zeros(0, self._moment_type) if recording is None else recording
         arrays = Arrays(
             fresh_words,
             words,

@@ -9,10 +9,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.extending import register_jitable
+
+from mrsfi_runtime.engine.compiled.likeness import Checked
 
 
-class Inlined(Compiler):
+class Inlined(Checked):
     """Numba's pipeline, for ``pipeline_class`` of functions that are always inlined."""
 
     def __init__(self, *arguments: Any) -> None:
@@ -82,13 +84,13 @@ class _NoEnvironments:
         """Leave it to ``bind``."""
 
 
-def bind(compiled: Any) -> None:
-    """Tell machine code of a compiled function where the environments of those inlined are.
+jitable = register_jitable(
+    boundscheck=True, forceinline=True, no_cfunc_wrapper=True, pipeline_class=Inlined
+)
+"""Lets compiled code call a function, which stays as it is."""
 
-    Parameters
-    ----------
-    compiled
-        Numba's result of compiling it.
-    """
+
+def bind(compiled: Any) -> None:
+    """Tell machine code, as numba returns it, where the environments of functions inlined are."""
     for environment in compiled._find_referenced_environments():  # noqa: SLF001 - no other way
         compiled.library.codegen.set_env(environment.env_name, environment)

@@ -49,6 +49,27 @@ class PlanSize:
         )
 
 
+N_ALLOWED = 6
+ALLOWED = " allowed"  # no name that a region could use
+OWN = np.dtype([*record_type(OwnFault).descr, (ALLOWED, "<i8", (N_ALLOWED,))])
+"""A fault of a team's own type, and which words of the belief it may change; all others follow."""
+
+
+def allowed_words(
+    layout: np.dtype[Any], listed: str, target: int, columns: Sequence[str]
+) -> list[int]:
+    """Return the words of some columns of a record of a state, in order; then one beyond them."""
+    words = np.arange(layout.itemsize // 8).view(layout)[0][listed][target]
+    found = sorted(int(words[column].view(np.int64)) for column in columns)
+    return found + [recorded_words(layout)] * (N_ALLOWED - len(found))
+
+
+def recorded_words(layout: np.dtype[Any]) -> int:
+    """Return how many words of a state are recorded; they come first."""
+    fields: Mapping[str, Any] = layout.fields or {}
+    return int(min(about[1] for name, about in fields.items() if name not in COLUMNS) // 8)
+
+
 def _grown(room: int, needed: int) -> int:
     while room < needed:
         room *= 8
@@ -108,7 +129,7 @@ def plan_type(room: PlanSize) -> np.dtype[Any]:
             ("commands", injection, (room.injections,)),
             ("held", "<f8", (room.held,)),
             ("tallies", record_type(FaultTally), (room.faults,)),
-            ("own", record_type(OwnFault), (room.own,)),
+            ("own", OWN, (room.own,)),
         ]
     )
 

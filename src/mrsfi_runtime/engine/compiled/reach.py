@@ -1,46 +1,38 @@
-"""What compiled code reaches from a module: kernel functions and constants, however deep."""
+"""What compiled code reaches from some functions, however deep, by value.
 
-import inspect
-from collections.abc import Iterator, Mapping
-from enum import EnumMeta
-from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
-from typing import Any, TypeGuard
+Machine code holds what was a global, a default, a constant when it was made, as it was loaded.
+"""
+
+import builtins
+import dis
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from enum import Enum, EnumMeta
+from functools import partial
+from hashlib import sha256
+from pkgutil import resolve_name
+from types import CodeType, EllipsisType, FunctionType, ModuleType, NoneType
+from typing import Any, ClassVar, TypeAlias, TypeGuard
 
 import numpy as np
 
-_FROZEN = (bool, int, float, complex, str, bytes, tuple, np.ndarray, np.generic, EnumMeta)
-"""What numba makes a constant of."""
+from mrsfi_runtime.engine.source_hash import is_library
+from mrsfi_runtime.errors import EvaluationError
+
+_PLAIN = (bool, int, float, complex, str, bytes, range, slice, NoneType, EllipsisType)
+_CODE = "argcount posonlyargcount kwonlyargcount flags code exceptiontable names varnames freevars"
 
 
-def kernel_functions(module: ModuleType) -> list[FunctionType]:
-    """Return the kernel functions of a module, and all that they call in whatever file."""
-    found: dict[FunctionType, None] = {}
-    waiting = [value for value in vars(module).values() if is_kernel(value)]
-    while waiting:
-        function = waiting.pop()
-        if function not in found:
-            found[function] = None
-            waiting += [value for _, value in _named(function) if is_kernel(value)]
-    return list(found)
+class CompilationError(EvaluationError):
+    """A region cannot be compiled; the message names file, line, region and reason."""
 
 
-def sources(module: ModuleType) -> list[Path]:
-    """Return the file of a module, and those of all kernel functions that it reaches."""
-    files = {inspect.getfile(function) for function in kernel_functions(module)}
-    return sorted(Path(file) for file in {*files, str(module.__file__)})
+_Write: TypeAlias = "Callable[[Reached, Any, frozenset[str]], str]"
 
 
-def constants(module: ModuleType) -> list[str]:
-    """Return what numba freezes into compiled code: numbers, texts, tuples, arrays from outside."""
-    return sorted(
-        {
-            f"{function.__module__}.{name} {_written(value)}"
-            for function in kernel_functions(module)
-            for name, value in _named(function)
-            if isinstance(value, _FROZEN)
-        }
-    )
+class _UnknownError(Exception):
+    """What was found has no text; nobody else sees this."""
 
 
 def is_kernel(value: object) -> TypeGuard[FunctionType]:
@@ -48,24 +40,134 @@ def is_kernel(value: object) -> TypeGuard[FunctionType]:
     return isinstance(value, FunctionType) and bool(getattr(value, "__kernel__", False))
 
 
-def _named(function: FunctionType) -> Iterator[tuple[str, Any]]:
-    """Yield what a function names, and what it may name of modules among it; and its defaults."""
-    names = [*_names(function.__code__)]
-    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
-    around = {name: cell.cell_contents for name, cell in cells}
-    scopes: list[tuple[str, Mapping[str, Any]]] = [("", {**function.__globals__, **around})]
-    seen = set()
-    for prefix, scope in scopes:  # which grows
-        for name in names:
-            if name not in scope:
-                continue
-            value = scope[name]
-            yield f"{prefix}{name}", value
-            if isinstance(value, ModuleType) and value not in seen:
-                seen.add(value)
-                scopes.append((f"{prefix}{name}.", vars(value)))
-    for place, value in enumerate(function.__defaults__ or ()):
-        yield f"{function.__name__}, default {place}", value
+class Reached:
+    """What some functions reach: ``functions`` of the kernel, each once, and ``text``.
+
+    The text holds all that machine code of them may hold; not of functions that others call, if it
+    is not deep. A CompilationError names what has no text, such as an object of a class.
+    """
+
+    def __init__(self, functions: Sequence[Callable[..., Any]], *, is_deep: bool = True) -> None:
+        self._is_deep = is_deep
+        self.functions: list[FunctionType] = []
+        self._numbers: dict[Any, int] = {}
+        self._kept: list[Any] = []  # a number of what is gone would be given to another
+        self.text = self._all(functions, frozenset())
+
+    def _all(self, values: Any, names: frozenset[str]) -> str:
+        return f"[{', '.join(self._of(value, names) for value in values)}]"
+
+    def _of(self, value: Any, names: frozenset[str]) -> str:
+        """Return a text that no other value has; of a module, that of what has such a name."""
+        kind = type(value)
+        if kind in _PLAIN:
+            return f"{kind.__name__} {value!r}"
+        for kinds, write in self._written:
+            if isinstance(value, kinds):
+                return f"{kind.__module__}.{kind.__qualname__} {write(self, value, names)}"
+        if hasattr(value, "py_func"):  # compiled by numba, by whomever
+            return f"{kind} {value.targetoptions} {self._once(value.py_func, names, Reached._deep)}"
+        return _named(value)
+
+    def _once(self, value: Any, names: frozenset[str], write: _Write) -> str:
+        """Return the text of what may reach itself; from the second time on a number."""
+        key = (id(value), names if isinstance(value, ModuleType) else None)
+        if key in self._numbers:
+            return f"#{self._numbers[key]}"
+        self._numbers[key] = len(self._numbers)
+        self._kept.append(value)
+        return write(self, value, names)
+
+    def _function(self, function: FunctionType, names: frozenset[str]) -> str:
+        """Return the text of a function; what is not marked is not compiled."""
+        if is_kernel(function) and self.functions and not self._is_deep:
+            return str(id(function))
+        if is_kernel(function):
+            return self._once(function, names, Reached._deep)
+        return f"{function.__module__}.{function.__qualname__} {self._code(function.__code__)}"
+
+    def _deep(self, function: FunctionType, _: frozenset[str]) -> str:
+        self.functions.append(function)
+        names = frozenset(_names(function.__code__))
+        read = {name: vars(builtins)[name] for name in names if hasattr(builtins, name)}
+        read |= {n: function.__globals__[n] for n in names if n in function.__globals__}
+        cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+        with suppress(ValueError):  # nothing in it yet
+            read |= {name: cell.cell_contents for name, cell in cells}
+        read |= {f"default {n}": value for n, value in enumerate(function.__defaults__ or ())}
+        read |= {f"default {n}": value for n, value in (function.__kwdefaults__ or {}).items()}
+        read |= {f".{name}": value for name, value in vars(function).items()}
+        texts = [
+            f"{name}: {self._read(function, name, read[name], names)}" for name in sorted(read)
+        ]
+        return f"{self._code(function.__code__)} {{{', '.join(texts)}}}"
+
+    def _read(self, function: FunctionType, name: str, value: Any, names: frozenset[str]) -> str:
+        try:
+            return self._of(value, names)
+        except _UnknownError as error:
+            if not _loads(function.__code__, name):  # a field of a record has the same name
+                return "unknown"
+            code = function.__code__
+            raise CompilationError(
+                f"{code.co_filename}:{code.co_firstlineno}: {function.__name__} cannot be "
+                f"compiled: it reads {error} by the name '{name}', whose change would not be "
+                "seen; expected numbers, texts, tuples, arrays, enums, or functions marked @kernel"
+            ) from None
+
+    def _code(self, code: CodeType, _: frozenset[str] = frozenset()) -> str:
+        """Return the text of a function's code, without what file and line it stands in."""
+        parts = [repr(getattr(code, f"co_{name}")) for name in _CODE.split()]
+        return f"{' '.join(parts)} {self._all(code.co_consts, frozenset())}"
+
+    def _module(self, module: ModuleType, names: frozenset[str]) -> str:
+        known = vars(module)
+        texts = (f"{name}: {self._of(known[name], names)}" for name in sorted(names & known.keys()))
+        return f"{module.__name__} {{{', '.join(texts)}}}"
+
+    def _array(self, array: Any, _: frozenset[str]) -> str:
+        if array.dtype.hasobject or type(array) is np.ma.MaskedArray:
+            raise _UnknownError(f"an array of {array.dtype}")
+        content = sha256(array.tobytes()).hexdigest()
+        return f"{array.dtype!r} {array.shape} {array.strides} {content}"
+
+    def _class(self, kind: type, names: frozenset[str]) -> str:
+        """Return the name of a class, and what numba knows of one: members or fields."""
+        if type(kind).__module__.startswith("numba"):
+            raise _UnknownError(f"the compiled class {kind.__qualname__}")
+        known: Any = kind
+        content: Any = [getattr(kind, "_fields", ()), getattr(kind, "_field_defaults", {})]
+        if isinstance(kind, EnumMeta):
+            content = [(name, member.value) for name, member in known.__members__.items()]
+        return f"{kind.__module__}.{kind.__qualname__} {self._all(content, names)}"
+
+    _written: ClassVar[Sequence[tuple[Any, _Write]]] = (
+        (Enum, lambda self, each, names: self._all((type(each), each.name, each.value), names)),
+        (tuple, lambda self, each, names: self._all((*getattr(each, "_fields", ()), *each), names)),
+        (list, partial(_once, write=_all)),
+        (dict, partial(_once, write=lambda self, each, names: self._all(each.items(), names))),
+        (set | frozenset, lambda self, each, names: str(sorted(self._of(x, names) for x in each))),
+        (np.ndarray | np.generic, _array),
+        (np.dtype, lambda _self, each, _names: repr(each)),
+        (CodeType, _code),
+        (FunctionType, _function),
+        (ModuleType, partial(_once, write=_module)),
+        (type, partial(_once, write=_class)),
+    )
+    """How the values of some kinds are written; what may come to itself again, but once."""
+
+
+def _named(value: Any) -> str:
+    """Return the name by which a library has a value."""
+    module, name = getattr(value, "__module__", None), getattr(value, "__qualname__", None)
+    file = getattr(sys.modules.get(module or ""), "__file__", None)
+    is_found = False
+    if module in sys.builtin_module_names or (file is not None and is_library(file)):
+        with suppress(ImportError, AttributeError):
+            is_found = resolve_name(f"{module}:{name or value.__name__}") is value
+    if not is_found:
+        raise _UnknownError(f"an object of {type(value).__module__}.{type(value).__qualname__}")
+    return f"{module}.{name}"
 
 
 def _names(code: CodeType) -> Iterator[str]:
@@ -76,8 +178,11 @@ def _names(code: CodeType) -> Iterator[str]:
             yield from _names(inner)
 
 
-def _written(value: Any) -> str:
-    if isinstance(value, EnumMeta):
-        return repr([*value])
-    content = getattr(value, "tobytes", None)  # texts of long arrays leave numbers out
-    return repr(value) if content is None else f"{value.dtype} {value.shape} {content().hex()}"
+def _loads(code: CodeType, name: str) -> bool:
+    """Return whether a function reads a name that is no attribute; defaults are always read."""
+    inner = [each for each in code.co_consts if isinstance(each, CodeType)]
+    is_read = any(
+        each.argval == name and each.opname in ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_DEREF")
+        for each in dis.get_instructions(code)
+    )
+    return name.startswith("default ") or is_read or any(_loads(each, name) for each in inner)

@@ -1,82 +1,125 @@
-"""Remembers beside compiled code what the reference engine showed of it."""
+"""Holds compiled flights to those of the reference engine, before anything relies on them.
 
-import os
-import sys
-from contextlib import suppress
-from hashlib import sha256
-from pathlib import Path
+Every process does so, on as many first ticks as the time allows, with every fault of the pool at
+work: what compiles to something else mostly does so at once.
+"""
 
-from mrsfi_runtime.engine.source_hash import installed, source_hash, team_files
-from mrsfi_runtime.mission import NOTHING_LOADED, MissionCode
+from collections.abc import Callable, Iterator, Sequence
+from time import process_time
+from typing import Any
 
-FLIES = "flies"
-"""Said of a mission that flew without faults on plain Python."""
+import numpy as np
 
-SAME = "same"
-"""Said of compiled code whose flights were, bit for bit, those of the reference engine."""
+from mrsfi_runtime.engine.compiled.layout import packed
+from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.recording import SIDES, VERDICTS, Recording
+from mrsfi_runtime.errors import EvaluationError, MrsfiError
+from mrsfi_runtime.kernel.flight import Verdicts
+from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
+from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.targets import conflicts
 
+SECONDS, SECONDS_OF_NEW = 0.05, 1.0
+"""How long the reference engine flies in every process, and in the one that compiled."""
 
-class SelfCheck:
-    """Empty files beside the compiled code of a mission, named after all that such a word hangs on.
+_WINDOWS = ((0, 7), (16, None))
+"""First and last ticks at which a fault acts; ``None`` is the mission's last."""
 
-    Parameters
-    ----------
-    folder
-        Where the code is cached.
-    code, seed
-        The mission.
+_HINT = (
+    "look for what compiles but differs (`mrsfi validate` warns of it), or use --engine reference"
+)
 
-    Notes
-    -----
-    These are the machine code; the generated files, mission, pool and seed; all modules of the team
-    that are loaded; mrsfi, Python, the installed libraries and the machine. If any of them changes,
-    or the file is lost, nothing is known; nor is it while a module may be another than its file.
-    """
-
-    def __init__(self, folder: Path, code: MissionCode, seed: int) -> None:
-        self._folder = folder
-        self._code = code
-        self._seed = seed
-        self._sources = self._source_digest()
-
-    def is_known(self, word: str) -> bool:
-        """Return whether something was remembered of this very code."""
-        path = self._path(word)
-        return path is not None and path.is_file()
-
-    def remember(self, word: str) -> None:
-        """Remember something, unless a file was edited or loaded since, or none can be written."""
-        path = self._path(word)
-        if path is not None and self._source_digest() == self._sources:
-            with suppress(OSError):
-                path.touch()
-
-    def _path(self, word: str) -> Path | None:
-        """Return the file; ``None`` if numba keeps machine code elsewhere, or none can be told."""
-        machine_code = sorted(self._folder.glob("__pycache__/*.nbc"))
-        digest = _digest(machine_code)
-        if not machine_code or digest is None or self._sources is None:
-            return None
-        return self._folder / f"{word}_{self._sources}_{digest}"
-
-    def _source_digest(self) -> str | None:
-        """Return a digest of all but the machine code."""
-        team = team_files()
-        if any(path.stat().st_mtime > NOTHING_LOADED for path in team if path.exists()):
-            return None  # edited perhaps after it was loaded
-        generated = sorted(self._code.directory.glob("*.py"))
-        values = (self._code.mission, self._code.pool, self._seed, len(generated))
-        machine = (source_hash(), sys.version, installed(), tuple(os.uname()))
-        return _digest([*generated, *team], repr((values, machine)))
+Record = Callable[[Specification, int], Recording | None]
+"""Flies compiled, and returns the first ticks; ``None`` if that failed and is not relied on."""
 
 
-def _digest(paths: list[Path], text: str = "") -> str | None:
-    """Return a digest of files, by their names, and of a text; ``None`` if one cannot be read."""
-    digest = sha256(text.encode())
+def trials(
+    mission: Mission, pool: FaultPool, fits: Callable[[Specification], bool]
+) -> list[Specification]:
+    """Return specifications with all faults of a pool, as many in each as may act at once."""
+    others, last = conflicts(mission, pool), mission.duration - 1
+    flown: list[Specification] = [()]
+    for fault in pool:
+        windows = [(a, last if b is None else min(b, last)) for a, b in _WINDOWS if a <= last]
+        timed = tuple(TimedFault(fault.id, *window, fault.values) for window in windows)
+        timed = timed if fits(timed) else timed[:1]
+        for k, before in enumerate(flown):
+            if others[fault.id].isdisjoint(each.fault for each in before) and fits(before + timed):
+                flown[k] += timed
+                break
+        else:
+            flown.append(timed)
+    return flown
+
+
+def require_same(
+    reference: Engine, record: Record, flown: Sequence[Specification], seconds: float
+) -> None:
+    """Refuse compiled flights that differ: an EvaluationError says where, and in which region."""
+    for specification in flown:
+        seen, failure = _seen(reference, specification, process_time() + seconds / len(flown))
+        recording = record(specification, len(seen))
+        if recording is None:
+            continue
+        for tick, (expected, found) in enumerate(zip(seen, _moments(recording), strict=True)):
+            if expected != found:
+                what = _difference(reference.code.mission, recording[0], expected, found)
+                acting = [one.fault for one in specification if one.start <= tick <= one.finish]
+                where, under = reference.code.directory, ", ".join(acting) or "no fault"
+                raise EvaluationError(f"{where}: {what} at tick {tick} under {under}; {_HINT}")
+        if failure is not None:
+            raise EvaluationError(f"{failure}; compiled, it does not fail: {_HINT}") from failure
+
+
+class _EnoughError(MrsfiError):
+    """Ends a flight of which enough was seen."""
+
+
+def _seen(
+    reference: Engine, specification: Specification, ends: float
+) -> tuple[list[list[Any]], EvaluationError | None]:
+    """Return as many ticks as there is time for, two at least, and how the flight failed if so."""
+    seen: list[list[Any]] = []
+
+    def observe(world: State, belief: State, verdicts: Verdicts) -> None:
+        judged = [list(getattr(verdicts, name)) for name in VERDICTS]
+        seen.append([*judged, state_bytes(world), state_bytes(belief)])
+        if len(seen) > 1 and process_time() > ends:
+            raise _EnoughError
+
     try:
-        for path in paths:
-            content = path.read_bytes()
-            digest.update(f"\n{path.name} {len(content)}\n".encode() + content)
-    except OSError:
-        return None
-    return digest.hexdigest()[:24]
+        reference.evaluate(specification, observer=observe)
+    except _EnoughError:
+        return seen, None
+    except EvaluationError as error:
+        return seen, error
+    return seen, None
+
+
+def _moments(recording: Recording) -> Iterator[list[Any]]:
+    """Yield every tick as ``_seen`` has it."""
+    columns = [recording[name].tolist() for name in VERDICTS]
+    sides = [[bytes(row) for row in packed(recording[side])] for side in SIDES]
+    return map(list, zip(*columns, *sides, strict=True))
+
+
+def _difference(
+    mission: Mission, moment: Any, expected: Sequence[Any], found: Sequence[Any]
+) -> str:
+    """Return in words what differs first of a tick, and in which region to look."""
+    pairs = zip((*VERDICTS, *SIDES), expected, found, strict=True)
+    name, left, right = next(pair for pair in pairs if pair[1] != pair[2])
+    places = [f"{name} of goal '{goal.id}' (region '{goal.id}.check')" for goal in mission.goals]
+    if name in SIDES:
+        left, right = np.frombuffer(left), np.frombuffer(right)
+        places = [
+            f"{column} of {name}.{listed}[{index}] (a reaction or an effect)"
+            for listed, columns in COLUMNS.items()
+            for index in range(len(moment[name][listed]))
+            for column in columns
+        ] + ["what goals remember"] * len(left)
+    differing = (each for each in zip(places, left, right, strict=False) if each[1] != each[2])
+    place, a, b = next(differing, ("what goals remember", "something", "nothing"))
+    return f"compiled, {place} is {b}; the reference engine has {a}"

@@ -1,0 +1,109 @@
+"""Where compiled missions are kept: in a folder that is this user's alone, each entry sealed.
+
+Whoever loads what numba keeps runs what it holds. So nothing is read from a folder that others may
+write to, nor from an entry that is not, byte for byte, what was sealed.
+"""
+
+import atexit
+import fcntl
+import logging
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from hashlib import sha256
+from pathlib import Path
+from tempfile import mkdtemp
+
+from mrsfi_runtime.engine.compiled.reach import CompilationError
+
+N_KEPT = 64
+"""Compiled missions that the cache keeps; one takes about 2 MB."""
+
+
+def cache_folder() -> Path:
+    """Return ``MRSFI_CACHE``, else the user's cache folder, or tell the user of another one."""
+    users = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    folder = Path(os.environ.get("MRSFI_CACHE") or Path(users, "mrsfi"))
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        why = _distrusted(folder)
+    except OSError as error:
+        why = "it is no folder" if folder.exists() else error.strerror or str(error)
+    return temporary(folder, why) if why else folder
+
+
+def _distrusted(folder: Path) -> str:
+    """Return why nothing is to be kept in a folder; empty if it is this user's alone."""
+    about = folder.stat()
+    if about.st_uid != os.getuid():
+        return f"it belongs to user {about.st_uid}, expected {os.getuid()}"
+    if about.st_mode & 0o022:
+        return f"others may write to it (mode {about.st_mode & 0o777:o}, expected 700)"
+    return "" if os.access(folder, os.W_OK | os.X_OK) else "it cannot be written to"
+
+
+def temporary(folder: Path, why: str) -> Path:
+    """Return a folder for this process and those that it starts, in the place of another."""
+    try:
+        own = mkdtemp(prefix="mrsfi_")
+    except OSError as error:
+        raise CompilationError(f"{folder}: cannot keep compiled code: {why}; {error}") from error
+    atexit.register(shutil.rmtree, own, ignore_errors=True)
+    os.environ["MRSFI_CACHE"] = own
+    remedy = "it is lost when this command ends; make it yours (chmod 700) or set MRSFI_CACHE"
+    told = "warning: %s: compiled code is not kept there: %s; %s"
+    logging.getLogger(__name__).warning(told, folder, why, remedy)
+    return Path(own)
+
+
+def is_sound(entry: Path) -> bool:
+    """Return whether an entry is as it was sealed."""
+    try:
+        return (entry / "seal").read_text(encoding="ascii") == _digest(entry)
+    except (OSError, ValueError):
+        return False
+
+
+@contextmanager
+def sealing(entry: Path) -> Iterator[None]:
+    """Let one process at a time work in an entry: empty unless it is sound, sealed by the end."""
+    _make_room(entry)
+    if entry.is_symlink() or entry.is_file():
+        entry.unlink()
+    entry.mkdir(mode=0o700, exist_ok=True)
+    with (entry / "lock").open("w") as file:
+        with suppress(OSError):  # a file system without locks: then each compiles for itself
+            fcntl.flock(file, fcntl.LOCK_EX)
+        if not is_sound(entry):
+            empty(entry)
+        yield
+        if not is_sound(entry):
+            (entry / "seal").write_text(_digest(entry), encoding="ascii")
+
+
+def empty(entry: Path) -> None:
+    """Remove what an entry holds."""
+    for path in _content(entry):
+        path.unlink(missing_ok=True)
+
+
+def _content(entry: Path) -> list[Path]:
+    found = sorted(path for path in entry.rglob("*") if not path.is_dir())
+    return [path for path in found if path.name not in ("seal", "lock")]
+
+
+def _digest(entry: Path) -> str:
+    digest = sha256()
+    for path in _content(entry):
+        content = path.read_bytes()
+        digest.update(f"{path.relative_to(entry)} {len(content)}\n".encode() + content)
+    return digest.hexdigest()
+
+
+def _make_room(new: Path) -> None:
+    """Remove the oldest compiled missions but for one less than are kept; who uses one has it."""
+    if not new.exists():
+        known = [(path.stat().st_mtime, path.parent) for path in new.parent.glob("*/flight.py")]
+        for _, entry in sorted(known, reverse=True)[N_KEPT - 1 :]:
+            shutil.rmtree(entry, ignore_errors=True)
