@@ -6,12 +6,15 @@
 ``make test-all``      --tier rest    what is marked slow, and laws on more examples: of
                                       what is drawn, the third whose turn it is
 ``make test-night``    --tier night   the same, all of it
+``.ci/run``            --tier due     what is never left to a night, and that third; for
+                                      rooms that ``make test`` leaves out
 ====================== ============== =================================================
 
 A test that belongs to the rest is marked ``@slow``. One that takes seeds takes ``seeds(…)``,
 and leaves all but the first few of them to the rest; one that is slow for each of its values
-takes ``in_turn(…)``. Laws of hypothesis are multiplied by tier. Whose turn it is follows from
-the date of the commit, so that three days run all of it and one commit always the same.
+takes ``in_turn(…)``, and what draws inside of a test asks ``is_due(…)``. Laws of hypothesis are
+multiplied by tier. Whose turn it is follows from the date of the commit, so that three days run
+all of it and one commit always the same.
 """
 
 import subprocess
@@ -100,6 +103,7 @@ TIERS = {
     "test": Tier((), 100, takes_slow=False, takes_fast=True),
     "rest": Tier((), 400, takes_slow=True, takes_fast=False, takes_turns=True),
     "night": Tier((), 400, takes_slow=True, takes_fast=False),
+    "due": Tier((), 100, takes_slow=True, takes_fast=True, takes_turns=True),
     "all": Tier((), 100, takes_slow=True, takes_fast=True),
 }
 
@@ -112,11 +116,18 @@ def seeds(values: Iterable[Any], n_fast: int = N_SEEDS) -> list[Any]:
     return values[:n_fast] + in_turn(values[n_fast:])
 
 
-def in_turn(values: Iterable[Any]) -> list[Any]:
-    """Return the values of a parameter, all slow, a third of which ``make test-all`` takes."""
+def in_turn(values: Iterable[Any], first: int = 0) -> list[Any]:
+    """Return the values of a parameter, all slow, each with a turn, one after the other."""
     return [
-        pytest.param(value, marks=(slow, pytest.mark.turn(k))) for k, value in enumerate(values)
+        pytest.param(value, marks=(slow, pytest.mark.turn(k)))
+        for k, value in enumerate(values, first)
     ]
+
+
+def is_due(place: int) -> bool:
+    """Return whether a place among what has turns inside of a test is due in the tier that runs."""
+    takes_turns = TIERS[settings.get_current_profile_name()].takes_turns
+    return not takes_turns or place % N_TURNS == turn()
 
 
 def n_examples(stated: int) -> int:

@@ -48,10 +48,10 @@ class Item:
 @pytest.mark.parametrize(
     ("test", "tiers"),
     [
-        (adds, {"quick", "test", "all"}),
-        (kills, {"rest", "night", "all"}),
-        (draws, {"rest", "night", "all"}),
-        (holds, {"quick", "test", "rest", "night", "all"}),
+        (adds, {"quick", "test", "due", "all"}),
+        (kills, {"rest", "night", "due", "all"}),
+        (draws, {"rest", "night", "due", "all"}),
+        (holds, {"quick", "test", "rest", "night", "due", "all"}),
     ],
 )
 def test_a_test_runs_in_its_tiers(test, tiers):
@@ -73,9 +73,9 @@ def test_what_make_test_leaves_out_make_test_all_runs():
 def test_what_has_turns_is_left_on_all_days_but_one_and_never_at_night(test, n_days):
     days = range(N_TURNS)
 
-    assert sum(not TIERS["rest"].leaves(Item(test), day) for day in days) == n_days
-    for name in TIERS.keys() - {"rest"}:
-        assert not any(TIERS[name].leaves(Item(test), day) for day in days)
+    for name, tier in TIERS.items():
+        n_taken = sum(not tier.leaves(Item(test), day) for day in days)
+        assert n_taken == (n_days if name in ("rest", "due") else N_TURNS), name
 
 
 def test_seeds_beyond_the_first_are_slow_and_have_turns():
