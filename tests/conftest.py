@@ -36,6 +36,7 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.register_profile(name, settings(), max_examples=TIERS[name].examples, deadline=None)
     settings.load_profile(name)
     config.addinivalue_line("markers", "slow: left to make test-all")
+    config.addinivalue_line("markers", "early: begins before all others, for it takes longest")
     config.addinivalue_line("markers", "turn: which of its days make test-all takes it")
     config.pluginmanager.register(Timing())
     config.stash[_LEFT] = Counter()
@@ -62,7 +63,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     config.stash[_LEFT].update(item.nodeid.partition("::")[0] for item in others)
     kept = {*taken}
     config.hook.pytest_deselected(items=[item for item in items if item not in kept])
-    items[:] = taken
+    items[:] = sorted(taken, key=lambda item: item.get_closest_marker("early") is None)
 
 
 @pytest.hookimpl(wrapper=True)

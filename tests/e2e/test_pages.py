@@ -84,6 +84,7 @@ def environment(tree):
 
 
 @slow
+@pytest.mark.early
 def test_every_console_prints_what_stands_there(tree, environment):
     for page in (page for k, page in enumerate(RUN) if k == 0 or is_due(k)):
         ran = [*run_page(at_free_ports(PAGES[page]), Terminal(tree, environment))]
@@ -93,6 +94,7 @@ def test_every_console_prints_what_stands_there(tree, environment):
 
 
 @slow
+@pytest.mark.early
 def test_what_takes_hours_runs_in_minutes_as_it_stands_but_for_its_size(tree, environment):
     place = count()
 
