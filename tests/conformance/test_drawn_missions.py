@@ -38,12 +38,6 @@ MANY = {
 """Shape, the longest mission in ticks, and how many missions are drawn."""
 
 
-@pytest.fixture(autouse=True)
-def cache(tmp_path, monkeypatch):
-    """Compile into a folder of its own: so many missions would drive others' out of the shared."""
-    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path / "cache"))
-
-
 class Watch:
     """Observer that keeps every field of belief and truth, and all verdicts, at every tick."""
 
