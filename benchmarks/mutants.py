@@ -40,7 +40,8 @@ TIERS = ("quick", "test", "rest")
 ROOMS = {
     "model": """
         unit/model disk/test_mission.py model/test_specification.py model/test_fault_meaning.py
-        golden/test_flights.py conformance/test_fault_types.py
+        golden/test_flights.py conformance/test_fault_types.py unit/search/test_bounds.py
+        unit/search/test_fitness.py unit/search/test_minimise.py unit/record unit/analysis
     """,
     "engine": """
         unit/engine disk/engine conformance/test_compiled.py conformance/test_region_lint.py
