@@ -19,15 +19,14 @@ RUN = (
     "docs/bags.md",
     "docs/gallery.md",
     "docs/causes.md",
-    "docs/regressions.md",
     "docs/compare.md",
+    "docs/regressions.md",
     "docs/bridge.md",
-    "docs/bus.md",
-    "docs/workers.md",
     "examples/own_search/README.md",
-    "examples/warehouse/README.md",
+    "docs/workers.md",
+    "docs/bus.md",
 )
-"""Pages in the order in which they are run: what README finds, others look at, in turn."""
+"""Pages in the order in which they are run: what README finds, others look at, each in its turn."""
 
 ELSEWHERE = {
     "README.md": "tests/integration/test_documentation.py",
@@ -39,6 +38,7 @@ ELSEWHERE = {
     "docs/projects.md": "tests/e2e/test_project.py",
     "docs/tutorial.md": "tests/release/test_release.py",
     "examples/mujoco_simulator/README.md": "tests/interop/test_second_simulator.py",
+    "examples/warehouse/README.md": "tests/e2e/test_warehouse.py",
 }
 """What runs, or holds to the code, blocks that are run neither in order nor shortened."""
 
