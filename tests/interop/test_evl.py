@@ -64,6 +64,8 @@ _RECORDED = " and ".join(
     )
 )
 """Which of them: those of models."""
+pytestmark = pytest.mark.early
+
 TURN = 0
 """When they are run once more, to be recorded, and their models judged."""
 
