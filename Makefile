@@ -10,6 +10,7 @@ OUT ?=
 RESUME ?=
 WORKERS ?=
 PYTHON ?=
+TIER ?= all
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -41,7 +42,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report regressions quick test test-all interop release check docs site clean
+.PHONY: help install generate validate simulate evolve report regressions quick test test-all test-night interop release check docs site clean
 
 help: ## print this list
 	@echo "Targets:"
@@ -80,18 +81,22 @@ quick: $(DEV) ## run the units and laws of the tests, in less than a minute
 test: $(DEV) generate ## run the tests, in some minutes
 	$(PYTEST) $(OURS) --tier test
 
-test-all: $(DEV) generate ## run what make test leaves out: more seeds, kills, thousands of sockets
+test-all: $(DEV) generate ## run what make test leaves out: kills, sockets, of more seeds today's third
 	$(PYTEST) $(OURS) --tier rest
+
+test-night: $(DEV) generate ## run make test-all with all seeds, then make interop and make release
+	$(PYTEST) $(OURS) --tier night
+	$(MAKE) interop release
 
 interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, Chromium
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples]"
-	$(PYTEST) --dist loadfile --tier all tests/interop
+	$(PYTEST) --dist loadfile --no-loadscope-reorder --tier $(TIER) tests/interop
 
 release: $(DEV) ## build sdist and wheel into dist/, and run the tutorial from the wheel in clean environments
 	rm -rf dist
 	$(BIN)/python -m build --outdir dist .
 	$(BIN)/python -m twine check --strict dist/*
-	$(PYTEST) --tier all tests/release
+	$(PYTEST) --tier $(TIER) tests/release
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
 	$(BIN)/ruff format --check .

@@ -6,6 +6,9 @@ returned, or a statement that is gone. The tiers run on it one after the other, 
 until a test of one fails: that tier has killed it. What was judged stands in the file, one line
 of JSON each; the same command again goes on where it was stopped. Tests that fail in the copy
 without any mutation are left out, and named.
+
+``--room record`` changes that room alone, and judges by its own tests of ``make test``, cheapest
+first, which takes some seconds a mutant: with the same seed, a commit is compared with another.
 """
 
 import argparse
@@ -33,6 +36,39 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PRODUCT = ("m2t", "src")
 TIERS = ("quick", "test", "rest")
+
+ROOMS = {
+    "model": """
+        unit/model disk/test_mission.py model/test_specification.py model/test_fault_meaning.py
+        golden/test_flights.py conformance/test_fault_types.py unit/search/test_bounds.py
+        unit/search/test_fitness.py unit/search/test_minimise.py unit/record unit/analysis
+    """,
+    "engine": """
+        unit/engine disk/engine conformance/test_compiled.py conformance/test_region_lint.py
+        conformance/test_engines.py
+    """,
+    "hosting": """
+        unit/hosting unit/transport integration/test_lost_sides.py
+        integration/test_reordering_server.py integration/test_rosbridge.py
+    """,
+    "record": "unit/record disk/record integration/record e2e/test_replay_and_report.py",
+    "search": """
+        unit/search disk/search conformance/test_algorithms.py conformance/test_own_search.py
+    """,
+    "causes": "unit/causes disk/record/test_causes.py integration/causes e2e/test_explain.py",
+    "m2t": "unit/m2t disk/m2t model integration/test_generation.py",
+    "mrsfi": """
+        unit/mrsfi e2e/test_mission_folders.py e2e/test_project.py e2e/test_rename.py
+        e2e/test_keep_and_check.py e2e/test_validate_and_generate.py e2e/test_api.py
+        e2e/test_fix.py e2e/test_new.py
+    """,
+    "cli": """
+        unit/cli e2e/test_command_help.py e2e/test_validate_and_generate.py e2e/test_simulate.py
+        e2e/test_keep_and_check.py e2e/test_rename.py e2e/test_replay_and_report.py
+        e2e/test_explain.py e2e/test_evolve.py
+    """,
+}
+"""The tests that judge a room, below ``tests``, cheapest first."""
 
 _COMPARISONS = {
     ast.Eq: ast.NotEq, ast.NotEq: ast.Eq, ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE,
@@ -341,6 +377,16 @@ def tell(record: Record, wanted: list[Mutant], tiers: list[str]) -> None:
             print(f"  lives: {mutant}")
 
 
+def of_room(arguments: argparse.Namespace) -> None:
+    """Set what is mutated, by which tests that are here it is judged, and where that is kept."""
+    room = arguments.room
+    arguments.only = {"m2t": "m2t/", "mrsfi": "src/mrsfi/"}.get(room, f"src/mrsfi_runtime/{room}/")
+    named = [f"tests/{test}" for test in ROOMS[room].split()]
+    arguments.tests = [test for test in named if (ROOT / test).exists()]
+    arguments.tiers = "test"
+    arguments.out = arguments.out or ROOT / "runs" / f"mutants-{room}.jsonl"
+
+
 def main() -> None:
     """Judge mutants as the command line says."""
     parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
@@ -348,16 +394,19 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tiers", default=",".join(TIERS), help="cheapest first")
     parser.add_argument("--only", default="", help="text in the path of what is mutated")
+    parser.add_argument("--room", choices=ROOMS, help="a room alone, judged by its own tests")
     parser.add_argument("--tests", nargs="*", default=[], help="judge by these paths alone")
     parser.add_argument("--jobs", type=int, default=2, help="how many at a time")
     parser.add_argument(
         "--patience", type=float, default=3.0, help="how much longer a mutant may take than none"
     )
-    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "mutants.jsonl")
+    parser.add_argument("--out", type=Path)
     arguments = parser.parse_args()
+    if arguments.room:
+        of_room(arguments)
     arguments.tiers = arguments.tiers.split(",")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # ends what runs, as Ctrl-C does
-    record = Record(arguments.out)
+    record = Record(arguments.out or ROOT / "runs" / "mutants.jsonl")
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         wanted = measure(arguments, record, Path(folder))
     tell(record, wanted, arguments.tiers)

@@ -3,16 +3,28 @@
 ====================== ============== =================================================
 ``make quick``         --tier quick   units and laws, the rooms of ``QUICK``
 ``make test``          --tier test    all but what is marked slow; also without --tier
-``make test-all``      --tier rest    what is marked slow, and each law on more examples
+``make test-all``      --tier rest    what is marked slow, and laws on more examples: of
+                                      what is drawn, the third whose turn it is
+``make test-night``    --tier night   the same, all of it
+``.ci/run``            --tier due     what is never left to a night, and that third; for
+                                      rooms that ``make test`` leaves out
 ====================== ============== =================================================
 
 A test that belongs to the rest is marked ``@slow``. One that takes seeds takes ``seeds(…)``,
-and leaves all but the first few of them to the rest. Laws of hypothesis are multiplied by tier.
+and leaves all but the first few of them to the rest; one that is slow for each of its values
+takes ``in_turn(…)``, and what draws inside of a test asks ``is_due(…)``. Laws of hypothesis are
+multiplied by tier. Whose turn it is follows from the date of the commit, so that three days run
+all of it and one commit always the same.
 """
 
+import subprocess
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from datetime import date
+from functools import cache
+from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import pytest
 from hypothesis import settings
@@ -25,6 +37,26 @@ FILELESS = ("golden", "property", "unit")
 
 N_SEEDS = 3
 """Seeds of each seeded test in ``make test``; the others follow in ``make test-all``."""
+
+N_TURNS = 3
+"""Days after which every seed, value and law had its turn in ``make test-all``."""
+
+
+@cache
+def turn() -> int:
+    """Return whose turn it is: it follows from the date of the commit, today's without git."""
+    try:
+        told = subprocess.run(
+            ["git", "log", "-1", "--format=%cs"],
+            cwd=Path(__file__).parent,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.strip()
+        day = date.fromisoformat(told)
+    except (OSError, subprocess.CalledProcessError, ValueError):
+        day = date.today()
+    return day.toordinal() % N_TURNS
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,24 +71,39 @@ class Tier:
         Share of the examples of a law, in per cent of those that it states.
     takes_slow, takes_fast
         Whether tests belong to it that are marked slow, and those that are not.
+    takes_turns
+        Whether what has turns belongs to it only in its turn.
     """
 
     rooms: tuple[str, ...]
     examples: int
     takes_slow: bool
     takes_fast: bool
+    takes_turns: bool = False
 
     def takes(self, item: pytest.Item) -> bool:
         """Return whether a test belongs to the tier; laws belong to every one."""
         is_slow = item.get_closest_marker("slow") is not None
-        is_law = hasattr(getattr(item, "obj", None), "hypothesis")
-        return self.takes_slow if is_slow else self.takes_fast or is_law
+        return self.takes_slow if is_slow else self.takes_fast or _is_law(item)
+
+    def leaves(self, item: pytest.Item, today: int) -> bool:
+        """Return whether a test that belongs to the tier has its turn on another day."""
+        turns = [mark.args[0] for mark in item.iter_markers("turn")]
+        if _is_law(item):
+            turns.append(crc32(item.nodeid.encode()))
+        return self.takes_turns and bool(turns) and sum(turns) % N_TURNS != today
+
+
+def _is_law(item: pytest.Item) -> bool:
+    return hasattr(getattr(item, "obj", None), "hypothesis")
 
 
 TIERS = {
     "quick": Tier(QUICK, 30, takes_slow=False, takes_fast=True),
     "test": Tier((), 100, takes_slow=False, takes_fast=True),
-    "rest": Tier((), 400, takes_slow=True, takes_fast=False),
+    "rest": Tier((), 400, takes_slow=True, takes_fast=False, takes_turns=True),
+    "night": Tier((), 400, takes_slow=True, takes_fast=False),
+    "due": Tier((), 100, takes_slow=True, takes_fast=True, takes_turns=True),
     "all": Tier((), 100, takes_slow=True, takes_fast=True),
 }
 
@@ -64,10 +111,23 @@ slow = pytest.mark.slow
 
 
 def seeds(values: Iterable[Any], n_fast: int = N_SEEDS) -> list[Any]:
-    """Return the values of a parameter, all but the first few of them slow."""
+    """Return the values of a parameter, all but the first few of them slow, and in turn."""
+    values = list(values)
+    return values[:n_fast] + in_turn(values[n_fast:])
+
+
+def in_turn(values: Iterable[Any], first: int = 0) -> list[Any]:
+    """Return the values of a parameter, all slow, each with a turn, one after the other."""
     return [
-        value if k < n_fast else pytest.param(value, marks=slow) for k, value in enumerate(values)
+        pytest.param(value, marks=(slow, pytest.mark.turn(k)))
+        for k, value in enumerate(values, first)
     ]
+
+
+def is_due(place: int) -> bool:
+    """Return whether a place among what has turns inside of a test is due in the tier that runs."""
+    takes_turns = TIERS[settings.get_current_profile_name()].takes_turns
+    return not takes_turns or place % N_TURNS == turn()
 
 
 def n_examples(stated: int) -> int:

@@ -24,7 +24,7 @@ from tests.support.models.shapes import (
     shape,
     write,
 )
-from tests.tiers import slow
+from tests.tiers import in_turn, slow
 
 N_SPECIFICATIONS = 10
 FEW = {
@@ -141,8 +141,7 @@ def test_some_drawn_missions_fly_alike(tmp_path_factory, name):
     fly_alike(tmp_path_factory, of, longest, n_missions=1)
 
 
-@slow
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize("name", in_turn(FEW))
 def test_drawn_missions_of_few_robots_fly_alike(tmp_path_factory, name):
     """Draws 90 missions, and 900 specifications, and flies each fault alone beside.
 
@@ -156,8 +155,7 @@ def test_drawn_missions_of_few_robots_fly_alike(tmp_path_factory, name):
     assert all(coverage.changed[kind] for kind in FAULT_TYPES)
 
 
-@slow
-@pytest.mark.parametrize("name", MANY)
+@pytest.mark.parametrize("name", in_turn(MANY, len(FEW)))
 def test_drawn_missions_of_many_robots_fly_alike(tmp_path_factory, name):
     """Draws 12 missions, and 120 specifications; most fault types and half the goals matter."""
     coverage = fly_alike(tmp_path_factory, *MANY[name])

@@ -10,7 +10,7 @@ from mrsfi_runtime.engine.region_names import NAMES
 from tests.conformance.regions import outcomes
 from tests.support import lint_cases
 from tests.support.lint_cases import named, written
-from tests.tiers import seeds, slow
+from tests.tiers import in_turn, seeds
 
 DIFFERENT = lint_cases.DIFFERENT + [
     case for case in lint_cases.CALLS if NAMES[case.name].does_compile
@@ -42,8 +42,7 @@ def test_what_is_said_not_to_compile_does_not(tmp_path, case):
         list(outcomes(tmp_path, 1))
 
 
-@slow
-@pytest.mark.parametrize("case", **named(lint_cases.ALIKE))
+@pytest.mark.parametrize("case", in_turn(lint_cases.ALIKE), ids=attrgetter("name"))
 def test_what_is_not_warned_of_is_alike(tmp_path, case):
     written(tmp_path, case)
 

@@ -4,7 +4,7 @@ import pytest
 
 from tests.recipes.performed import RECIPES, perform
 from tests.recipes.tree import ENGINES
-from tests.tiers import slow
+from tests.tiers import in_turn
 
 N_EDITED = {
     "fault type": 1,
@@ -16,8 +16,7 @@ N_EDITED = {
 }
 
 
-@slow
-@pytest.mark.parametrize("name", RECIPES)
+@pytest.mark.parametrize("name", in_turn(RECIPES))
 def test_a_recipe_edits_few_files_and_flies_alike_on_both_engines(name, tmp_path):
     done = perform(name, tmp_path / "tree")
 

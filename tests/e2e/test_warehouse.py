@@ -1,5 +1,6 @@
 """The example of six robots, eleven goals and all nine tasks, and what commands make of it."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -42,7 +43,7 @@ def flown(tmp_path_factory):
     folder = tmp_path_factory.mktemp("warehouse")
     done = subprocess.run(
         [sys.executable, str(SCRIPT), str(folder)],
-        env={"PYTHONPATH": str(ROOT), "MRSFI_CACHE": str(folder / "cache"), "PATH": ""},
+        env={"PYTHONPATH": str(ROOT), "MRSFI_CACHE": os.environ["MRSFI_CACHE"], "PATH": ""},
         capture_output=True,
         text=True,
         check=False,

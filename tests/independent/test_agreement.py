@@ -29,7 +29,7 @@ from tests.support.models.shapes import draw_mission, draw_pool, draw_specificat
 from tests.support.own_metamodels import add_fault_type, add_faults, meaning, parameter
 from tests.support.tree import ROOT
 from tests.support.world import specification
-from tests.tiers import seeds, slow
+from tests.tiers import in_turn, seeds, slow
 
 HARBOUR = Path(__file__).parent / "harbour"
 """A mission with all tasks and odd robots, and a pool of all types with odd targets."""
@@ -75,9 +75,7 @@ def test_missions_without_faults_fly_alike(twins):
 
 
 @slow
-@pytest.mark.parametrize(
-    "twins", [SHORT[0], *(pytest.param(name, marks=slow) for name in MISSIONS[1:])], indirect=True
-)
+@pytest.mark.parametrize("twins", [SHORT[0], *in_turn(MISSIONS[1:])], indirect=True)
 def test_each_fault_alone_flies_alike(twins):
     n_ticks = twins.code.mission.duration
     for fault in twins.code.pool:

@@ -29,7 +29,7 @@ from tests.support.rosbridge import (
     reference_digests,
     specification,
 )
-from tests.tiers import slow
+from tests.tiers import in_turn, slow
 
 PATIENCE = Patience(tick=3.0, handshake=10.0)
 SHORT = code_of("tight_margins", 60)
@@ -63,7 +63,7 @@ def engine(code, **options):
 @slow
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])
 @pytest.mark.parametrize("client", FEW_CLIENTS)
-@pytest.mark.parametrize("seeds", [range(2), pytest.param(range(20), marks=slow)], ids=len)
+@pytest.mark.parametrize("seeds", [range(2), *in_turn([range(7), range(7, 14), range(14, 20)])])
 def test_random_specifications_of_the_paper_s_mission_fly_as_in_process(seeds, client, is_bundled):
     flown = digests_apart(client, "uuv_sampling", 1000, seeds, is_bundled=is_bundled)
 

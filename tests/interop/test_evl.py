@@ -38,6 +38,7 @@ from tests.support.broken_models import BROKEN, Broken
 from tests.support.models.copies import FAULTS, MISSION, MODELS, copy_models, edit
 from tests.support.models.random_models import draw
 from tests.support.models.split import PARTS, Parts, split_folder, write_split
+from tests.tiers import is_due
 
 Recording: TypeAlias = tuple[subprocess.Popen[str], Path]
 
@@ -63,12 +64,20 @@ _RECORDED = " and ".join(
     )
 )
 """Which of them: those of models."""
+pytestmark = pytest.mark.early
+
+TURN = 0
+"""When they are run once more, to be recorded, and their models judged."""
+
 _BROKEN_TWINS = [entry for entry in BROKEN if entry.constraint in TWINS]
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Recording]:
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Recording | None]:
     """The tests that judge models, while they run, and where each of their models is recorded."""
+    if not is_due(TURN):
+        yield None
+        return
     folder = tmp_path_factory.mktemp("recorded")
     with _recording(folder) as process:
         yield process, folder
@@ -76,7 +85,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Recording]:
 
 @pytest.fixture(scope="module")
 def models(
-    recording: Recording, tmp_path_factory: pytest.TempPathFactory
+    recording: Recording | None, tmp_path_factory: pytest.TempPathFactory
 ) -> Mapping[str, list[Judged]]:
     """Models made here, by part, judged by both at once: Java needs time to warm up."""
     made = {
@@ -92,8 +101,10 @@ def models(
 
 
 @pytest.fixture(scope="module")
-def recorded_models(recording: Recording) -> list[Judged]:
-    """Models of the test suite, judged by both."""
+def recorded_models(recording: Recording | None) -> list[Judged]:
+    """Models of the test suite, judged by both; none on other days than theirs."""
+    if recording is None:
+        return []
     process, folder = recording
     output, _ = process.communicate()
     # Tests that fail are reported where they belong; their models count all the same.
@@ -130,6 +141,7 @@ def test_both_find_the_same_in_randomly_mutated_models(models, note):
     assert len(found) >= len(TWINS) * 0.85
 
 
+@pytest.mark.turn(TURN)
 def test_both_find_the_same_in_every_model_of_the_test_suite(recorded_models, note):
     found = require_same_findings("models of the test suite", recorded_models, note)
 

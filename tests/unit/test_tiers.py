@@ -1,4 +1,4 @@
-"""Tiers leave no test out: what one does not run, another does."""
+"""Tiers leave no test out: what one does not run, another does, today or on another day."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.tiers import TIERS, seeds, slow
+from tests.tiers import N_TURNS, TIERS, in_turn, seeds, slow
 
 
 @slow
@@ -23,21 +23,35 @@ def adds():
     pass
 
 
-@dataclass
+@slow
+@pytest.mark.turn(4)
+def draws():
+    pass
+
+
+@dataclass(frozen=True)
 class Item:
     obj: object
 
-    def get_closest_marker(self, name):
+    @property
+    def nodeid(self):
+        return self.obj.__name__
+
+    def iter_markers(self, name):
         marks = getattr(self.obj, "pytestmark", [])
-        return next((mark for mark in marks if mark.name == name), None)
+        return (mark for mark in marks if mark.name == name)
+
+    def get_closest_marker(self, name):
+        return next(self.iter_markers(name), None)
 
 
 @pytest.mark.parametrize(
     ("test", "tiers"),
     [
-        (adds, {"quick", "test", "all"}),
-        (kills, {"rest", "all"}),
-        (holds, {"quick", "test", "rest", "all"}),
+        (adds, {"quick", "test", "due", "all"}),
+        (kills, {"rest", "night", "due", "all"}),
+        (draws, {"rest", "night", "due", "all"}),
+        (holds, {"quick", "test", "rest", "night", "due", "all"}),
     ],
 )
 def test_a_test_runs_in_its_tiers(test, tiers):
@@ -47,17 +61,30 @@ def test_a_test_runs_in_its_tiers(test, tiers):
 def test_what_make_test_leaves_out_make_test_all_runs():
     fast, rest, every = (TIERS[name] for name in ("test", "rest", "all"))
 
-    for test in (adds, kills, holds):
+    for test in (adds, kills, draws, holds):
         assert every.takes(Item(test))
         assert fast.takes(Item(test)) or rest.takes(Item(test))
     assert fast.rooms == rest.rooms == ()
 
 
-def test_seeds_beyond_the_first_are_slow():
-    first, second, third = seeds("abc", 1)
+@pytest.mark.parametrize(
+    ("test", "n_days"), [(adds, N_TURNS), (kills, N_TURNS), (draws, 1), (holds, 1)]
+)
+def test_what_has_turns_is_left_on_all_days_but_one_and_never_at_night(test, n_days):
+    days = range(N_TURNS)
+
+    for name, tier in TIERS.items():
+        n_taken = sum(not tier.leaves(Item(test), day) for day in days)
+        assert n_taken == (n_days if name in ("rest", "due") else N_TURNS), name
+
+
+def test_seeds_beyond_the_first_are_slow_and_have_turns():
+    first, *others = seeds("abc", 1)
 
     assert first == "a"
-    assert [(param.values, param.marks) for param in (second, third)] == [
-        (("b",), (slow,)),
-        (("c",), (slow,)),
+    assert others == in_turn("bc")
+    assert [(param.values, [mark.name for mark in param.marks]) for param in others] == [
+        (("b",), ["slow", "turn"]),
+        (("c",), ["slow", "turn"]),
     ]
+    assert [param.marks[1].args for param in others] == [(0,), (1,)]
