@@ -23,7 +23,7 @@ from mrsfi_runtime.errors import UsageError
 
 JOURNAL = ".mrsfi-change"
 _WHOLE = "whole"
-_PATIENCE = 10.0
+_PATIENCE = 30.0
 """Seconds that a command waits for another one."""
 
 
