@@ -64,7 +64,7 @@ class MissionFolders:
 
 
 def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
-    """Return the folders of a mission; what a command that was killed left there is settled first.
+    """Return the folders of a mission.
 
     Parameters
     ----------
@@ -79,9 +79,7 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
         If there is no such mission.
     """
     for models in _places(mission):
-        folders = folders_at(models, generated)
-        settle(models, folders.generated)
-        return folders
+        return folders_at(models, generated)
     place = project().models
     known = sorted(path.parent.name for path in place.glob(f"*/{MISSION_FILE}"))
     what = f"the path of a folder that holds {MISSION_FILE}, or the name of one in {place}/:"
@@ -89,9 +87,14 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
 
 
 def folders_at(models: Path, generated: Path | None = None) -> MissionFolders:
-    """Return the folders of the mission whose models are, or were, in a folder."""
+    """Return the folders of the mission whose models are, or were, in a folder.
+
+    What a command that was killed left there is settled first.
+    """
     folder = models.resolve()
-    return MissionFolders(folder.name, models, generated or _generated(folder))
+    folders = MissionFolders(folder.name, models, generated or _generated(folder))
+    settle(models, folders.generated)
+    return folders
 
 
 def is_mission(mission: str) -> bool:

@@ -21,7 +21,10 @@ from typing import IO, Any, TextIO
 
 from mrsfi_runtime.errors import UsageError
 
-JOURNAL = ".mrsfi-change"
+OURS = ".mrsfi-"
+"""Part of the names of all files that are there only while something changes."""
+
+JOURNAL = f"{OURS}change"
 _WHOLE = "whole"
 _PATIENCE = 30.0
 """Seconds that a command waits for another one."""
@@ -55,7 +58,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 def _replacing(path: Path) -> Iterator[IO[bytes]]:
     """Open a file that takes the place of another one, through a symbolic link, at the end."""
     target = path.resolve()
-    new = target.with_name(f".{os.getpid()}-{target.name[:200]}.mrsfi-new")
+    new = target.with_name(f".{os.getpid()}-{target.name[:200]}{OURS}new")
     try:
         with new.open("wb") as file:
             yield file
@@ -150,7 +153,7 @@ class Change:
         new, entries = {}, []
         for number, (path, content) in enumerate(contents.items()):
             target = path.resolve() if content is not None else path.parent.resolve() / path.name
-            staged = target.with_name(f".{os.getpid()}-{number}.mrsfi-new")
+            staged = target.with_name(f".{os.getpid()}-{number}{OURS}new")
             entry = [os.path.relpath(each, self._root) for each in (target, staged)]
             with telling(path, "nothing is changed"):
                 entries.append((*entry, _time(target), content is None))

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Self
 
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.files import keep_names
+from mrsfi_runtime.files import OURS, keep_names
 from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 
 
@@ -57,8 +57,8 @@ class CampaignFolder:
             for source, target in ((models_folder, self.model), (generated_folder, self.generated)):
                 shutil.rmtree(target, ignore_errors=True)
                 target.mkdir()
-                files = [path for path in sorted(source.iterdir()) if path.is_file()]
-                _copy_files({path.name: path for path in files}, target)
+                found = [path for path in sorted(source.iterdir()) if path.is_file()]
+                _copy_files({path.name: path for path in found if OURS not in path.name}, target)
             (self.generated / IMPORTED).mkdir()
             _copy_files(imported, self.generated / IMPORTED)
 

@@ -10,7 +10,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.kernel.injections import FaultShapes, plan_rows
 from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.targets import require_no_overlap
+from mrsfi_runtime.model.gate import Gate
 from tests.support.world import paper_code
 
 SEED = 3
@@ -30,7 +30,7 @@ def test_every_fault_of_the_pool_acts_at_once_or_in_turns():
     flown = trials(code.mission, code.pool, fits)
 
     for each in flown:
-        require_no_overlap(code.mission, code.pool, each)
+        assert Gate(code.mission, code.pool).admitted(each) == each
         assert {timed.fault for timed in each if timed.start == 0} == {one.fault for one in each}
         assert any(timed.finish == code.mission.duration - 1 for timed in each)
     assert {timed.fault for each in flown for timed in each} == set(code.pool.by_id)
@@ -47,7 +47,7 @@ def test_what_does_not_fit_into_one_flight_flies_in_another(duration, room):
     assert {timed.fault for each in flown for timed in each} == set(code.pool.by_id)
     for each in flown:
         assert len(each) <= room
-        require_no_overlap(mission, code.pool, each)
+        assert Gate(mission, code.pool).admitted(each) == each
         assert all(timed.finish < duration for timed in each)
 
 
