@@ -5,6 +5,7 @@ from operator import attrgetter
 
 import pytest
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
+from numpy._core._multiarray_umath import __cpu_features__ as cpu_features
 
 from mrsfi_runtime.engine.region_names import NAMES
 from tests.conformance.regions import outcomes
@@ -23,6 +24,14 @@ NOT_COMPILED = (
 ERRORS = (NumbaError, UnsupportedBytecodeError, NotImplementedError, AssertionError, ValueError)
 
 
+WIDE = {
+    *("numpy.arccos", "numpy.arcsin", "numpy.arctan", "numpy.arctan2", "numpy.tan"),
+    *("numpy.arcsinh", "numpy.arctanh", "numpy.cosh", "numpy.sinh", "numpy.cbrt", "numpy.power"),
+    *("numpy.exp", "numpy.exp2", "numpy.expm1", "numpy.log10", "numpy.log1p"),
+}
+"""Functions that numpy works out otherwise on processors with AVX-512, and as numba elsewhere."""
+
+
 def _is_different(folder):
     return any(python != compiled for python, compiled in outcomes(folder))
 
@@ -31,7 +40,8 @@ def _is_different(folder):
 def test_what_is_warned_of_compiles_and_differs(tmp_path, case):
     written(tmp_path, case)
 
-    assert _is_different(tmp_path)
+    is_alike_here = case.name in WIDE and not cpu_features.get("AVX512_SKX")
+    assert _is_different(tmp_path) != is_alike_here
 
 
 @pytest.mark.parametrize("case", **named(NOT_COMPILED))
