@@ -50,7 +50,7 @@ def test_a_region_that_nothing_stops_ends_the_command(small, monkeypatch):
 
     done = mrsfi_process("simulate", NAME, cwd=place, expected=6)
 
-    where, _, said = done.stderr.partition(": mission ")
+    where, _, said = done.stderr.partition(": the mission ")
     number = int(where.rpartition(":")[2])
     assert line <= number <= line + 4
     assert "got no further for 0.5 s; if it needs longer, set MRSFI_TIME_LIMIT" in said

@@ -93,7 +93,7 @@ def test_settings_that_mean_nothing_are_refused_with_their_file(team, text, mess
 def test_a_mission_that_there_is_not_is_sought_where_the_settings_say(team):
     done = mrsfi("validate", "nowhere", cwd=team, expected=2)
 
-    assert f"the name of a folder in src/missions/ ({MISSION})" in done.stderr
+    assert f"the name of one in src/missions/: {MISSION}" in done.stderr
 
 
 PAYLOAD = (

@@ -60,12 +60,14 @@ def test_a_forged_digest_ends_with_7(campaign, tmp_path):
     mrsfi("replay", campaign, "--evaluation", "1", cwd=tmp_path)
 
 
-def test_an_edited_copy_of_the_code_ends_with_7(campaign, tmp_path):
+def test_an_edited_copy_of_the_code_ends_with_9_and_is_named(campaign, tmp_path):
     edit(
         campaign / "generated" / "mission_loader.py", "samples_per_second=5", "samples_per_second=9"
     )
 
-    mrsfi("replay", campaign, cwd=tmp_path, expected=7)
+    error = mrsfi("replay", campaign, cwd=tmp_path, expected=9).stderr
+
+    assert "copy of mission_loader.py is another one" in error
 
 
 def test_report_takes_the_latest_campaign_writes_the_same_bytes_and_picks_by_ratio(

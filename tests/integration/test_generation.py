@@ -19,6 +19,7 @@ from mrsfi_runtime.api import (
     Track,
     Visit,
 )
+from mrsfi_runtime.errors import ProtocolError
 from mrsfi_runtime.hosting.world import initial_state as true_state
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code, pool_from_text
@@ -243,7 +244,7 @@ def test_reset_forgets_what_was_received(sides):
 
     interface.reset()
 
-    with pytest.raises(KeyError, match="/r1/speed"):
+    with pytest.raises(ProtocolError, match="/r1/speed"):
         interface.read(initial_state(code.mission, 99))
 
 
