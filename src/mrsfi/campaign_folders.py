@@ -11,7 +11,7 @@ from m2t.generate import fault_loader_text, mission_loader_text
 from m2t.load import load_mission_folder
 from mrsfi.engines import Tell, silent
 from mrsfi.folders import MISSION_FILE, MissionFolders, find_mission
-from mrsfi.project import project, root
+from mrsfi.project import from_here, project, root
 from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.findings import Finding, find_findings
@@ -149,7 +149,9 @@ def _edited(folder: CampaignFolder) -> Iterator[str]:
 def mission_of(campaign: OpenCampaign) -> MissionFolders:
     """Return where the mission of a campaign lies in the project that the working folder is in."""
     manifest = campaign.store.manifest
-    place = str(root() / manifest.place) if manifest.place else manifest.mission
+    place = (
+        str(from_here((root() / manifest.place).resolve())) if manifest.place else manifest.mission
+    )
     folders = find_mission(place)
     if manifest.sha256.get(MISSION_FILE) != hashes(folders.models).get(MISSION_FILE):
         found = mission_from_text(mission_loader_text(load_mission_folder(folders.models)))

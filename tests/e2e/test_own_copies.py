@@ -137,7 +137,7 @@ def test_a_mission_given_by_path_is_found_where_it_lies(place, models):
         with pytest.raises(UsageError, match=f"{models}/{NAME}"):
             mission_of(campaign)
 
-    assert found.models == there / NAME
+    assert (place / "runs" / found.models).resolve() == there / NAME
     assert named == f"../{models}/{NAME}"
 
 
