@@ -45,8 +45,10 @@ class Judged:
 
     @property
     def ours(self) -> Mapping[Finding, int]:
+        """What we find, without what may have been meant, which is ours alone to say."""
         return _counted(
-            (found.constraint, found.severity, found.message) for found in self.diagnostics
+            (found.constraint, found.severity, _MEANT.sub("", found.message))
+            for found in self.diagnostics
         )
 
     @property
@@ -67,6 +69,7 @@ class Judged:
         }
 
 
+_MEANT = re.compile(r"; did you mean '[^']*'\?")
 _PLACES = re.compile(rb' xsi:schemaLocation="[^"]*"')
 _DROPPED = re.compile(r" refers to '[^'#/]*:[^'#/]*' as ")
 
