@@ -36,13 +36,27 @@ def test_a_worker_that_gets_no_further_ends_the_evaluation(tmp_path):
 @slow
 @pytest.mark.usefixtures("limited")
 def test_machine_code_that_gets_no_further_is_given_up(tmp_path):
-    code = load_code(edited(tmp_path, "g1.check", FOREVER))
+    in_the_end = FOREVER.replace("is_wrong", "is_wrong and ci.mission.tick > 600")
+    code = load_code(edited(tmp_path, "g1.check", in_the_end))
+    late = (TimedFault("f9", 700, 750, (0.0, 0.0, 0.0)),)
 
     with closing(EngineSettings(COMPILED).open(code, 1, 2)) as engine:
-        with pytest.raises(WorkerLost, match=r"compiled, .* at tick 5: .* tells the line"):
-            list(engine.evaluate_many([(), MOVED]))
+        with pytest.raises(WorkerLost, match=r"compiled, .* at tick [67]\d\d: .* tells the line"):
+            list(engine.evaluate_many([(), late]))
         with pytest.raises(WorkerLost):
-            engine.record(MOVED)
+            engine.record(late)
+
+
+@slow
+@pytest.mark.usefixtures("limited")
+def test_a_region_that_gets_no_further_is_named_before_machine_code_is_relied_on(tmp_path):
+    code = load_code(edited(tmp_path, "g1.check", FOREVER))
+
+    with (
+        closing(EngineSettings(COMPILED).open(code, 1)) as engine,
+        pytest.raises(WorkerLost, match=r":\d+: the mission failed at tick 0: TimeLimitReached"),
+    ):
+        engine.evaluate(())
 
 
 @slow

@@ -12,7 +12,15 @@ from enum import Enum, EnumMeta
 from functools import partial
 from hashlib import sha256
 from pkgutil import resolve_name
-from types import CodeType, EllipsisType, FunctionType, ModuleType, NoneType
+from types import (
+    BuiltinMethodType,
+    CodeType,
+    EllipsisType,
+    FunctionType,
+    MethodType,
+    ModuleType,
+    NoneType,
+)
 from typing import Any, ClassVar, TypeAlias, TypeGuard
 
 import numpy as np
@@ -159,6 +167,9 @@ class Reached:
 
 def _named(value: Any) -> str:
     """Return the name by which a library has a value."""
+    is_bound = isinstance(value, BuiltinMethodType | MethodType)
+    if is_bound and not isinstance(value.__self__, ModuleType | NoneType):
+        return f"{_named(type(value.__self__))}.{value.__name__}"  # such as random.random
     module, name = getattr(value, "__module__", None), getattr(value, "__qualname__", None)
     file = getattr(sys.modules.get(module or ""), "__file__", None)
     is_found = False

@@ -13,7 +13,7 @@ import numpy as np
 from mrsfi_runtime.engine.compiled.layout import packed
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import SIDES, VERDICTS, Recording
-from mrsfi_runtime.errors import EvaluationError, MrsfiError
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, WorkerLost
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.kernel.state import State
@@ -93,6 +93,8 @@ def _seen(
         reference.evaluate(specification, observer=observe)
     except _EnoughError:
         return seen, None
+    except WorkerLost:  # it got no further, which is no result
+        raise
     except EvaluationError as error:
         return seen, error
     return seen, None
