@@ -122,7 +122,8 @@ def _performed(console: str, folder: Path, *codes: int) -> str:
             edit(folder / words[2], found, replaced)
         elif program == "git":
             assert words[0] == "restore"
-            shutil.copytree(ROOT / words[1], folder / words[1], dirs_exist_ok=True)
+            lock = shutil.ignore_patterns("*.mrsfi-*")
+            shutil.copytree(ROOT / words[1], folder / words[1], ignore=lock, dirs_exist_ok=True)
         else:
             done = run_mrsfi(*words, cwd=folder, expected=next(exits))
             text += done.stderr + done.stdout

@@ -178,7 +178,7 @@ def _using(
 ) -> tuple[Path, tuple[object, ...]]:
     """Return a copy of the models with the addition wherever there is room, and its values."""
     models = folder / "models" / MISSION
-    shutil.copytree(ROOT / "models" / MISSION, models)
+    shutil.copytree(ROOT / "models" / MISSION, models, ignore=shutil.ignore_patterns("*.mrsfi-*"))
     loaded = load_mission_folder(models)
     package = loaded.mission.eClass.ePackage, loaded.faults.eClass.ePackage
     kind = next((found for each in package if (found := each.getEClassifier(KIND))), None)

@@ -15,7 +15,7 @@ from tests.support.tree import ROOT
 
 PARTS = ("m2t", "metamodels", "models", "generated", "src", "tests", "pyproject.toml")
 ENGINES = ("reference", "compiled")
-LEFT_OUT = shutil.ignore_patterns("__pycache__", ".*")
+LEFT_OUT = shutil.ignore_patterns("*.mrsfi-*", "__pycache__", ".*")
 
 
 class Tree:

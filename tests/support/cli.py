@@ -119,7 +119,7 @@ def workspace(folder: Path, mission: str = MISSION) -> Path:
         shutil.copytree(
             ROOT / name / mission,
             folder / name / mission,
-            ignore=shutil.ignore_patterns("__pycache__"),
+            ignore=shutil.ignore_patterns("__pycache__", "*.mrsfi-*"),
         )
     return folder
 

@@ -29,7 +29,8 @@ BARE = (_HERE / "bare.xmi").read_text(encoding="ascii")
 
 def copy_models(folder: Path) -> Path:
     """Return a copy of the paper's mission folder under its own name."""
-    return Path(shutil.copytree(MODELS, folder / "models" / "uuv_sampling"))
+    copy = folder / "models" / "uuv_sampling"
+    return Path(shutil.copytree(MODELS, copy, ignore=shutil.ignore_patterns("*.mrsfi-*")))
 
 
 def write_mission(folder: Path, name: str, mission: str) -> Path:
