@@ -9,9 +9,8 @@ from functools import partial
 from hashlib import sha256
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from time import time
 from types import CodeType, ModuleType
-from typing import Any, Final
+from typing import Any
 from zlib import crc32
 
 from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError, WorkerLost
@@ -24,9 +23,6 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.semantics_of_code import require_semantics
 from mrsfi_runtime.transport.topics import Topic
 from mrsfi_runtime.unfilled import require_filled
-
-NOTHING_LOADED: Final = time()
-"""When this process had loaded no code of a mission yet, and no module that such code imports."""
 
 
 @dataclass(frozen=True)
