@@ -155,7 +155,7 @@ def test_a_worker_that_joins_late_takes_over_from_one_that_died(tmp_path, specif
 
 @slow
 def test_a_chunk_that_kills_its_workers_is_an_evaluation_error(tmp_path, specifications):
-    body = "    import os\n\n    os._exit(1)\n"
+    body = "    import os\n    import signal\n\n    os.kill(os.getpid(), signal.SIGKILL)\n"
     folder = edited(tmp_path, "energy.check", body, MISSION)
 
     with scheduler(tmp_path / "dask", 1, is_quick=True) as place, Cluster(place.address) as cluster:
