@@ -81,14 +81,12 @@ def test_no_id_and_no_number_of_a_table_is_cut(place, monkeypatch):
         ("check", NAME): kept,
         ("report", CAMPAIGN): {fault for fault in cause if not fault.isdecimal()},
     }
-    for columns in ("80", "100", "200", ""):
-        monkeypatch.setenv("COLUMNS", columns)
-        for command, words in expected.items():
-            if command[0] != "report" or columns == "80":  # it draws for a long time
-                told = mrsfi(*command, cwd=place).stdout
-                assert words, command
-                assert words <= {*told.split()}, (columns, command)
-                assert "…" not in told, (columns, command)
+    monkeypatch.setenv("COLUMNS", "80")
+    for command, words in expected.items():
+        told = mrsfi(*command, cwd=place).stdout
+        assert words, command
+        assert words <= {*told.split()}, command
+        assert "…" not in told, command
 
 
 def test_all_robots_get_other_ids_at_once_and_nothing_else_changes(place):

@@ -89,6 +89,8 @@ class CompiledEngine(Engine):
         flown = trials(self.code.mission, self.code.pool, self._fits)
         try:
             self._require_same(flown)
+        except WorkerLost:  # code that gets no further is no difference
+            raise
         except EvaluationError:
             if self._fly_many.is_new:
                 raise
