@@ -10,6 +10,7 @@ from mrsfi.engines import recorded_engine
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.analysis.summary import N_TOP
+from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.causes.recorded import record_causes
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.imported_files import imported_files
@@ -26,7 +27,7 @@ from mrsfi_runtime.search.space import SearchSpace
 
 def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
     """Refuse settings that make no sense for a mission, and a pool that cannot be searched."""
-    require_settings(settings, code.mission)
+    require_settings(settings, code.mission, algorithms=ALGORITHMS)
     SearchSpace.of(code.mission, code.pool)
 
 
@@ -67,6 +68,7 @@ def search(
         store,
         progress,
         replicas=replicas,
+        algorithms=ALGORITHMS,
     )
 
 

@@ -23,6 +23,7 @@ import sys
 from contextlib import nullcontext
 from hashlib import sha256
 from pathlib import Path
+from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.outcome import Outcome
@@ -53,7 +54,7 @@ with only_writer(folder), CampaignStore.open(folder.path) as store:
     with {pool} as pool:
         evaluate_many = {evaluate_many}
         print("ready", flush=True)
-        run_campaign(settings, code.mission, code.pool, counted, store{more})
+        run_campaign(settings, code.mission, code.pool, counted, store, algorithms=ALGORITHMS{more})
 print(evaluated)
 """
 

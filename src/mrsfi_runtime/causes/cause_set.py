@@ -9,7 +9,7 @@ stays 1-minimal, and takes fewer trials, without trying parts alone.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
@@ -59,7 +59,13 @@ class Question:
         lead to another set.
         """
         places = range(len(self.specification)) if order is None else order
-        return tuple(sorted(_minimum(tuple(places), self.is_kept_by)))
+        trials = reduction(tuple(places))
+        trial = next(trials)
+        while True:
+            try:
+                trial = trials.send(self.is_kept_by(trial))
+            except StopIteration as end:
+                return tuple(sorted(end.value))
 
     def minima(self) -> tuple[Places, ...]:
         """Return the different minima that shuffled orders lead to, as often ``N_ORDERS`` says."""
@@ -79,20 +85,20 @@ def without(specification: Specification, place: int) -> Specification:
     return (*specification[:place], *specification[place + 1 :])
 
 
-def _minimum(order: tuple[int, ...], is_kept: Callable[[Iterable[int]], bool]) -> tuple[int, ...]:
-    """Return a 1-minimal part of an order, of which all of it is kept.
+def reduction(order: tuple[int, ...]) -> Generator[tuple[int, ...], bool, tuple[int, ...]]:
+    """Yield parts of an order, be told which are kept, and return a 1-minimal one of those.
 
     Parts are left out, first halves, at last single faults, from the back to the front, so that
     of faults that do the same the earlier stay, until no single one can be.
     """
-    if is_kept(()):
+    if (yield ()):
         return ()
     left, size = order, (len(order) + 1) // 2
     while True:
         n_before = len(left)
         for last in range(n_before, 0, -size):
             rest = (*left[: max(0, last - size)], *left[last:])
-            if is_kept(rest):
+            if (yield rest):
                 left = rest
         if size == 1 and len(left) == n_before:
             return left

@@ -108,12 +108,12 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
 
     def __init__(self, mission: Mission, pool: FaultPool) -> None:
         super().__init__()
-        self._mission = mission
+        self.mission = mission
         self._pool = pool
 
     def __missing__(self, fault_id: str) -> tuple[FaultType, int, tuple[Target | str, ...]]:
         fault = self._pool[fault_id]
-        keys: tuple[Target | str, ...] = (fault_id, *touched(self._mission, fault))
+        keys: tuple[Target | str, ...] = (fault_id, *touched(self.mission, fault))
         parameters = fault.kind.parameters
         is_any = fault.kind.mode is not Mode.RANDOM and not any(p.is_integer for p in parameters)
         self[fault_id] = found = fault.kind, len(parameters) if is_any else -1, keys
@@ -151,7 +151,7 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
         """Return the error that two conflicting faults overlap."""
         others = {*self[second.fault][2]}
         shared = (key for key in self[first.fault][2] if key in others and not isinstance(key, str))
-        what = ", ".join(describe(self._mission, key) for key in shared) or "nothing"
+        what = ", ".join(describe(self.mission, key) for key in shared) or "nothing"
         return SpecificationError(
             f"faults '{first.fault}' ({first.start} … {first.finish}) and '{second.fault}' "
             f"({second.start} … {second.finish}) overlap and both touch {what}; "

@@ -27,8 +27,14 @@ ALGORITHM_NAMES = (
     "guided",
     "random",
     "drift",
+    "cover",
 )
 """The algorithms of ours and of DEAP, as a campaign file names them."""
+
+COVERING = "cover"
+"""The one that knows neither populations nor generations."""
+
+_ENOUGH = 909  # evaluations, if that algorithm is not told
 
 MINIMISING = ("nsga2", "guided")
 """Those that keep a front, and so can minimise one thing beside many violations."""
@@ -150,6 +156,10 @@ class CampaignSettings:
         values = _checked(table, f"{source}: [search]")
         given = {key: value for key, value in overrides.items() if value is not None}
         values |= _checked(given, "option")
+        if values.get("algorithm") == COVERING:
+            named = ("option", given) if "algorithm" in given else (source, table)
+            _require_no_generations(*named)
+            values = {"evaluations": _ENOUGH} | values
         return cls(**values, source=source, options=frozenset(given))
 
     @classmethod
@@ -259,6 +269,16 @@ def _checked(table: Mapping[str, object], where: str) -> dict[str, Any]:
         rule = _RULES[key]
         values[key] = _kept(rule, f"{where} {key}", value)
     return values
+
+
+def _require_no_generations(where: str, table: Mapping[str, object]) -> None:
+    """Refuse what makes no sense beside the algorithm that covers, where that is named."""
+    for key in ("population", "generations"):
+        if key in table:
+            raise UsageError(
+                f"{where}: found {key} with algorithm '{COVERING}', which has none; expected "
+                "evaluations"
+            )
 
 
 def _kept(rule: _Rule, where: str, value: object) -> Any:

@@ -276,15 +276,19 @@ ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(
         "drift": drift,
     }
 )
-"""Algorithms by their name in a campaign file, those of ``ALGORITHM_NAMES``."""
+"""Algorithms that vary and select, by their name in a campaign file."""
 
 
 _MADE_BY_TEAMS = ("algorithm", "selection", "crossover_operator", "mutation_operator")
 
 
-def begin_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
+def begin_search(
+    space: SearchSpace,
+    settings: CampaignSettings,
+    algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
+) -> Algorithm:
     """Begin the search that settings name; check what it makes if a team wrote a part of it."""
-    algorithm = chosen(settings, "algorithm", ALGORITHMS)(space, settings)
+    algorithm = chosen(settings, "algorithm", algorithms)(space, settings)
     named = {key: getattr(settings, key) for key in _MADE_BY_TEAMS}
     written = [f"{settings.where(key)} {name!r}" for key, name in named.items() if ":" in name]
     return _UserAlgorithm(algorithm, space, " or ".join(written)) if written else algorithm

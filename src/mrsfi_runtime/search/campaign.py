@@ -33,7 +33,7 @@ from mrsfi_runtime.search.fitness import (
     averaged,
 )
 from mrsfi_runtime.search.individuals import SELECTIONS
-from mrsfi_runtime.search.loop import GenerationSummary
+from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
 from mrsfi_runtime.search.resumable_record import (
     WORST_FITNESS,
     EvaluateMany,
@@ -76,10 +76,11 @@ def require_settings(
     settings: CampaignSettings,
     mission: Mission,
     fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
+    algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
 ) -> None:
     """Refuse settings that name what does not exist."""
     tables: dict[str, Mapping[str, object]] = {
-        "algorithm": ALGORITHMS,
+        "algorithm": algorithms,
         "selection": SELECTIONS,
         "crossover_operator": CROSSOVERS,
         "mutation_operator": MUTATIONS,
@@ -87,7 +88,7 @@ def require_settings(
     }
     for key, table in tables.items():
         chosen(settings, key, table)
-    if settings.minimise and settings.algorithm in ALGORITHMS.keys() - MINIMISING:
+    if settings.minimise and settings.algorithm in algorithms.keys() - MINIMISING:
         raise UsageError(
             f"{settings.where('minimise')}: found '{settings.minimise}' with algorithm "
             f"'{settings.algorithm}', which knows fitness alone; expected algorithm "
@@ -99,7 +100,7 @@ def require_settings(
             raise UsageError(f"{settings.where('goals')}: found '{goal}'; {known}")
 
 
-def run_campaign(  # noqa: PLR0913 - four of them have a default
+def run_campaign(  # noqa: PLR0913 - five of them have a default
     settings: CampaignSettings,
     mission: Mission,
     pool: FaultPool,
@@ -109,6 +110,7 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     *,
     replicas: Sequence[EvaluateMany] = (),
     fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
+    algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
     clock: Callable[[], float] = monotonic,
 ) -> None:
     """Run a search to its end and record every evaluation, but for those recorded already.
@@ -120,8 +122,8 @@ def run_campaign(  # noqa: PLR0913 - four of them have a default
     if len(replicas) != settings.replications - 1:
         raise ValueError(f"found {len(replicas)} replicas; expected {settings.replications - 1}")
     with importing(CampaignFolder(store.path.parent).generated):
-        require_settings(settings, mission, fitness_functions)
-        algorithm = begin_search(SearchSpace.of(mission, pool), settings)
+        require_settings(settings, mission, fitness_functions, algorithms)
+        algorithm = begin_search(SearchSpace.of(mission, pool), settings, algorithms)
         judge = Judge(settings, mission, fitness_functions)
     record = ResumableRecord(store, settings.source, clock)
     evaluators = (evaluate_many, *replicas)
@@ -227,8 +229,8 @@ class _Assessment:
 
     def _score(self, result: Evaluation) -> Score:
         if len(self._evaluators) == 1:
-            return Score(result.fitness[0], self._judge.goals(result.outcome))
-        return Score(result.fitness[0], result.fitness[1:])
+            return Score(result.fitness[0], self._judge.goals(result.outcome), result.outcome)
+        return Score(result.fitness[0], result.fitness[1:], result.outcome)
 
     def _require_same_score(self, result: Result, place: int) -> None:
         """Refuse a record whose fitness function was another one.

@@ -50,10 +50,13 @@ class Score(NamedTuple):
         Value of the fitness function; finite.
     goals
         Violations of each chosen goal, shape ``(n_chosen,)``.
+    outcome
+        All that the flight found, in the first mission seed; ``None`` if it failed.
     """
 
     fitness: float
     goals: tuple[float, ...]
+    outcome: Outcome | None = None
 
 
 FitnessFunction: TypeAlias = Callable[[Findings], float]

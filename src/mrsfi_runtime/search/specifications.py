@@ -5,11 +5,13 @@ References
 Source paper, section III-E a).
 """
 
+from collections.abc import Callable, Sequence
 from random import Random
 
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.space import SearchSpace, random_window
+from mrsfi_runtime.search.space import Candidate, SearchSpace, Window, random_window
+from mrsfi_runtime.search.variation import random_values
 
 
 def first_size(settings: CampaignSettings, rng: Random) -> int:
@@ -56,6 +58,45 @@ def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Spec
             placed.append(TimedFault(fault, start, finish, space.candidates[fault].values))
         else:
             candidates.remove(fault)
+    return space.ordered(placed)
+
+
+def varied_fault(space: SearchSpace, fault: str, free: Sequence[Window], rng: Random) -> TimedFault:
+    """Draw a form of a fault: of values that differ in kind, in a window as wide as any or random.
+
+    The values are the pool's, a landmark's, or any within the bounds, equally often.
+    """
+    candidate = space.candidates[fault]
+    values = rng.choice(_VALUES)(candidate, rng)
+    is_wide = rng.random() < 0.5
+    window = max(free, key=lambda each: each[1] - each[0]) if is_wide else random_window(free, rng)
+    return TimedFault(fault, *window, values)
+
+
+_VALUES: tuple[Callable[[Candidate, Random], tuple[float, ...]], ...] = (
+    lambda candidate, _: candidate.values,
+    lambda candidate, rng: rng.choice(candidate.landmarks),
+    lambda candidate, rng: random_values(candidate, candidate.values, rng),
+)
+
+
+def varied_specification(
+    space: SearchSpace,
+    n_faults: int,
+    rng: Random,
+    is_allowed: Callable[[frozenset[str]], bool],
+) -> Specification:
+    """Draw different faults of the pool, each in one of its forms, while a set of them is allowed.
+
+    Fewer than wanted come of it if no other one may join, or none has a free tick left.
+    """
+    placed: list[TimedFault] = []
+    for fault in rng.sample([*space.candidates], len(space.candidates)):
+        if len(placed) == n_faults:
+            break
+        free = space.free_windows(fault, placed)
+        if free and is_allowed(frozenset((fault, *(timed.fault for timed in placed)))):
+            placed.append(varied_fault(space, fault, free, rng))
     return space.ordered(placed)
 
 

@@ -48,14 +48,15 @@ def mutated(
         if rng.random() < share:
             free = space.free_windows(timed.fault, faults[:place] + faults[place + 1 :])
             start, finish = random_window(free, rng)
-            values = _random_values(space.candidates[timed.fault], timed.values, rng)
+            values = random_values(space.candidates[timed.fault], timed.values, rng)
             faults[place] = TimedFault(timed.fault, start, finish, values)
     return space.ordered(faults)
 
 
-def _random_values(
+def random_values(
     candidate: Candidate, values: tuple[float, ...], rng: Random
 ) -> tuple[float, ...]:
+    """Draw the values that evolve anew within their bounds; keep the others."""
     return tuple(
         _random_value(low, high, is_integer=is_integer, rng=rng) if low < high else value
         for value, (low, high), is_integer in zip(

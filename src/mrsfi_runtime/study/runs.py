@@ -9,6 +9,7 @@ from time import monotonic
 from typing import Any
 
 import mrsfi_runtime
+from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.imported_files import imported_files
 from mrsfi_runtime.errors import GenerationError, RecordError
 from mrsfi_runtime.imported_copies import IMPORTED
@@ -25,7 +26,7 @@ from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.run_results import RunResult, measure_run
 
 _VARIED = ("algorithm", "seed")
-_DECISIVE = ("model", "kernel", "hosting", "record", "search")
+_DECISIVE = ("model", "kernel", "hosting", "record", "search", "causes")
 """Rooms of mrsfi whose source decides what a search finds."""
 
 
@@ -173,7 +174,15 @@ def _flown(
     with folder.scratch() as place, CampaignStore.create(place, settings, Manifest()) as store:
         began = monotonic()
         first, *replicas = evaluators
-        run_campaign(settings, code.mission, code.pool, first, store, replicas=replicas)
+        run_campaign(
+            settings,
+            code.mission,
+            code.pool,
+            first,
+            store,
+            replicas=replicas,
+            algorithms=ALGORITHMS,
+        )
         seconds = monotonic() - began
         return measure_run(
             settings,

@@ -6,7 +6,7 @@ import pytest
 
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.record.settings import ALGORITHM_NAMES, CampaignSettings
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import Algorithm, GenerationSummary
@@ -33,10 +33,6 @@ def run(algorithm: Algorithm) -> tuple[list[list[Specification]], list[Generatio
         asked.append(algorithm.ask())
         summaries.append(algorithm.tell([score_of(s) for s in asked[-1]]))
     return asked, summaries
-
-
-def test_the_names_that_the_command_line_lists_are_those_of_the_algorithms():
-    assert tuple(ALGORITHMS) == ALGORITHM_NAMES
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)

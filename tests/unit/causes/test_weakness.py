@@ -1,0 +1,70 @@
+from dataclasses import replace
+
+import pytest
+
+from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.weakness import Known, Yardstick
+from mrsfi_runtime.model.faults import TimedFault
+from tests.support.search import outcome_of, paper_mission
+
+MISSION = paper_mission()
+FIRST, SECOND = Column("g1", "believed"), Column("g2", "true")
+
+
+@pytest.mark.parametrize(
+    ("without_faults", "with_them", "is_broken"),
+    [(0, 0, False), (0, 1, True), (7, 57, False), (7, 58, True), (58, 7, False)],
+)
+def test_a_goal_is_broken_above_what_is_there_without_faults(without_faults, with_them, is_broken):
+    fault_free = outcome_of(*[without_faults] * 6)
+    yardstick = Yardstick.of(MISSION, fault_free)
+
+    broken = yardstick.broken(replace(fault_free, believed=(with_them, *[without_faults] * 5)))
+
+    assert broken == ({FIRST} if is_broken else set())
+
+
+def test_an_older_record_does_not_say_what_was_missed():
+    yardstick = Yardstick.of(MISSION, outcome_of(*[0] * 6))
+
+    broken = yardstick.broken(replace(outcome_of(*[0] * 6), missed=None, true=(0, 3, 0, 0, 0, 0)))
+
+    assert broken == {SECOND}
+
+
+def _flown(known, *faults, breaks=(), start=0):
+    known.learn(tuple(TimedFault(f, start, 9) for f in faults), frozenset(breaks))
+
+
+def test_a_fault_that_breaks_a_goal_alone_is_minimal_and_no_set_with_it_is():
+    known = Known(MISSION)
+    known.add(FIRST, frozenset({"f1", "f2"}))
+    known.add(SECOND, frozenset({"f1", "f2"}))
+
+    _flown(known, "f1", breaks=[FIRST])
+    known.add(FIRST, frozenset({"f1", "f3"}))
+
+    assert known.sets[FIRST] == [{"f1"}]
+    assert known.sets[SECOND] == [{"f1", "f2"}]
+    assert known.has_part_of(FIRST, frozenset({"f1", "f9"}))
+    assert not known.has_part_of(SECOND, frozenset({"f1", "f9"}))
+
+
+def test_several_faults_that_break_a_goal_are_not_taken_for_minimal():
+    known = Known(MISSION)
+
+    _flown(known, "f1", "f2", breaks=[FIRST])
+
+    assert not any(known.sets.values())
+
+
+def test_forms_are_counted_once_and_by_their_faults():
+    known = Known(MISSION)
+    for start, broken in ((0, [FIRST]), (1, []), (0, [FIRST]), (2, [FIRST, SECOND])):
+        _flown(known, "f1", breaks=broken, start=start)
+    _flown(known, "f1", "f2", breaks=[FIRST])
+
+    assert known.tries(FIRST, frozenset({"f1"})) == (3, 2)
+    assert known.tries(SECOND, frozenset({"f1"})) == (3, 1)
+    breaking = [*known.breaking(FIRST, frozenset({"f1"}))]
+    assert breaking == [(TimedFault("f1", start, 9),) for start in (0, 2)]
