@@ -24,6 +24,7 @@ from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.regressions import Regression
 
 if TYPE_CHECKING:
+    from mrsfi_runtime.causes.weakness import Weakness
     from mrsfi_runtime.record.settings import CampaignSettings
 
 
@@ -75,6 +76,14 @@ class Campaign:
         """What breaks the mission, the worst first: specifications with alike causes as one."""
         with open_campaign(self.folder) as campaign:
             return findings_of(campaign)
+
+    @property
+    def weaknesses(self) -> "tuple[Weakness, ...]":
+        """All the ways in which goals break, by goal, if the algorithm is ``cover``."""
+        from mrsfi.weaknesses import weaknesses_of  # noqa: PLC0415 - brings DEAP
+
+        with open_campaign(self.folder) as campaign:
+            return weaknesses_of(campaign)
 
     @property
     def digest(self) -> str:

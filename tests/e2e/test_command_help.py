@@ -15,6 +15,7 @@ COMMANDS = (
     "generate",
     "simulate",
     "evolve",
+    "weaknesses",
     "explain",
     "replay",
     "report",

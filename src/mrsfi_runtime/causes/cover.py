@@ -20,6 +20,7 @@ from mrsfi_runtime.causes.cause_set import chosen, reduction
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.weakness import Broken, Known, Yardstick, faults_of, form
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search import algorithms
 from mrsfi_runtime.search.fitness import Score
@@ -57,15 +58,21 @@ class Probing:
 
     def turn(self) -> list[Specification]:
         """Return what is to be flown next, each form once; nothing if there seems to be no more."""
-        n_faults = len(self._space.candidates)
-        self._n_turns += 1
-        if self._n_turns <= N_ALONE:
-            wanted = [next(self._alone) for _ in range(n_faults)]
-        else:
+        for _ in range(N_ALONE + 1):
+            self._n_turns += 1
+            if new := {form(each): each for each in self._wanted()}:
+                return [*new.values()]
+        return []
+
+    def _wanted(self) -> Iterator[Specification]:
+        """Yield what is not flown yet, of a turn."""
+        wishes: list[Specification] = []
+        n_alone = len(self._space.candidates)
+        if self._n_turns > N_ALONE:
             wishes = [wish for column in self._probes if (wish := self._wish(column))]
-            wanted = wishes + [next(self._alone) for _ in range(-(-len(self._probes) // 2))]
-        new = {form(each): each for each in wanted if form(each) not in self._known.flown}
-        return [*new.values()]
+            n_alone = -(-len(self._probes) // 2)
+        wanted = (*wishes, *(next(self._alone) for _ in range(n_alone)))
+        return (each for each in wanted if form(each) not in self._known.flown)
 
     def _faults_in_turn(self) -> Iterator[Specification]:
         whole = [(0, self._space.duration - 1)]
@@ -110,6 +117,11 @@ class Cover:
     """The algorithm: see the module.
 
     It ends after as many evaluations as the settings say, or where there is nothing left to try.
+
+    Attributes
+    ----------
+    known
+        What it has learnt until now.
     """
 
     def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
@@ -117,8 +129,8 @@ class Cover:
         self._most = settings.evaluations
         self._n_faults = settings.faults
         self._rng = Random(settings.seed)
-        self._known = Known(space.gate.mission)
-        self._probing = Probing(space, self._known, self._drawn, self._rng)
+        self.known = Known(space.gate.mission)
+        self._probing = Probing(space, self.known, self._drawn, self._rng)
         self._yardstick: Yardstick | None = None
         self._n_asked = 0
         self._n_generations = 0
@@ -141,7 +153,7 @@ class Cover:
                 if self._yardstick is None:
                     self._yardstick = Yardstick.of(self._space.gate.mission, score.outcome)
                 broken = self._yardstick.broken(score.outcome)
-            self._known.learn(specification, broken)
+            self.known.learn(specification, broken)
         first, self._n_asked = self._n_asked, self._n_asked + len(scores)
         fitness = [score.fitness for score in scores]
         self._n_generations += 1
@@ -165,9 +177,22 @@ class Cover:
 
     def _drawn(self, column: Column) -> Specification:
         def is_allowed(faults: frozenset[str]) -> bool:
-            return not self._known.has_part_of(column, faults)
+            return not self.known.has_part_of(column, faults)
 
         return varied_specification(self._space, self._n_faults, self._rng, is_allowed)
+
+
+def covered(
+    space: SearchSpace, settings: CampaignSettings, outcomes: Mapping[Specification, Outcome | None]
+) -> Known:
+    """Return what a search knew after it was told the outcomes of a record; ``None`` is a failure.
+
+    It may have been ended in the midst of a turn.
+    """
+    search = Cover(space, settings)
+    while not search.is_finished and all(each in outcomes for each in search.ask()):
+        search.tell([Score(0.0, (), outcomes[each]) for each in search.ask()])
+    return search.known
 
 
 ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(

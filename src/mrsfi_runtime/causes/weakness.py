@@ -7,12 +7,14 @@ known to break the same column.
 """
 
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Self, TypeAlias
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self, TypeAlias
 
-from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.causes.cause_set import without
+from mrsfi_runtime.causes.counts import Column, EvaluateIn
+from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 
@@ -124,3 +126,112 @@ class Known:
             for tried, broken in self.flown.items()
             if column in broken and faults_of(tried) == faults
         )
+
+    def weaknesses(self) -> "tuple[Weakness, ...]":
+        """Return what is known to break each column: small sets first, then by share of forms."""
+        found = (
+            self._weakness(column, faults) for column, sets in self.sets.items() for faults in sets
+        )
+        place = {column: number for number, column in enumerate(self.sets)}
+        return tuple(
+            sorted(
+                found,
+                key=lambda each: (
+                    place[each.column],
+                    len(each.faults),
+                    -each.n_broken / each.n_tried,
+                    each.faults,
+                ),
+            )
+        )
+
+    def _weakness(self, column: Column, faults: FaultSet) -> "Weakness":
+        witness = min(self.breaking(column, faults), key=_mildness)
+        is_masked = self.flown[witness].isdisjoint({Column(column.goal, "believed")})
+        return Weakness(
+            column,
+            tuple(sorted(faults)),
+            witness,
+            self._n_tried[faults],
+            self._n_broken[column, faults],
+            is_masked,
+        )
+
+
+def _mildness(specification: Specification) -> tuple[int, Specification]:
+    return sum(timed.finish - timed.start for timed in specification), specification
+
+
+@dataclass(frozen=True, slots=True)
+class Weakness:
+    """A goal, a measure, and a minimal set of faults that breaks it.
+
+    Attributes
+    ----------
+    column
+        The goal and the measure.
+    faults
+        IDs of the pool's faults, sorted.
+    witness
+        Of the forms tried that break it, the one at work for the fewest ticks.
+    n_tried, n_broken
+        How many different forms of just these faults were flown, and how many broke it.
+    is_masked
+        Whether the collective intelligence does not believe the goal broken under the witness.
+    n_held, n_seeds
+        In how many mission seeds, of those that were looked at, the witness breaks it and no part
+        of the witness does.
+    """
+
+    column: Column
+    faults: tuple[str, ...]
+    witness: Specification
+    n_tried: int
+    n_broken: int
+    is_masked: bool
+    n_held: int = 1
+    n_seeds: int = 1
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        return {
+            "goal": self.column.goal,
+            "measure": self.column.kind,
+            "faults": list(self.faults),
+            "witness": [
+                dict(zip(TimedFault._fields, timed, strict=True)) for timed in self.witness
+            ],
+            "share": self.n_broken / self.n_tried,
+            "tried": self.n_tried,
+            "seeds": {"held": self.n_held, "of": self.n_seeds},
+            "masked": self.is_masked,
+        }
+
+
+def in_seeds(
+    mission: Mission, found: Sequence[Weakness], evaluate: EvaluateIn, seeds: Sequence[int]
+) -> tuple[Weakness, ...]:
+    """Return weaknesses with the number of mission seeds in which they hold.
+
+    What fails breaks nothing; without faults it may not fail.
+    """
+    parts = {
+        each.witness: [without(each.witness, place) for place in range(len(each.witness))]
+        for each in found
+    }
+    flown = tuple(dict.fromkeys([(), *parts, *(part for some in parts.values() for part in some)]))
+    n_held: Counter[Weakness] = Counter()
+    for seed in seeds:
+        outcomes = dict(zip(flown, evaluate(flown, seed), strict=True))
+        fault_free = outcomes[()]
+        if not isinstance(fault_free, Outcome):
+            raise EvaluationError(f"without faults, in mission seed {seed}: {fault_free.traceback}")
+        yardstick = Yardstick.of(mission, fault_free)
+        broken = {
+            each: yardstick.broken(outcome) if isinstance(outcome, Outcome) else frozenset[Column]()
+            for each, outcome in outcomes.items()
+        }
+        for each in found:
+            alone = (broken[part] for part in parts[each.witness])
+            n_held[each] += each.column in broken[each.witness].difference(*alone)
+    return tuple(replace(each, n_held=n_held[each], n_seeds=len(seeds)) for each in found)

@@ -24,6 +24,7 @@ _COMMANDS = MappingProxyType(
         "generate": "Generate the middleware of a mission from its models.",
         "simulate": "Fly a mission once, with or without faults.",
         "evolve": "Search the most critical fault specifications.",
+        "weaknesses": "Print all the ways in which goals break.",
         "explain": "Find out which faults of a specification break which goal.",
         "replay": "Fly evaluations of a campaign again and compare.",
         "report": "Write figures, tables and summary of a campaign anew.",
@@ -60,6 +61,7 @@ In this order:
 
 \b
 Beside it:
+  mrsfi weaknesses runs/cover            all that a search with --algorithm cover found
   mrsfi keep runs/uuv_sampling-a-1 --finding 1   keep what was found, beside the models
   mrsfi check                            did anything that is kept come back?
   mrsfi compare uuv_sampling             does a search find more than chance does?

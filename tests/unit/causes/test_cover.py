@@ -46,9 +46,9 @@ def test_planted_weaknesses_are_found_and_nothing_else(seed):
 
     for measure in ("believed", "true"):
         for goal in ("g1", "g2", "g3", "g4", "g5", "g6"):
-            found = search._known.sets[Column(goal, measure)]
+            found = search.known.sets[Column(goal, measure)]
             assert {*found} == {*map(frozenset, PLANTED.get(goal, []))}
-    assert not any(search._known.sets[Column(goal, "missed")] for goal in PLANTED)
+    assert not any(search.known.sets[Column(goal, "missed")] for goal in PLANTED)
 
 
 def test_first_it_flies_without_faults_and_then_each_fault_alone_in_other_forms():
@@ -99,12 +99,20 @@ def test_a_mission_of_one_tick_and_a_pool_of_one_fault_is_covered():
     assert n_asked == 2  # without it, and with it in its only form
 
 
+def test_faults_without_other_forms_are_soon_flown_together():
+    search = Cover(paper_space(1, "f26", "f30"), CampaignSettings(evaluations=50))
+
+    asked = [faults_of(specification) for turn in turns(search) for specification in turn]
+
+    assert asked == [frozenset(), {"f26"}, {"f30"}, {"f26", "f30"}]
+
+
 def test_what_failed_breaks_nothing():
     search = cover(evaluations=200)
     while not search.is_finished:
         search.tell([Score(0.0, ()) for _ in search.ask()])
 
-    assert not any(search._known.sets.values())
+    assert not any(search.known.sets.values())
 
 
 @pytest.mark.parametrize("key", ["population", "generations"])

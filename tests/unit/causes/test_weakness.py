@@ -3,7 +3,9 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.weakness import Known, Yardstick
+from mrsfi_runtime.causes.weakness import Known, Yardstick, faults_of, in_seeds
+from mrsfi_runtime.engine.flights import FailedFlight
+from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.search import outcome_of, paper_mission
 
@@ -68,3 +70,58 @@ def test_forms_are_counted_once_and_by_their_faults():
     assert known.tries(SECOND, frozenset({"f1"})) == (3, 1)
     breaking = [*known.breaking(FIRST, frozenset({"f1"}))]
     assert breaking == [(TimedFault("f1", start, 9),) for start in (0, 2)]
+
+
+def test_weaknesses_stand_by_goal_then_size_then_share_with_the_shortest_form():
+    known = Known(MISSION)
+    _flown(known, "f2", breaks=[SECOND], start=5)
+    _flown(known, "f2", breaks=[SECOND, SECOND._replace(kind="believed")], start=1)
+    _flown(known, "f3", breaks=[SECOND], start=3)
+    _flown(known, "f3", start=4)
+    _flown(known, "f4", "f5", breaks=[SECOND, FIRST])
+    known.add(SECOND, frozenset({"f4", "f5"}))
+    known.add(FIRST, frozenset({"f4", "f5"}))
+
+    first, believed, *second = known.weaknesses()
+
+    assert (first.column, first.faults) == (FIRST, ("f4", "f5"))
+    assert (believed.column.kind, believed.faults, believed.is_masked) == (
+        "believed",
+        ("f2",),
+        False,
+    )
+    assert [each.faults for each in second] == [("f2",), ("f3",), ("f4", "f5")]
+    assert second[0].witness == (TimedFault("f2", 5, 9),)
+    assert all(each.is_masked for each in second)
+    assert [(each.n_broken, each.n_tried) for each in second] == [(2, 2), (1, 2), (1, 1)]
+
+
+def _outcomes(specifications, seed):
+    """With f4 and f5 g1 is broken in every seed, and by f5 alone in the second; f6 fails there."""
+    for specification in specifications:
+        faults = faults_of(specification)
+        if seed == 2 and "f6" in faults:
+            yield FailedFlight("it failed")
+        else:
+            is_broken = faults >= {"f4", "f5"} or "f6" in faults or (seed == 2 and "f5" in faults)
+            yield outcome_of(int(is_broken), *[0] * 5)
+
+
+def test_a_set_holds_in_a_seed_if_it_breaks_the_goal_and_no_part_of_it_does():
+    known = Known(MISSION)
+    _flown(known, "f6", breaks=[FIRST])
+    _flown(known, "f4", "f5", breaks=[FIRST])
+    known.add(FIRST, frozenset({"f4", "f5"}))
+
+    one, two = in_seeds(MISSION, known.weaknesses(), _outcomes, (1, 2, 3))
+
+    assert (one.faults, one.n_held, one.n_seeds) == (("f6",), 2, 3)
+    assert (two.faults, two.n_held, two.n_seeds) == (("f4", "f5"), 2, 3)
+
+
+def test_a_mission_that_fails_without_faults_is_an_error():
+    def failing(specifications, _):
+        return [FailedFlight("division by zero") for _ in specifications]
+
+    with pytest.raises(EvaluationError, match="without faults, in mission seed 7: division"):
+        in_seeds(MISSION, (), failing, (7,))

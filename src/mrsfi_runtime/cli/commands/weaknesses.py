@@ -1,0 +1,45 @@
+"""What ``mrsfi weaknesses`` takes."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mrsfi_runtime.cli.engines import engine_options, worker_options
+from mrsfi_runtime.engine.settings import AUTO
+from mrsfi_runtime.record.manifest import BOTH, CI
+
+_HELP = """Print all the ways in which goals break, as a campaign of algorithm cover found them.
+
+A weakness is a goal and a least set of faults that breaks it: in what the collective intelligence
+believes, in truth, or so that the goal is missed in the end. Shares say of how many forms that were
+tried, of other values and windows, as many did; the form that is shown is the one of them that is
+at work for the fewest ticks. A goal that is broken already without faults is broken by those that
+make it worse by 5 % of the mission's ticks. With --seeds, the forms shown are flown in that many
+mission seeds, the campaign's first: a set holds in a seed if it breaks the goal and no part does.
+
+Begin such a campaign with: mrsfi evolve uuv_sampling --algorithm cover --out runs/cover
+
+\b
+Examples:
+  mrsfi weaknesses runs/cover
+  mrsfi weaknesses runs/cover --goal g2
+  mrsfi weaknesses runs/cover --seeds 5
+  mrsfi weaknesses runs/cover --json | jq '.[] | select(.masked)'
+"""
+
+
+@click.command(name="weaknesses", help=_HELP)
+@click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
+@click.option("--goal", metavar="G", help="Of this goal alone.")
+@click.option(
+    "--seeds", "n_seeds", type=click.IntRange(1, 1000), metavar="N", help="Fly in N mission seeds."
+)
+@worker_options
+@engine_options(BOTH, CI, default=AUTO)
+@click.option("--json", "is_json", is_flag=True, help="Print them for a script.")
+def command(**given: Any) -> None:
+    """Print all the ways in which goals break."""
+    from mrsfi_runtime.cli.weaknesses import weaknesses
+
+    weaknesses(**given)

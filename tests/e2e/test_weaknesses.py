@@ -1,0 +1,105 @@
+"""What a campaign of algorithm cover has found is true, and told in names, figures and JSON."""
+
+import json
+
+import pytest
+
+import mrsfi as api
+from mrsfi_runtime.model.faults import TimedFault
+from tests.support.cli import mrsfi, mrsfi_json, workspace
+
+MISSION = "tight_margins"
+REFERENCE = ("--engine", "reference", "--workers", "1")
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """Folder of a project with a campaign that covers, and one that does not."""
+    folder = workspace(tmp_path_factory.mktemp("place"), MISSION)
+    cover = ("--algorithm", "cover", "--evaluations", "400", "--no-explain")
+    mrsfi("evolve", MISSION, *cover, *REFERENCE, "--out", "runs/cover", cwd=folder)
+    few = ("--population", "4", "--generations", "0", "--no-explain")
+    mrsfi("evolve", MISSION, *few, *REFERENCE, "--out", "runs/paper", cwd=folder)
+    return folder
+
+
+@pytest.fixture
+def told(place):
+    return mrsfi_json("weaknesses", "runs/cover", cwd=place)
+
+
+def test_every_witness_breaks_its_goal_and_no_part_of_it_does(place, told, monkeypatch):
+    monkeypatch.chdir(place)
+    mission = api.load(MISSION)
+    goals = [goal.id for goal in mission.model.goals]
+    witnesses = [
+        tuple(TimedFault(**fault | {"values": tuple(fault["values"])}) for fault in one["witness"])
+        for one in told
+    ]
+    parts = {
+        witness: [witness[:k] + witness[k + 1 :] for k in range(len(witness))]
+        for witness in witnesses
+    }
+    flights = [
+        *dict.fromkeys([(), *witnesses, *(part for some in parts.values() for part in some)])
+    ]
+    found = zip(flights, mission.evaluate(flights, engine="reference", workers=1), strict=True)
+    outcomes = dict(found)
+
+    assert len(told) > 50
+    for one, witness in zip(told, witnesses, strict=True):
+        goal, margin = goals.index(one["goal"]), 0.05 * mission.model.duration
+        fault_free, *counts = (
+            getattr(outcomes[flown], one["measure"])[goal]
+            for flown in ((), witness, *parts[witness])
+        )
+        most = fault_free + margin if fault_free else 0
+        assert counts[0] > most >= max(counts[1:]), one
+        assert one["faults"] == sorted(timed.fault for timed in witness)
+        assert 0.0 < one["share"] <= 1.0
+
+
+def test_in_more_mission_seeds_it_says_in_how_many_each_holds(place, told):
+    again = mrsfi_json("weaknesses", "runs/cover", "--seeds", "3", *REFERENCE, cwd=place)
+
+    held = [one["seeds"]["held"] for one in again]
+    assert all(one["seeds"]["of"] == 3 for one in again)
+    assert min(held) >= 1  # the campaign's own
+    assert max(held) == 3
+    once = [one | {"seeds": {"held": 1, "of": 1}} for one in again]
+    assert once == told
+
+
+def test_it_ends_with_a_matrix_and_a_list_of_all_of_them(place, told, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+
+    said = mrsfi("weaknesses", "runs/cover", cwd=place).stdout
+
+    assert said.startswith(f"{len({one['goal'] for one in told})} of 7 goals can be broken")
+    assert "…" not in said.replace(" … ", "").replace("(…)", "")
+    words = {*said.split()}
+    assert {one["goal"] for one in told} <= words
+    assert {fault for one in told for fault in one["faults"]} <= words
+
+
+def test_one_goal_alone_is_told_and_one_that_there_is_not_is_refused(place, told):
+    of_goal = mrsfi_json("weaknesses", "runs/cover", "--goal", "within", cwd=place)
+    refused = mrsfi("weaknesses", "runs/cover", "--goal", "withn", cwd=place, expected=2)
+
+    assert of_goal == [one for one in told if one["goal"] == "within"]
+    assert "found 'withn'; expected one of" in refused.stderr
+    assert "did you mean 'within'?" in refused.stderr
+
+
+def test_a_campaign_of_another_algorithm_ends_with_9_and_says_what_to_do(place):
+    refused = mrsfi("weaknesses", "runs/paper", cwd=place, expected=9)
+
+    assert "runs/paper: was searched by 'paper'" in refused.stderr
+    assert f"mrsfi evolve {MISSION} --algorithm cover" in refused.stderr
+
+
+def test_a_script_gets_the_same(place, told, monkeypatch):
+    monkeypatch.chdir(place)
+
+    found = [one.as_json() for one in api.Campaign("runs/cover").weaknesses]
+    assert json.loads(json.dumps(found)) == told
