@@ -80,10 +80,10 @@ class Campaign:
     @property
     def weaknesses(self) -> "tuple[Weakness, ...]":
         """All the ways in which goals break, by goal, if the algorithm is ``cover``."""
-        from mrsfi.weaknesses import weaknesses_of  # noqa: PLC0415 - brings DEAP
+        from mrsfi.weaknesses import known_by  # noqa: PLC0415 - brings DEAP
 
         with open_campaign(self.folder) as campaign:
-            return weaknesses_of(campaign)
+            return known_by(campaign).weaknesses()
 
     @property
     def digest(self) -> str:

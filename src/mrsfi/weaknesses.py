@@ -2,18 +2,14 @@
 
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi_runtime.causes.cover import covered
-from mrsfi_runtime.causes.weakness import Weakness
+from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.settings import COVERING
 from mrsfi_runtime.search.space import SearchSpace
 
 
-def weaknesses_of(campaign: OpenCampaign) -> tuple[Weakness, ...]:
-    """Return the weaknesses that a campaign which covers has found until now.
-
-    Those of each goal stand together, in model order, small sets of faults first. A campaign that
-    searched otherwise is a ``RecordError``.
-    """
+def known_by(campaign: OpenCampaign) -> Known:
+    """Return what a campaign that covers has found until now; another one is a ``RecordError``."""
     store = campaign.store
     if store.settings.algorithm != COVERING:
         raise RecordError(
@@ -24,4 +20,4 @@ def weaknesses_of(campaign: OpenCampaign) -> tuple[Weakness, ...]:
     flown = {each.specification: each.outcome for each in store.evaluations()}
     outcomes = flown | {each.specification: None for each in store.failures()}
     space = SearchSpace.of(campaign.mission, campaign.pool)
-    return covered(space, store.settings, outcomes).weaknesses()
+    return covered(space, store.settings, outcomes)

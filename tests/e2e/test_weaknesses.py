@@ -59,6 +59,19 @@ def test_every_witness_breaks_its_goal_and_no_part_of_it_does(place, told, monke
         assert 0.0 < one["share"] <= 1.0
 
 
+def test_bounds_of_what_was_not_found_are_told_for_every_goal_and_measure(place, told):
+    bounds = mrsfi_json("weaknesses", "runs/cover", "--bounds", cwd=place)
+    refused = mrsfi("weaknesses", "runs/cover", "--bounds", cwd=place, expected=2)
+
+    assert "--bounds needs --json" in refused.stderr
+    assert len(bounds) == 7 * 3
+    assert {(one["goal"], one["measure"]) for one in told} <= {
+        (one["goal"], one["measure"]) for one in bounds
+    }
+    assert all((one["draws"] == 0) == (one["bound"] == 1.0) for one in bounds)
+    assert min(one["bound"] for one in bounds) < 1.0
+
+
 def test_in_more_mission_seeds_it_says_in_how_many_each_holds(place, told):
     again = mrsfi_json("weaknesses", "runs/cover", "--seeds", "3", *REFERENCE, cwd=place)
 

@@ -102,7 +102,9 @@ class Probing:
     def _probe(self, column: Column) -> _Probe:
         while True:
             drawn = self._draw(column)
-            if column in (yield drawn):
+            if column not in (yield drawn):
+                self._known.n_kept[column] += 1
+            else:
                 trials = reduction(tuple(range(len(drawn))))
                 trial = next(trials)
                 while True:

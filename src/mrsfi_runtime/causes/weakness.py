@@ -24,6 +24,8 @@ MEASURES = ("believed", "true", "missed")
 MARGIN = 0.05
 """Share of a mission's ticks by which a count has to exceed that of the flight without faults."""
 
+_DOUBT = 0.05
+
 FaultSet: TypeAlias = frozenset[str]
 """IDs of faults of a pool."""
 
@@ -84,11 +86,15 @@ class Known:
         The sets that are minimal as far as is known, in the order in which they were found.
     flown
         What each form that was tried breaks.
+    n_kept
+        How many random specifications without a set that is known to break a column have kept it,
+        one after the other, since the last such set was found.
     """
 
     def __init__(self, mission: Mission) -> None:
         self.sets: dict[Column, list[FaultSet]] = {column: [] for column in columns(mission)}
         self.flown: dict[Specification, Broken] = {}
+        self.n_kept = dict.fromkeys(self.sets, 0)
         self._n_tried: Counter[FaultSet] = Counter()
         self._n_broken: Counter[tuple[Column, FaultSet]] = Counter()
 
@@ -110,6 +116,16 @@ class Known:
         if not self.has_part_of(column, faults):
             kept = (known for known in self.sets[column] if not faults <= known)
             self.sets[column] = [*kept, faults]
+            self.n_kept[column] = 0
+
+    def bound(self, column: Column) -> float:
+        """Return the chance, 0 … 1, that such a random specification breaks a column, at most.
+
+        It is an upper bound at a confidence of 95 %: of zero in ``n_kept``, after Clopper and
+        Pearson.
+        """
+        n = self.n_kept[column]
+        return 1.0 - _DOUBT ** (1.0 / n) if n else 1.0
 
     def has_part_of(self, column: Column, faults: FaultSet) -> bool:
         """Return whether a set that breaks a column is among some faults."""

@@ -8,8 +8,9 @@ import click
 from rich.table import Table
 
 from mrsfi.campaign_folders import open_campaign, open_to_fly
-from mrsfi.weaknesses import weaknesses_of
-from mrsfi_runtime.causes.weakness import MEASURES, Weakness, in_seeds
+from mrsfi.weaknesses import known_by
+from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, in_seeds
 from mrsfi_runtime.cli.console import counted, print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
 from mrsfi_runtime.cli.tables import plain_table
@@ -30,21 +31,39 @@ def weaknesses(
     *,
     engine: EngineOptions,
     workers: WorkerOptions,
+    is_bounds: bool,
     is_json: bool,
 ) -> None:
     """Print the weaknesses of a campaign, of one goal or all."""
+    if is_bounds and not is_json:
+        raise click.UsageError("--bounds needs --json; without, they stand below the weaknesses")
     with open_campaign(run) as campaign:
         mission, pool = campaign.mission, campaign.pool
         if goal is not None and goal not in mission.goal_ids:
             raise UsageError(f"--goal: found '{goal}'; {expected(goal, mission.goal_ids)}")
-        found = [each for each in weaknesses_of(campaign) if goal in {None, each.column.goal}]
+        known = known_by(campaign)
+        found = [each for each in known.weaknesses() if goal in {None, each.column.goal}]
         n_evaluations = campaign.store.n_evaluations
+    told = mission.goal_ids if goal is None else (goal,)
+    if is_bounds:
+        print_json(
+            [
+                {
+                    "goal": column.goal,
+                    "measure": column.kind,
+                    "draws": n_kept,
+                    "bound": known.bound(column),
+                }
+                for column, n_kept in known.n_kept.items()
+                if column.goal in told
+            ]
+        )
+        return
     if n_seeds is not None:
         found = _in_seeds(run, found, n_seeds, engine, workers)
     if is_json:
         print_json([each.as_json() for each in found])
         return
-    told = mission.goal_ids if goal is None else (goal,)
     broken = {each.column.goal for each in found}
     n_alone = len({each.column.goal for each in found if len(each.faults) == 1})
     click.echo(
@@ -60,9 +79,20 @@ def weaknesses(
             "How, in the form at work for the fewest ticks that were tried",
             *_lists(mission, pool, found),
         )
-    for each in told:
-        if each not in broken:
-            click.echo(f"nothing that was tried breaks {each}")
+    print_table(
+        "At most so many random specifications without any of these break it, too (95 % sure)",
+        plain_table(("goal",), MEASURES, _bounds(known, told)),
+    )
+
+
+def _bounds(known: Known, goals: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """Yield a row for each goal: the bound by each measure, after how many draws."""
+    for goal in goals:
+        columns = [Column(goal, measure) for measure in MEASURES]
+        yield (
+            goal,
+            *(f"{100 * known.bound(each):.1f}% (0 of {known.n_kept[each]})" for each in columns),
+        )
 
 
 def _in_seeds(

@@ -125,3 +125,17 @@ def test_a_mission_that_fails_without_faults_is_an_error():
 
     with pytest.raises(EvaluationError, match="without faults, in mission seed 7: division"):
         in_seeds(MISSION, (), failing, (7,))
+
+
+def test_the_more_specifications_keep_a_goal_since_its_last_set_the_lower_is_the_bound():
+    known = Known(MISSION)
+    assert known.bound(FIRST) == 1.0
+
+    known.n_kept[FIRST] = 59
+    assert known.bound(FIRST) == pytest.approx(0.0495, abs=1e-4)  # of three in sixty, roughly
+    known.add(FIRST, frozenset({"f1"}))
+    assert known.bound(FIRST) == 1.0
+
+    known.n_kept[FIRST] = 7
+    known.add(FIRST, frozenset({"f1", "f2"}))  # nothing new
+    assert known.n_kept[FIRST] == 7

@@ -25,6 +25,7 @@ Examples:
   mrsfi weaknesses runs/cover
   mrsfi weaknesses runs/cover --goal g2
   mrsfi weaknesses runs/cover --seeds 5
+  mrsfi weaknesses runs/cover --bounds --json
   mrsfi weaknesses runs/cover --json | jq '.[] | select(.masked)'
 """
 
@@ -37,6 +38,7 @@ Examples:
 )
 @worker_options
 @engine_options(BOTH, CI, default=AUTO)
+@click.option("--bounds", "is_bounds", is_flag=True, help="With --json: what was not found.")
 @click.option("--json", "is_json", is_flag=True, help="Print them for a script.")
 def command(**given: Any) -> None:
     """Print all the ways in which goals break."""
