@@ -157,8 +157,9 @@ class CampaignSettings:
         given = {key: value for key, value in overrides.items() if value is not None}
         values |= _checked(given, "option")
         if values.get("algorithm") == COVERING:
-            named = ("option", given) if "algorithm" in given else (source, table)
-            _require_no_generations(*named)
+            _require_no_generations("option", given)
+            if "algorithm" not in given:  # else they are settings of another one
+                _require_no_generations(source, table)
             values = {"evaluations": _ENOUGH} | values
         return cls(**values, source=source, options=frozenset(given))
 

@@ -123,5 +123,8 @@ def test_it_has_neither_populations_nor_generations(key):
     with pytest.raises(UsageError, match=f"option: found {key} with algorithm 'cover'"):
         CampaignSettings.parse("[search]", "mine.toml", algorithm="cover", **{key: 3})
 
+    with pytest.raises(UsageError, match=f"option: found {key} with algorithm 'cover'"):
+        CampaignSettings.parse('[search]\nalgorithm = "cover"\n', "mine.toml", **{key: 3})
+
     other = CampaignSettings.parse(f"[search]\n{key} = 3\n", "mine.toml", algorithm="cover")
     assert other.evaluations == 909
