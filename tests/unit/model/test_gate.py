@@ -47,6 +47,10 @@ def f8(delay):
         (f8(10**400), r"values \(1000"),
         ([TimedFault("f10", 0, 9, (1.001 * MOST,))], "expected numbers from"),
         ([TimedFault("f14", 0, 9, (-1e10,))], "FIXED_VAL -10000000000.0; expected a whole"),
+        (
+            [TimedFault("f14", 0, 9, (-LAST - 2.0,))],
+            "FIXED_VAL -2147483649.0; expected a whole number from -2147483648 to 2147483647",
+        ),
         ([TimedFault("f24", 0, 9, (5.0, 4.0))], "LOWER_BOUND 5 .*; expected the lower one first"),
         ([TimedFault("f4", 0, 9)], r"'f4' has 0 values; expected 1 values \(PERCENTAGE\)"),
         ([TimedFault("f1", 0, 9, (1.0,))], r"1 values; expected 0 values \(it takes none\)"),
@@ -71,6 +75,7 @@ def test_what_comes_out_is_of_pythons_own_kinds():
         TimedFault(np.str_("f8"), np.int64(10), np.int32(20), [np.int8(4)]),
         ("f10", 0, LAST, (Fraction(1, 2),)),
         TimedFault("f14", 0, 9, (3,)),
+        TimedFault("f14", 10, 19, (-LAST - 1,)),
     ]
 
     admitted = GATE.admitted(asked)
@@ -79,6 +84,7 @@ def test_what_comes_out_is_of_pythons_own_kinds():
         TimedFault("f8", 10, 20, (4.0,)),
         TimedFault("f10", 0, LAST, (0.5,)),
         TimedFault("f14", 0, 9, (3.0,)),
+        TimedFault("f14", 10, 19, (-(2.0**31),)),
     )
     kinds = {type(part) for timed in admitted for part in (*timed[:3], *timed.values)}
     assert kinds == {str, int, float}
