@@ -155,7 +155,7 @@ class Known:
                 key=lambda each: (
                     place[each.column],
                     len(each.faults),
-                    -each.n_broken / each.n_tried,
+                    -each.share,
                     each.faults,
                 ),
             )
@@ -163,14 +163,9 @@ class Known:
 
     def _weakness(self, column: Column, faults: FaultSet) -> "Weakness":
         witness = min(self.breaking(column, faults), key=_mildness)
-        is_masked = self.flown[witness].isdisjoint({Column(column.goal, "believed")})
+        is_masked = Column(column.goal, "believed") not in self.flown[witness]
         return Weakness(
-            column,
-            tuple(sorted(faults)),
-            witness,
-            self._n_tried[faults],
-            self._n_broken[column, faults],
-            is_masked,
+            column, tuple(sorted(faults)), witness, *self.tries(column, faults), is_masked
         )
 
 
@@ -208,6 +203,11 @@ class Weakness:
     n_held: int = 1
     n_seeds: int = 1
 
+    @property
+    def share(self) -> float:
+        """Share of the forms tried that broke it, above 0, at most 1."""
+        return self.n_broken / self.n_tried
+
     def as_json(self) -> dict[str, Any]:
         """Return it as plain values."""
         return {
@@ -217,7 +217,7 @@ class Weakness:
             "witness": [
                 dict(zip(TimedFault._fields, timed, strict=True)) for timed in self.witness
             ],
-            "share": self.n_broken / self.n_tried,
+            "share": self.share,
             "tried": self.n_tried,
             "seeds": {"held": self.n_held, "of": self.n_seeds},
             "masked": self.is_masked,

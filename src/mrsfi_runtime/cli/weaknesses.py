@@ -181,4 +181,4 @@ def _lists(mission: Mission, pool: FaultPool, found: Iterable[Weakness]) -> Iter
 
 
 def _share(weakness: Weakness) -> str:
-    return f"{100 * weakness.n_broken / weakness.n_tried:.0f}%"
+    return f"{100 * weakness.share:.0f}%"
