@@ -79,7 +79,6 @@ def rows_of(seed: int) -> dict[str, str]:
             name: f"{median(ticks(faults(found)) for found in each):,.0f}"
             for name, faults in kept.items()
         },
-        "findings": str(len(printed["findings"])),
         "goals truly violated under a cause set, of all ten": str(
             sum(firm(found, lambda _: True) for found in each)
         ),
@@ -88,7 +87,7 @@ def rows_of(seed: int) -> dict[str, str]:
         ),
         f"– in fewer than {FEW}": str(sum(firm(found, lambda n: n < FEW) for found in each)),
         "flights of the search": f"{summary['n_evaluations']:,}",
-        "flights of `evolve` for causes": f"{summary['causes']['n_flown']:,}",
+        "flights of `evolve` after the search": f"{summary['weaknesses']['n_flown']:,}",
         **{f"flights of `explain`: {part}": f"{n:,}" for part, n in flown.items()},
         "seconds of `evolve`, compiled before": f"{evolved:.0f}",
         "seconds of `explain --top 10`": f"{seconds:.0f}",

@@ -7,7 +7,7 @@ What the command line does, a script does in as few lines::
     uuv = mrsfi.load("uuv_sampling")
     flight = uuv.fly([uuv.timed("f9", 100, 400)])
     campaign = uuv.evolve("a", generations=5)
-    print(campaign.findings[0].sentence)
+    print(campaign.weaknesses[0].faults)
 
 Every error that a user can mend is a ``MrsfiError``. Nothing is imported before it is asked for.
 """

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrsfi import reporting
-from mrsfi.campaign_folders import findings_of, open_campaign, open_to_fly
+from mrsfi.campaign_folders import open_campaign, open_to_fly
 from mrsfi.engines import evaluator, own_engine, silent
 from mrsfi.explaining import case_of_campaign, evaluation_of
 from mrsfi.flight import Flight, fly
 from mrsfi.regressions import keep
+from mrsfi.weaknesses import harvested
 from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.findings import Finding
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
@@ -72,18 +72,10 @@ class Campaign:
         return self._columns.violations.astype(np.float64)
 
     @property
-    def findings(self) -> tuple[Finding, ...]:
-        """What breaks the mission, the worst first: specifications with alike causes as one."""
-        with open_campaign(self.folder) as campaign:
-            return findings_of(campaign)
-
-    @property
     def weaknesses(self) -> "tuple[Weakness, ...]":
-        """All the ways in which goals break, by goal, if the algorithm is ``cover``."""
-        from mrsfi.weaknesses import known_by  # noqa: PLC0415 - brings DEAP
-
+        """All the ways in which goals break, by goal; a ``RecordError`` if nobody looked."""
         with open_campaign(self.folder) as campaign:
-            return known_by(campaign).weaknesses()
+            return harvested(campaign).weaknesses
 
     @property
     def digest(self) -> str:
@@ -155,14 +147,14 @@ class Campaign:
 
     def keep(
         self,
-        finding: int = 1,
+        weakness: int = 1,
         name: str | None = None,
         limits: Mapping[str, int] | None = None,
         n_seeds: int = 1,
     ) -> Regression:
-        """Keep a finding beside the models of its mission, as ``mrsfi.regressions.keep`` does."""
+        """Keep a weakness beside the models of its mission, as ``mrsfi.regressions.keep`` does."""
         with open_campaign(self.folder) as campaign:
-            return keep(campaign, finding, name, limits, n_seeds)
+            return keep(campaign, weakness, name, limits, n_seeds)
 
     def report(self, ratio: str | None = None) -> Path:
         """Write tables, figures, models and page into the folder; return the report's file.

@@ -14,8 +14,6 @@ from mrsfi.folders import MISSION_FILE, MissionFolders, find_mission
 from mrsfi.project import from_here, project, root
 from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.columns import top
-from mrsfi_runtime.analysis.findings import Finding, find_findings
-from mrsfi_runtime.analysis.summary import N_TOP, explained
 from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
 from mrsfi_runtime.imported_copies import IMPORTED, copied_files
 from mrsfi_runtime.mission import MissionCode, load_code, mission_from_text, pool_from_text
@@ -161,14 +159,6 @@ def mission_of(campaign: OpenCampaign) -> MissionFolders:
                 f"'{campaign.mission.name}'; expected that one; go to the project where it lies"
             )
     return folders
-
-
-def findings_of(campaign: OpenCampaign) -> tuple[Finding, ...]:
-    """Return the findings among the ten most critical of a campaign, the worst first."""
-    store = campaign.store
-    measure = Measure.of(store.settings, campaign.mission)
-    tops = {each.index: each.specification for each in top(store, measure, N_TOP)}
-    return find_findings(campaign.mission, campaign.pool, explained(store, tops), tops)
 
 
 def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:

@@ -1,4 +1,4 @@
-"""Campaigns from the first evaluation to the causes of the worst."""
+"""Campaigns from the first evaluation to the last."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,18 +8,13 @@ from pathlib import Path
 from mrsfi.campaign_folders import FlyableCampaign, manifest_of
 from mrsfi.engines import recorded_engine
 from mrsfi.folders import MissionFolders
-from mrsfi_runtime.analysis.columns import top
-from mrsfi_runtime.analysis.summary import N_TOP
 from mrsfi_runtime.causes.cover import ALGORITHMS
-from mrsfi_runtime.causes.recorded import record_causes
-from mrsfi_runtime.engine.flights import Engine, Evaluator
+from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.imported_files import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.campaign import CampaignProgress, require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace
@@ -70,22 +65,3 @@ def search(
         replicas=replicas,
         algorithms=ALGORITHMS,
     )
-
-
-def find_causes(
-    campaign: FlyableCampaign,
-    evaluator: Evaluator,
-    engine: Engine,
-    progress: Callable[[RecordedCause, int], None] = lambda *_: None,
-) -> bool:
-    """Find out the causes of the ten most critical; return whether any was not known."""
-    store = campaign.store
-    measure = Measure.of(store.settings, campaign.mission)
-    best = top(store, measure, N_TOP)
-    n_recorded = len(store.causes())
-
-    def tell_of(cause: RecordedCause) -> None:
-        progress(cause, len(best))
-
-    record_causes(store, measure, best, evaluator.evaluate_many, engine, tell_of)
-    return len(store.causes()) > n_recorded

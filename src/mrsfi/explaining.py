@@ -124,11 +124,11 @@ def case_of_file(
     """Return a written specification, and what it is explained with; tell what is odd about it.
 
     Believed violations are counted if no other kind is named, in mission seed 1 if none is. Cause
-    sets go beside the file if no folder is named, but never among kept findings.
+    sets go beside the file if no folder is named, but never among kept weaknesses.
     """
     if out is None and path.resolve().parent == folder_of(folders.models).resolve():
         raise UsageError(
-            f"{path}: is a kept finding, and its cause sets would stand among those that are kept; "
+            f"{path}: is a kept weakness, and its cause sets would stand among what is kept; "
             "expected another folder: name it with --out"
         )
     code = load_fresh(folders)

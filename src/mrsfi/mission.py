@@ -5,7 +5,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrsfi.engines import Tell, evaluator, opened, own_engine, silent
+from mrsfi.engines import Tell, evaluator, opened, silent
 from mrsfi.folders import MissionFolders, campaign_file, find_mission
 from mrsfi.project import choose_metamodels, project
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
@@ -251,7 +251,7 @@ class Mission:
         tell: Tell = silent,
         **settings: object,
     ) -> "Campaign":
-        """Search for fault specifications that break the mission, and for their causes.
+        """Search for fault specifications that break the mission, and for the least of them.
 
         Parameters
         ----------
@@ -265,7 +265,7 @@ class Mission:
         workers
             Processes; as many as there are processors if left out.
         explain
-            Whether to look for the causes of the ten worst.
+            Whether to look for all the ways in which goals break.
         progress
             Told after each generation.
         tell
@@ -287,7 +287,8 @@ class Mission:
         """
         from mrsfi.campaign import Campaign  # noqa: PLC0415 - brings numpy
         from mrsfi.campaign_folders import free_folder, open_to_fly  # noqa: PLC0415
-        from mrsfi.evolving import begun, find_causes, require_searchable, search  # noqa: PLC0415
+        from mrsfi.evolving import begun, require_searchable, search  # noqa: PLC0415
+        from mrsfi.weaknesses import harvest  # noqa: PLC0415 - brings DEAP
 
         if case is None:
             chosen = CampaignSettings.parse("[search]", "settings", **settings)
@@ -306,8 +307,7 @@ class Mission:
         ):
             search(campaign, many, progress)
             if explain and flown_by.has_simulation:  # nobody else's is asked again
-                with own_engine(many, campaign.code, seed, flown_by) as own:
-                    find_causes(campaign, many, own)
+                harvest(campaign, many)
         return Campaign(path)
 
     def compare(
@@ -365,7 +365,7 @@ class Mission:
     def check(
         self, engine: str | EngineSettings = AUTO, n_seeds: int | None = None
     ) -> "tuple[Checked, ...]":
-        """Fly every kept finding against today's models and code.
+        """Fly every kept weakness against today's models and code.
 
         Parameters
         ----------

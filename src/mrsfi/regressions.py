@@ -1,26 +1,28 @@
-"""Findings that are kept beside the models of a mission, and flown against those of today."""
+"""Weaknesses that are kept beside the models of a mission, and flown against those of today."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
 
-from mrsfi.campaign_folders import OpenCampaign, findings_of, mission_of, open_to_fly
+from mrsfi.campaign_folders import OpenCampaign, mission_of, open_to_fly
 from mrsfi.engines import Tell, opened, silent
 from mrsfi.folders import MissionFolders, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi.project import project
+from mrsfi.weaknesses import harvested
 from mrsfi_runtime.analysis.report import specification_rows
+from mrsfi_runtime.analysis.weaknesses import verdict, ways
 from mrsfi_runtime.causes.cause import find_cause
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.counts import Flights
-from mrsfi_runtime.causes.recorded import NO_FAULT, sentences
+from mrsfi_runtime.causes.sentence import sentences
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.files import changing, telling
 from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.regressions import Regression, folder_of, kept
@@ -29,12 +31,12 @@ from mrsfi_runtime.record.settings import CampaignSettings, following
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What became of a kept finding.
+    """What became of a kept weakness.
 
     Attributes
     ----------
     regression
-        The finding.
+        What is kept.
     seeds
         Mission seeds in which it is flown.
     counts
@@ -104,36 +106,39 @@ def keep(
     n_seeds: int = 1,
     engine: EngineSettings | None = None,
 ) -> Regression:
-    """Keep a finding of a campaign, by its number from 1 on, beside the models of its mission.
+    """Keep a way to break a goal beside the models of its mission, by its number from 1 on.
 
-    Its files have a name after the campaign's unless one is given. Limits are the most over so many
-    mission seeds, from the campaign's on, unless they are given, by the IDs of goals; the engine
-    flies the campaign's own code in those seeds in which the campaign did not. What there is not,
-    or is kept already, is a ``UsageError``.
+    Its files have a name after the campaign's unless one is given. What is limited is the goal, by
+    the gravest measure by which it breaks: to the most over so many mission seeds, from the
+    campaign's on, unless limits are given, by the IDs of goals; the engine flies the campaign's own
+    code in those seeds in which the campaign did not. What there is not, or is kept already, is a
+    ``UsageError``.
     """
     path = campaign.folder.path
     campaign.store.require_flyable()  # counts of other rules are no limits of today's
-    findings = findings_of(campaign)
-    if not 1 <= number <= len(findings):
-        has = f"1 … {len(findings)}" if findings else "a campaign that has findings; it has none"
-        raise UsageError(f"{path}: found --finding {number}; expected {has}")
-    found = findings[number - 1]
+    known = harvested(campaign)
+    found = ways(known.weaknesses)
+    if not 1 <= number <= len(found):
+        has = f"1 … {len(found)}" if found else "a campaign that has weaknesses; it has none"
+        raise UsageError(f"{path}: found --weakness {number}; expected {has}")
+    way = found[number - 1]
+    specification = way.shown.witness
     settings = campaign.store.settings
     folders = mission_of(campaign)
     folder = folder_of(folders.models)
-    stem = f"{path.resolve().name}-finding-{number}" if name is None else name
+    stem = f"{path.resolve().name}-weakness-{number}" if name is None else name
     if not stem or stem != Path(stem).name:
         raise UsageError(f"--name: found '{stem}'; expected the name of a file, without a folder")
     regression = Regression(
         folder / f"{stem}.toml",
-        f"{path}, finding {number}: {found.sentence}",
-        settings.violations,
+        f"{path}, weakness {number}: {way.goal} is broken by {verdict(way)}",
+        way.shown.column.kind,
         following(settings.mission_seed, n_seeds),
-        dict.fromkeys(campaign.mission.goal_ids, 0) if limits is None else limits,
+        {way.goal: 0} if limits is None else limits,
     )
-    counts = regression.counts(campaign.mission.goal_ids, found.outcome)  # refuses other goals
+    goals = campaign.mission.goal_ids
+    counts = regression.counts(goals, known.outcomes[specification])  # refuses other goals
     _require_new(regression, folders)
-    specification = tuple(fault.timed for fault in found.faults)
     if limits is None:
         others = _flown(path, regression, specification, engine or EngineSettings(AUTO))
         regression = replace(regression, limits=_most([counts, *others]))
@@ -142,7 +147,7 @@ def keep(
         specification_rows(campaign.pool, specification),
         regression.specification,
         "kept",
-        [fault.name for fault in found.faults],
+        numbered(timed.fault for timed in specification),
     )
     with changing(folders.models) as change:
         _require_new(regression, folders)
@@ -163,7 +168,7 @@ def _require_new(regression: Regression, folders: MissionFolders) -> None:
 def _flown(
     path: Path, regression: Regression, specification: Specification, settings: EngineSettings
 ) -> Iterator[dict[str, int]]:
-    """Yield what a finding's cause set has in all mission seeds but that of its campaign."""
+    """Yield what a witness has in all mission seeds but that of its campaign."""
     first, *others = regression.mission_seeds
     if others:
         with open_to_fly(path) as campaign:
@@ -175,24 +180,24 @@ def _flown(
 
 
 def write_limits(folders: MissionFolders, regressions: Sequence[Regression]) -> None:
-    """Write what kept findings of a mission may have, of all of them or of none."""
+    """Write what is kept of a mission may have, of all of them or of none."""
     with changing(folders.models) as change:
         change.replace({each.path: each.text().encode() for each in regressions})
 
 
 def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:
-    """Return the findings that are kept of a mission; none at all is no pass, but refused."""
+    """Return what is kept of a mission; none at all is no pass, but refused."""
     regressions = kept(folders.models)
     if not regressions:
         raise UsageError(
-            f"{folders.models}: nothing is kept; expected at least one finding in regressions/; "
-            "keep one with: mrsfi keep CAMPAIGN --finding 1"
+            f"{folders.models}: nothing is kept; expected at least one weakness in regressions/; "
+            "keep one with: mrsfi keep CAMPAIGN --weakness 1"
         )
     return regressions
 
 
-def missions_with_findings() -> Iterator[MissionFolders]:
-    """Yield where findings are kept below ``models``, at any depth, with a mission or without."""
+def missions_with_kept() -> Iterator[MissionFolders]:
+    """Yield where weaknesses are kept below ``models``, at any depth, with a mission or without."""
     models = project().models
     for folder in sorted({*models.glob("*/regressions"), *models.rglob("regressions")}):
         if kept(folder.parent):
@@ -232,7 +237,7 @@ def check_all(
 
 
 def _seeds(regression: Regression, n_seeds: int | None) -> tuple[int, ...]:
-    """Return so many mission seeds: a finding's own first, then those that follow its first one."""
+    """Return so many mission seeds: its own first, then those that follow its first one."""
     own = regression.mission_seeds
     if n_seeds is None or not own:
         return own
@@ -248,7 +253,7 @@ def _at_once(engine: EngineSettings, code: MissionCode, seed: int, tell: Tell) -
 
 
 def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: Tell) -> Checked:
-    """Return what becomes of a finding that was not flown yet."""
+    """Return what becomes of what was not flown yet."""
     began, regression = monotonic(), found.regression
     try:
         written = read_specification(regression.specification, code)
@@ -301,6 +306,6 @@ def _why(
     except EvaluationError as error:  # under a part of the faults: it came back all the same
         return (f"why is not known: {error}",)
     if cause is None or not cause.places:
-        return (NO_FAULT,)
+        return ("without any of its faults, the violations are there as well",)
     names = [fault.id for fault in engine.code.pool]
     return sentences(cause, named_faults(mission, engine.code.pool, specification, names))

@@ -1,4 +1,4 @@
-"""Kept findings as test cases of pytest."""
+"""Kept weaknesses as test cases of pytest."""
 
 from collections.abc import Callable
 
@@ -12,7 +12,7 @@ from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 def regression_test(
     mission: str, engine: str = AUTO, n_seeds: int | None = None
 ) -> Callable[[str], None]:
-    """Return a test with a case for each finding that is kept of a mission.
+    """Return a test with a case for each weakness that is kept of a mission.
 
     Parameters
     ----------
@@ -39,12 +39,12 @@ def regression_test(
     folders = find_mission(mission)
     names = [regression.name for regression in all_kept(folders)]
 
-    @pytest.mark.parametrize("finding", names)
-    def test_kept_finding(finding: str) -> None:
-        (checked,) = check_all(folders, EngineSettings(engine), n_seeds=n_seeds, name=finding)
+    @pytest.mark.parametrize("weakness", names)
+    def test_kept_weakness(weakness: str) -> None:
+        (checked,) = check_all(folders, EngineSettings(engine), n_seeds=n_seeds, name=weakness)
         if checked.failure is not None:
             raise checked.failure
         found = f"came back: {checked.excess}; found in {checked.regression.found}"
         assert not checked.exceeded, "\n".join((found, *checked.why))
 
-    return test_kept_finding
+    return test_kept_weakness

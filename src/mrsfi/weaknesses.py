@@ -1,23 +1,40 @@
 """What breaks the goals of a mission at the least, as a campaign has found out."""
 
-from mrsfi.campaign_folders import OpenCampaign
-from mrsfi_runtime.causes.cover import covered
+from collections.abc import Callable
+
+from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
+from mrsfi_runtime.causes.harvest import Harvest, NotHarvestedError
+from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.weakness import Known
+from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.record.settings import COVERING
 from mrsfi_runtime.search.space import SearchSpace
 
 
-def known_by(campaign: OpenCampaign) -> Known:
-    """Return what a campaign that covers has found until now; another one is a ``RecordError``."""
-    store = campaign.store
-    if store.settings.algorithm != COVERING:
+def harvested(campaign: OpenCampaign) -> Harvest:
+    """Return all the ways in which goals break, as far as a campaign has found them.
+
+    One that was not harvested is a ``RecordError``, unless its algorithm is ``cover``.
+    """
+    try:
+        return find_out(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
+    except NotHarvestedError:
+        path = campaign.folder.path
         raise RecordError(
-            f"{campaign.folder.path}: was searched by '{store.settings.algorithm}', which seeks "
-            f"the worst specifications; expected a campaign of '{COVERING}'; begin one with: mrsfi "
-            f"evolve {store.manifest.place or store.manifest.mission} --algorithm {COVERING}"
-        )
-    flown = {each.specification: each.outcome for each in store.evaluations()}
-    outcomes = flown | {each.specification: None for each in store.failures()}
+            f"{path}: found evaluations, and not yet what breaks which goal at the least; "
+            f"expected a campaign that has looked for it; let it: mrsfi explain {path} --all"
+        ) from None
+
+
+def harvest(
+    campaign: FlyableCampaign,
+    evaluator: Evaluator,
+    on_flown: Callable[[Known, int, int], None] = lambda *_: None,
+) -> Harvest:
+    """Find all the ways in which goals break, as far as the campaign does not know them yet.
+
+    What is flown is recorded. ``on_flown`` is told what is known, how many flights were taken until
+    now, and how many it may take.
+    """
     space = SearchSpace.of(campaign.mission, campaign.pool)
-    return covered(space, store.settings, outcomes)
+    return find_out(space, campaign.store, evaluator.evaluate_many, on_flown)

@@ -16,7 +16,7 @@
     │   ├── TransportClosed
     │   └── ProtocolError
     ├── RecordError             9  a campaign folder that cannot be read, written or flown
-    └── LimitExceeded          10  a kept finding came back
+    └── LimitExceeded          10  a kept weakness came back
 
 Programming mistakes stay ``TypeError`` and ``ValueError``.
 """
@@ -131,6 +131,6 @@ class RecordError(MrsfiError):
 
 
 class LimitExceeded(MrsfiError):
-    """A goal has more violations under a kept finding than its limit allows."""
+    """A goal has more violations under a kept weakness than its limit allows."""
 
     exit_code = 10

@@ -42,7 +42,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def found(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of a small mission, with a campaign in runs/it of three findings; only to be read."""
+    """Folder of a small mission, with a campaign in runs/it; only to be read."""
     folder = tmp_path_factory.mktemp("found")
     write_rendezvous(folder)
     evolve = write_planted(folder, [*PLANTED, *harmless(130 - len(PLANTED))])

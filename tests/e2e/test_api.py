@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import mrsfi
-from mrsfi_runtime.errors import SpecificationError, UsageError
+from mrsfi_runtime.errors import RecordError, SpecificationError, UsageError
 from mrsfi_runtime.study.folder import ComparisonFolder
 from tests.support.cli import MISSION, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
@@ -164,9 +164,7 @@ def test_a_search_by_script_finds_what_the_command_finds(uuv, flown, place):
     assert campaign.digest == by_command.digest
     assert [state.generation for state in generations] == [0, 1, 2]
     assert np.array_equal(campaign.fitness, by_command.fitness)
-    assert [each.sentence for each in campaign.findings] == [
-        each.sentence for each in by_command.findings
-    ]
+    assert campaign.weaknesses == by_command.weaknesses
 
 
 def test_a_search_without_a_campaign_file_has_the_papers_settings(uuv, place):
@@ -176,11 +174,12 @@ def test_a_search_without_a_campaign_file_has_the_papers_settings(uuv, place):
 
     assert (campaign.settings.algorithm, campaign.settings.faults) == ("paper", 20)
     assert len(campaign) == 3
-    assert campaign.findings == ()
+    with pytest.raises(RecordError, match=r"mrsfi explain .* --all"):
+        campaign.weaknesses  # noqa: B018 - that it is refused
 
 
 @slow
-def test_a_campaign_tells_its_evaluations_in_arrays_and_its_findings(found):
+def test_a_campaign_tells_its_evaluations_in_arrays_and_its_weaknesses(found):
     folder = found / "runs" / "it"
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
 
@@ -196,23 +195,21 @@ def test_a_campaign_tells_its_evaluations_in_arrays_and_its_findings(found):
     assert again.outcome == best.outcome
     kind = campaign.settings.violations
     assert counted == {goal: again.violations(kind)[goal] for goal in campaign.goals}
-    told = [each["sentence"] for each in summary["causes"]["findings"]]
-    assert len(told) == 3
-    assert [each.sentence for each in campaign.findings] == told
+    told = [each["witness"] for each in summary["weaknesses"]["found"]]
+    assert told
+    assert [each.as_json()["witness"] for each in campaign.weaknesses] == told
 
 
 def test_an_evaluation_is_explained_as_it_is_recorded(found):
     campaign = mrsfi.Campaign(found / "runs" / "it")
-    finding = campaign.findings[0]
 
-    explanation = campaign.explain(finding.evaluations[0])
+    explanation = campaign.explain(0)
 
-    assert explanation.cause.places == finding.cause.places
-    specification = campaign.evaluation(finding.evaluations[0]).specification
-    assert len(explanation.alone) == len(specification)
+    assert explanation.cause.places == (0,)
+    assert len(explanation.alone) == len(campaign.evaluation(0).specification)
 
 
-def test_a_finding_is_kept_and_checked(found, tmp_path):
+def test_a_weakness_is_kept_and_checked(found, tmp_path):
     place = shutil.copytree(found, tmp_path, dirs_exist_ok=True)
     mission = mrsfi.load(place / "models" / NAME)
     with pytest.raises(UsageError, match="nothing is kept"):
@@ -258,7 +255,7 @@ def _pytest(place):
 
 
 @slow
-def test_kept_findings_are_tests_of_pytest(place):
+def test_kept_weaknesses_are_tests_of_pytest(place):
     assert "1 passed" in _pytest(place).stdout
 
     limits = place / "models" / MISSION / "regressions" / "case_a_1.toml"
@@ -273,4 +270,4 @@ def test_kept_findings_are_tests_of_pytest(place):
     shutil.rmtree(limits.parent)
     done = _pytest(place)
     assert done.returncode == 2
-    assert "nothing is kept; expected at least one finding" in done.stdout
+    assert "nothing is kept; expected at least one weakness" in done.stdout

@@ -88,11 +88,9 @@ def test_the_cause_set_of_a_goal_flown_alone_keeps_its_violations(campaign, plac
 def test_what_is_explained_are_those_that_were_asked_for(campaign, place):
     both = mrsfi_json("explain", campaign, "--top", "2", cwd=place)
     best, second = both["explanations"]
-    found = [index for group in both["findings"] for index in group["evaluations"]]
     assert explained(campaign, "--best", cwd=place) == [best]
     name = Path(second["cause_set"]["file"]).stem
     index = name.removeprefix("evaluation_").removesuffix("-cause")
-    assert int(index) in found
     assert explained(campaign, "--evaluation", index, cwd=place) == [second]
     assert Path(second["cause_set"]["file"]).parent == campaign / "causes"
 
@@ -197,11 +195,10 @@ def test_the_measure_and_the_share_can_be_chosen(campaign, place):
 
 
 @slow
-def test_several_specifications_end_with_their_findings(campaign, place):
+def test_several_specifications_are_explained_one_after_the_other(campaign, place):
     text = mrsfi("explain", campaign, "--top", "2", "--out", "causes", cwd=place).stdout
 
-    last = text[text.index(" in 2 specifications\n") :]
-    assert "\n1: f" in last
+    assert text.count("evaluation ") >= text.count("\nViolations\n") == 2
     assert len([*(place / "causes").glob("evaluation_*-cause.xmi")]) == 2
 
 
@@ -235,7 +232,7 @@ def test_a_campaign_without_evaluations_is_answered(option, campaign, place):
         (("RUN", "--evaluation", "9999"), 9, "found no evaluation 9999"),
         (("RUN", "--keep", "0"), 2, "--keep"),
         ((MISSION, "--faults", "OVERLAP"), 5, "h2"),
-        ((MISSION, "--faults", "KEPT"), 2, "is a kept finding, and its cause sets would stand"),
+        ((MISSION, "--faults", "KEPT"), 2, "is a kept weakness, and its cause sets would stand"),
     ],
 )
 def test_wrong_use_is_answered(arguments, code, expected, flown, place):

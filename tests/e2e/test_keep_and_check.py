@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 from xml.etree import ElementTree as ET
 
@@ -25,8 +26,8 @@ def place(found, tmp_path):
 
 @pytest.fixture
 def kept(place):
-    """That folder, in which finding 3 is kept: robot a is stopped twice, and comes too late."""
-    mrsfi("keep", "runs/it", "--finding", "3", cwd=place)
+    """That folder, in which weakness 2 is kept: robot a is stopped, and comes too late."""
+    mrsfi("keep", "runs/it", "--weakness", "2", cwd=place)
     return place
 
 
@@ -34,7 +35,7 @@ def regressions(place):
     return place / "models" / NAME / "regressions"
 
 
-def limits(place, name="it-finding-3"):
+def limits(place, name="it-weakness-2"):
     return regressions(place) / f"{name}.toml"
 
 
@@ -50,7 +51,7 @@ def test_nothing_kept_is_no_pass(place):
     for words in (("check",), ("check", NAME)):
         done = mrsfi(*words, cwd=place, expected=2)
         assert "kept" in done.stderr
-        assert "mrsfi keep CAMPAIGN --finding 1" in done.stderr
+        assert "mrsfi keep CAMPAIGN --weakness 1" in done.stderr
 
 
 def test_what_this_project_keeps_holds():
@@ -59,21 +60,25 @@ def test_what_this_project_keeps_holds():
     assert "uuv_sampling: 1 of 1 hold" in done.stdout
 
 
-def test_what_is_kept_is_the_cause_set_with_what_was_recorded(kept, found):
+def test_what_is_kept_is_the_witness_with_what_was_recorded_of_its_goal(kept, found):
     summary = json.loads((found / "runs" / "it" / "summary.json").read_text(encoding="utf-8"))
-    finding = summary["causes"]["findings"][2]
+    *_, gravest = (each for each in summary["weaknesses"]["found"] if each["number"] == 2)
 
     (checked,) = mrsfi_json("check", NAME, *REFERENCE, cwd=kept)[NAME]
     flown = mrsfi_json(
-        "simulate", NAME, "--faults", regressions(kept) / "it-finding-3.xmi", cwd=kept
+        "simulate", NAME, "--faults", regressions(kept) / "it-weakness-2.xmi", cwd=kept
     )
 
     assert checked["state"] == "holds"
-    assert checked["max"] == checked["now"] == finding["believed"]
+    assert checked["max"] == checked["now"] == {"g1": flown["goals"][0]["missed"]}
     assert checked["max"]["g1"] > 0
-    assert checked["found"] == f"runs/it, finding 3: {finding['sentence']}"
-    assert {goal["id"]: goal["believed"] for goal in flown["goals"]} == finding["believed"]
-    assert [fault["id"] for fault in flown["faults"]] == ["stop_a.1", "stop_a.2"]
+    assert (gravest["measure"], gravest["faults"]) == ("missed", ["stop_a"])
+    assert checked["found"].startswith(
+        "runs/it, weakness 2: g1 is broken by stop_a alone, for good"
+    )
+    assert [(f["id"], f["start"], f["finish"]) for f in flown["faults"]] == [
+        ("stop_a.1", each["start"], each["finish"]) for each in gravest["witness"]
+    ]
 
 
 @pytest.mark.parametrize("engine", ["auto", "reference", "rosbridge"])
@@ -87,8 +92,8 @@ def test_a_changed_region_that_brings_it_back_fails_and_mended_it_passes(kept, e
     mend()
     passed = mrsfi(*words, cwd=kept)
 
-    assert f"came back: it-finding-3: believed g1 99, kept {most}" in failed.stderr
-    assert "it-finding-3 came back. Found in runs/it, finding 3: stop_a" in failed.stdout
+    assert f"came back: it-weakness-2: missed g1 99, kept {most}" in failed.stderr
+    assert "it-weakness-2 came back. Found in runs/it, weakness 2: g1 is broken" in failed.stdout
     (suite,) = junit.iter("testsuite")
     assert suite.attrib | {"time": ""} == {
         "name": NAME,
@@ -98,13 +103,13 @@ def test_a_changed_region_that_brings_it_back_fails_and_mended_it_passes(kept, e
         "time": "",
     }
     (failure,) = junit.iter("failure")
-    assert failure.attrib["message"] == f"it-finding-3: believed g1 99, kept {most}"
+    assert failure.attrib["message"] == f"it-weakness-2: missed g1 99, kept {most}"
     assert f"{NAME}: 1 of 1 hold" in passed.stdout
     assert not [*ET.parse(kept / "found.xml").getroot().iter("failure")]
 
 
 def test_a_limit_of_ones_own_says_which_faults_exceed_it(place):
-    mrsfi("keep", "runs/it", "--finding", "1", "--max", "g2=0", "--name", "late", cwd=place)
+    mrsfi("keep", "runs/it", "--weakness", "3", "--max", "g2=0", "--name", "late", cwd=place)
 
     done = mrsfi("check", *REFERENCE, cwd=place, expected=10)
 
@@ -121,13 +126,13 @@ def test_new_limits_are_taken_over_with_a_difference(kept):
     new = mrsfi("keep", NAME, "--update", *REFERENCE, cwd=kept)
     again = mrsfi("keep", NAME, "--update", *REFERENCE, cwd=kept)
 
-    assert new.stdout == f"it-finding-3\n  g1: {most} → 99\n"
+    assert new.stdout == f"it-weakness-2\n  g1: {most} → 99\n"
     assert again.stdout == "no difference\n"
     mrsfi("check", *REFERENCE, cwd=kept)
 
 
 def test_limits_of_one_alone_are_taken_over(kept):
-    mrsfi("keep", "runs/it", "--finding", "1", "--max", "g2=0", "--name", "late", cwd=kept)
+    mrsfi("keep", "runs/it", "--weakness", "3", "--max", "g2=0", "--name", "late", cwd=kept)
     before = limits(kept).read_bytes()
     worsen(kept)
 
@@ -136,7 +141,7 @@ def test_limits_of_one_alone_are_taken_over(kept):
 
     assert new.stdout.startswith("late\n  g2: 0 → ")
     assert limits(kept).read_bytes() == before
-    assert "found --name no; expected one that is kept: it-finding-3, late" in unknown.stderr
+    assert "found --name no; expected one that is kept: it-weakness-2, late" in unknown.stderr
 
 
 def test_what_came_back_is_told_though_it_cannot_be_explained(kept):
@@ -150,13 +155,13 @@ def test_what_came_back_is_told_though_it_cannot_be_explained(kept):
 
     done = mrsfi("check", *REFERENCE, cwd=kept, expected=10)
 
-    assert "it-finding-3   believed   g1           0    99   came back" in done.stdout
+    assert "it-weakness-2   missed    g1           0    99   came back" in done.stdout
     assert "  why is not known: " in done.stdout
     assert "as without faults" in done.stdout
 
 
 def test_only_in_seeds_for_which_limits_are_kept_does_it_come_back(kept):
-    mrsfi("keep", "runs/it", "--finding", "1", "--name", "wide", "--seeds", "3", cwd=kept)
+    mrsfi("keep", "runs/it", "--weakness", "1", "--name", "wide", "--seeds", "3", cwd=kept)
     worsen(kept, WORSE_IN_SEED_3)
 
     failed = mrsfi("check", *REFERENCE, cwd=kept, expected=10)
@@ -170,17 +175,24 @@ def test_only_in_seeds_for_which_limits_are_kept_does_it_come_back(kept):
     assert (
         f"{NAME}: 1 of 2 hold (mission seeds: limits of 1 to 3, flown in 1 to 3)" in failed.stdout
     )
-    assert "came back: wide: believed g1 " in failed.stderr
+    assert "came back: wide: missed g1 " in failed.stderr
     assert f"{NAME}: 1 of 1 hold (mission seeds: limits of 1, flown in 2)" in holds.stdout
     assert f"{NAME}: 0 of 1 hold (mission seeds: limits of 1, flown in 3)" in unknown.stdout
     assert (
-        "limits are kept for mission seeds 1; found more in others: it-finding-3" in unknown.stderr
+        "limits are kept for mission seeds 1; found more in others: it-weakness-2" in unknown.stderr
     )
-    assert f"mrsfi keep models/{NAME} --update --name it-finding-3 --seeds 3" in unknown.stderr
+    assert f"mrsfi keep models/{NAME} --update --name it-weakness-2 --seeds 3" in unknown.stderr
     assert [*ET.parse(kept / "j.xml").getroot().iter("error")]
     assert "  mission seeds: 1 → 3\n  g1: " in new.stdout
     assert checked["mission_seeds"] == checked["kept_seeds"] == [1, 2, 3]
     assert checked["max"] == checked["now"]
+
+
+def to_window(path, start, finish):
+    text = path.read_text(encoding="ascii")
+    text, n = re.subn(r'start="\d+" finish="\d+"', f'start="{start}" finish="{finish}"', text)
+    assert n == 1
+    path.write_text(text, encoding="ascii")
 
 
 def as_pipe(path):
@@ -192,38 +204,42 @@ def as_pipe(path):
     ("damage", "code", "told"),
     [
         (
-            lambda kept: edit(kept[".xmi"], "mission.xmi#a", "mission.xmi#gone"),
+            lambda kept: edit(kept[".xmi"], "mission.xmi#report", "mission.xmi#gone"),
             3,
             "which does not exist",
         ),
-        (lambda kept: edit(kept[".xmi"], 'finish="119"', 'finish="120"'), 5, "beyond the mission"),
+        (lambda kept: to_window(kept[".xmi"], 100, 120), 5, "beyond the mission"),
         (
-            lambda kept: edit(kept[".xmi"], 'start="10" finish="119"', 'start="900" finish="999"'),
+            lambda kept: to_window(kept[".xmi"], 900, 999),
             5,
             "has the window 900 … 999, which ends beyond the mission; its last tick is 119",
         ),
         (lambda kept: as_pipe(kept[".xmi"]), 5, ".xmi: found no plain file"),
         (lambda kept: as_pipe(kept[".toml"]), 5, ".toml: found no plain file"),
         (lambda kept: kept[".xmi"].unlink(), 2, ".xmi: no such file"),
-        (lambda kept: kept[".toml"].unlink(), 2, "found no limits; expected it-finding-1.toml"),
-        (lambda kept: edit(kept[".toml"], "g3 = 50\n", ""), 2, "found 2 limits; expected 3"),
-        (lambda kept: edit(kept[".toml"], "goals = 3", "goals = true"), 2, "goals: found True"),
+        (lambda kept: kept[".toml"].unlink(), 2, "found no limits; expected it-weakness-1.toml"),
+        (
+            lambda kept: edit(kept[".toml"], "goals = 1", "goals = 2"),
+            2,
+            "found 1 limits; expected 2",
+        ),
+        (lambda kept: edit(kept[".toml"], "goals = 1", "goals = true"), 2, "goals: found True"),
     ],
 )
 def test_what_cannot_be_judged_is_no_pass_and_the_others_are_flown(kept, damage, code, told):
-    mrsfi("keep", "runs/it", "--finding", "1", cwd=kept)
-    damage({kind: regressions(kept) / f"it-finding-1{kind}" for kind in (".xmi", ".toml")})
+    mrsfi("keep", "runs/it", "--weakness", "1", cwd=kept)
+    damage({kind: regressions(kept) / f"it-weakness-1{kind}" for kind in (".xmi", ".toml")})
 
     done = mrsfi("check", *REFERENCE, "--junit", "found.xml", cwd=kept, expected=code)
 
     assert told in done.stderr
-    assert f"it-finding-1 cannot be judged: models/{NAME}/" in done.stdout
+    assert f"it-weakness-1 cannot be judged: models/{NAME}/" in done.stdout
     assert f"{NAME}: 1 of 2 hold" in done.stdout
     (error,) = ET.parse(kept / "found.xml").getroot().iter("error")
     assert told in error.attrib["message"]
 
 
-def test_findings_are_looked_for_at_any_depth_and_without_a_mission(kept):
+def test_weaknesses_are_looked_for_at_any_depth_and_without_a_mission(kept):
     mission = kept / "models" / NAME
     shutil.copytree(mission, kept / "models" / "a" / "b")
     mrsfi("generate", "models/a/b", cwd=kept)
@@ -237,7 +253,7 @@ def test_findings_are_looked_for_at_any_depth_and_without_a_mission(kept):
     assert "a/b: 1 of 1 hold" in done.stdout
     assert f"{NAME}: 0 of 1 hold\n" in done.stdout
     assert f"models/{NAME}/mission.xmi:1: mission.xmi cannot be read: No such file" in done.stderr
-    assert "it-finding-3 cannot be judged: generated/stale: stale" in done.stdout
+    assert "it-weakness-2 cannot be judged: generated/stale: stale" in done.stdout
 
     worsen_nested = kept / "models" / "a" / "generated" / "b" / COLLECTIVE
     write_body(worsen_nested, "g1.check", indented(WORSE))
@@ -247,7 +263,9 @@ def test_findings_are_looked_for_at_any_depth_and_without_a_mission(kept):
 
 def test_names_and_texts_of_any_characters_leave_a_file_that_build_servers_can_read(kept):
     for kind in (".xmi", ".toml"):
-        (regressions(kept) / f"it-finding-3{kind}").rename(regressions(kept) / f"a\x01\udcff{kind}")
+        (regressions(kept) / f"it-weakness-2{kind}").rename(
+            regressions(kept) / f"a\x01\udcff{kind}"
+        )
     edit(limits(kept, "a\x01\udcff"), 'found = "', 'found = "\\u0002')
     worsen(kept)
 
@@ -265,20 +283,23 @@ def test_a_fault_that_left_the_pool_is_named_and_flown(kept):
 
     done = mrsfi("check", *REFERENCE, cwd=kept)
 
-    assert "not in the pool: stop_a.1, stop_a.2 (flown as kept)" in done.stdout
+    assert "not in the pool: stop_a.1 (flown as kept)" in done.stdout
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--finding", "4"), "found --finding 4; expected 1 … 3"),
-        (("--finding", "3"), "is kept already"),
-        (("--finding", "1", "--max", "g9=0"), "found goal 'g9'; expected goals of the mission: g1"),
-        (("--finding", "1", "--max", "g1"), "found 'g1'; expected GOAL=TICKS"),
-        ((), "--finding N is missing"),
-        (("--finding", "1", "--name", "../out"), "expected the name of a file"),
-        (("--finding", "1", "--name", ""), "expected the name of a file"),
-        (("--finding", "1", "--update"), "--update is about all that is kept"),
+        (("--weakness", "7"), "found --weakness 7; expected 1 … 6"),
+        (("--weakness", "2"), "is kept already"),
+        (
+            ("--weakness", "1", "--max", "g9=0"),
+            "found goal 'g9'; expected goals of the mission: g1",
+        ),
+        (("--weakness", "1", "--max", "g1"), "found 'g1'; expected GOAL=TICKS"),
+        ((), "--weakness N is missing"),
+        (("--weakness", "1", "--name", "../out"), "expected the name of a file"),
+        (("--weakness", "1", "--name", ""), "expected the name of a file"),
+        (("--weakness", "1", "--update"), "--update is about all that is kept"),
     ],
 )
 def test_what_cannot_be_kept_is_refused_and_nothing_is_written(kept, words, told):
@@ -295,7 +316,7 @@ def test_what_cannot_be_kept_is_refused_and_nothing_is_written(kept, words, told
     [
         ("[max]", "[most]", "found unknown key 'most'; expected found, violations"),
         ("mission_seeds = [1]", "mission_seeds = []", "mission_seeds: found []; expected a list"),
-        ('"believed"', '"guessed"', "violations: found 'guessed'; expected one of believed, true"),
+        ('"missed"', '"guessed"', "violations: found 'guessed'; expected one of believed, true"),
         ("g1 = ", "g1 = -", "max: found {'g1': -"),
         ("g1 = ", "g7 = 0 # ", "max: found goal 'g7'; expected goals of the mission: g1"),
         ("[max]", "[max", "cannot be read ("),
@@ -306,5 +327,5 @@ def test_limits_that_make_no_sense_are_named(kept, text, replaced, told):
 
     done = mrsfi("check", *REFERENCE, cwd=kept, expected=2)
 
-    assert "it-finding-3.toml" in done.stderr
+    assert "it-weakness-2.toml" in done.stderr
     assert told in done.stderr

@@ -61,7 +61,7 @@ def test_a_killed_generation_is_done_or_not_at_all(tmp_path):
 
 @pytest.mark.parametrize("every", [6, pytest.param(1, marks=slow)])
 def test_a_killed_keep_can_be_repeated(found, tmp_path, every):
-    words = ("keep", "runs/it", "--finding", "3")
+    words = ("keep", "runs/it", "--weakness", "3")
 
     attempts = killed(found, tmp_path, words, ("validate", NAME), every)
 

@@ -61,12 +61,12 @@ def test_its_script_builds_the_models_that_stand_beside_it(begun):
 @slow
 def test_what_was_found_is_kept_and_fails_the_build_when_it_comes_back(begun):
     _make(begun, "regressions", expected=2)
-    mrsfi("keep", "runs/it", "--finding", "1", cwd=begun)
+    mrsfi("keep", "runs/it", "--weakness", "1", cwd=begun)
     code = begun / "generated" / "demo" / COLLECTIVE
     before = code.read_bytes()
 
     _make(begun, "regressions")
-    write_body(code, "deliver.check", indented("return ci.mission.tick > 20"))
+    write_body(code, "collide.check", indented("return ci.mission.tick > 20"))
     done = _make(begun, "regressions", expected=2)
     root = ET.parse(begun / "regressions.xml").getroot()
     code.write_bytes(before)
@@ -75,7 +75,7 @@ def test_what_was_found_is_kept_and_fails_the_build_when_it_comes_back(begun):
     assert "Error 10" in done.stderr
     (suite,) = root
     assert (suite.get("name"), suite.get("failures")) == ("demo", "1")
-    assert "deliver" in suite[0][0].get("message")
+    assert "collide" in suite[0][0].get("message")
 
 
 @slow

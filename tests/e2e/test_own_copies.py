@@ -74,7 +74,7 @@ def place(searched: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> It
     with closing(sqlite3.connect(tmp_path / "runs" / "it" / "campaign.sqlite")) as store, store:
         store.execute("DELETE FROM evaluation WHERE idx >= 3")
         store.execute("DELETE FROM generation WHERE idx >= 1")
-        store.execute("DELETE FROM cause")
+        store.execute("DELETE FROM flight")
     edit(tmp_path / "team.py", "> 60", "> 30")
     edit(tmp_path / "own.py", "float(", "2.0 * float(")
     yield tmp_path
@@ -141,7 +141,7 @@ def test_a_mission_given_by_path_is_found_where_it_lies(place, models):
     assert named == f"../{models}/{NAME}"
 
 
-def test_a_finding_is_kept_where_its_mission_lies(found, tmp_path):
+def test_a_weakness_is_kept_where_its_mission_lies(found, tmp_path):
     place = Path(shutil.copytree(found, tmp_path / "place"))
     shutil.copytree(place / "models", place / "some")
     with closing(sqlite3.connect(place / "runs" / "it" / "campaign.sqlite")) as store, store:
@@ -150,11 +150,11 @@ def test_a_finding_is_kept_where_its_mission_lies(found, tmp_path):
             "WHERE key = 'manifest'"
         )
 
-    mrsfi("keep", "runs/it", "--finding", "1", cwd=place)
-    again = mrsfi("keep", "runs/it", "--finding", "1", cwd=place, expected=2).stderr
+    mrsfi("keep", "runs/it", "--weakness", "1", cwd=place)
+    again = mrsfi("keep", "runs/it", "--weakness", "1", cwd=place, expected=2).stderr
 
-    kept = {path.relative_to(place).as_posix() for path in place.rglob("*finding-1.*")}
-    assert kept == {f"some/{NAME}/regressions/it-finding-1.{kind}" for kind in ("toml", "xmi")}
+    kept = {path.relative_to(place).as_posix() for path in place.rglob("*weakness-1.*")}
+    assert kept == {f"some/{NAME}/regressions/it-weakness-1.{kind}" for kind in ("toml", "xmi")}
     assert f"mrsfi keep some/{NAME} --update" in again
 
 
@@ -162,6 +162,6 @@ def test_another_mission_of_the_same_folder_name_is_refused(found, tmp_path):
     place = Path(shutil.copytree(found, tmp_path / "place"))
     edit(place / "models" / NAME / "mission.xmi", 'name="rendezvous"', 'name="parade"')
 
-    error = mrsfi("keep", "runs/it", "--finding", "1", cwd=place, expected=2).stderr
+    error = mrsfi("keep", "runs/it", "--weakness", "1", cwd=place, expected=2).stderr
 
     assert f"models/{NAME}: found mission 'parade'; runs/it searched 'rendezvous'" in error

@@ -22,7 +22,7 @@ def test_a_flight_is_written_as_a_page_that_says_how_to_fly_it_again(place):
     printed = mrsfi_json(*words, "--html", "page.html", "--json", cwd=place)
 
     data = data_of(place / "page.html")
-    (flown,) = data["findings"]
+    (flown,) = data["shown"]
     assert ["digest", printed["digest"]] in data["record"]
     assert flown["command"] == f"mrsfi simulate {MISSION} --faults {stop} --seed 7"
     assert flown["xmi"] == (place / stop).read_text()
@@ -35,24 +35,27 @@ def test_an_evaluation_of_a_campaign_is_written_as_a_page(flown, tmp_path):
 
     data = data_of(tmp_path / "page.html")
     assert ["digest", printed["digest"]] in data["record"]
-    names = [fault["name"] for fault in data["findings"][0]["faults"]]
+    names = [fault["name"] for fault in data["shown"][0]["faults"]]
     assert len(names) == len(printed["faults"])
 
 
-def test_a_campaign_has_a_page_with_the_flights_of_its_findings(flown):
-    data = data_of(flown / "report.html")
-    summary = json.loads((flown / "summary.json").read_text())
+def test_a_campaign_has_a_page_with_flights_that_break_its_goals(found):
+    run = found / "runs" / "it"
+    data = data_of(run / "report.html")
+    summary = json.loads((run / "summary.json").read_text())
 
     assert ["digest", summary["digest"]] in data["record"]
     assert len(data["evaluations"]["rows"]) == summary["n_evaluations"]
-    findings = summary["causes"]["findings"]
-    assert [found["sentence"] for found in data["findings"]] == [
-        each["sentence"] for each in findings
-    ]
-    for found in data["findings"]:
-        n = len(found["faults"])
+    told = [each["sentences"] for each in summary["weaknesses"]["found"] if each["sentences"]]
+    assert len(data["matrix"]["rows"]) == len(
+        {fault for each in summary["weaknesses"]["found"] for fault in each["faults"]}
+    )
+    assert [each["title"] for each in data["shown"]] == [" (g1)", " (g2)", " (g3)"]
+    for shown in data["shown"]:
+        assert [fault["sentence"] for fault in shown["faults"]] in told
+        n = len(shown["faults"])
         without = [None, *range(n if n > 1 else 0)]
-        assert [each["without"] for each in found["flight"]["flights"]] == without
+        assert [each["without"] for each in shown["flight"]["flights"]] == without
 
 
 @pytest.mark.parametrize(

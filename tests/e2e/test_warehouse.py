@@ -58,18 +58,18 @@ def place(flown, tmp_path):
 
 
 def test_it_is_written_flown_and_searched_by_an_unguarded_script(flown):
-    folder, (counts, *findings) = flown
+    folder, (counts, *weaknesses) = flown
     written = (folder / "models" / NAME / "mission.xmi").read_text(encoding="utf-8")
 
     assert len(SCRIPT.read_text(encoding="utf-8").splitlines()) < 100
     assert counts in (SCRIPT.parent / "README.md").read_text(encoding="utf-8")
-    assert findings
+    assert weaknesses
     assert all(f'xsi:type="mission:{task}"' in written for task in TASKS)
     assert (written.count("<robots "), written.count("<goals ")) == (6, 11)
 
 
 def test_no_id_and_no_number_of_a_table_is_cut(place, monkeypatch):
-    mrsfi("keep", CAMPAIGN, "--finding", "1", cwd=place)
+    mrsfi("keep", CAMPAIGN, "--weakness", "1", cwd=place)
     goals = {goal["id"] for goal in mrsfi_json("simulate", NAME, cwd=place)["goals"]}
     explained = mrsfi_json("explain", CAMPAIGN, cwd=place)["explanations"][0]
     cause = {str(fault[key]) for fault in explained["faults"] for key in ("id", "finish")}
@@ -90,7 +90,7 @@ def test_no_id_and_no_number_of_a_table_is_cut(place, monkeypatch):
 
 
 def test_all_robots_get_other_ids_at_once_and_nothing_else_changes(place):
-    mrsfi("keep", CAMPAIGN, "--finding", "1", cwd=place)
+    mrsfi("keep", CAMPAIGN, "--weakness", "1", cwd=place)
     code = place / "generated" / NAME / "collective_intelligence.py"
     write_body(code, "collide.check", CARRIED)
     shutil.copytree(place / "models", place / "old")

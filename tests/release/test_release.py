@@ -94,7 +94,7 @@ def test_scripts_are_checked_against_the_types_of_the_api(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
         "import mrsfi\n\nuuv = mrsfi.load('uuv_sampling')\nreveal_type(uuv.fly().true_positions)\n"
-        "reveal_type(uuv.evolve('a').findings[0].sentence)\nuuv.fly(1)\n",
+        "reveal_type(uuv.evolve('a').weaknesses[0].faults)\nuuv.fly(1)\n",
         encoding="utf-8",
     )
 
@@ -107,7 +107,7 @@ def test_scripts_are_checked_against_the_types_of_the_api(tmp_path):
     ).stdout.splitlines()
 
     assert "numpy.ndarray" in told[0]
-    assert told[1].endswith('Revealed type is "str"')
+    assert told[1].endswith('Revealed type is "tuple[str, ...]"')
     assert 'Argument 1 to "fly" of "Mission" has incompatible type "int"' in told[2]
     assert told[3] == "Found 1 error in 1 file (checked 1 source file)"
 

@@ -6,11 +6,21 @@ from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, score
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.tables import front_table, harm_table, in_words, listed_step
-from mrsfi_runtime.causes.firmness import N_SEEDS
+from mrsfi_runtime.analysis.weaknesses import (
+    LISTED,
+    MATRIX,
+    least,
+    listed,
+    matrix,
+    said,
+    verdict,
+)
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import flown_by
 from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure, ticks, violated
-from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows
+from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows, named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
 
 _BELIEVED_TRUE = "believed by the collective intelligence / true in the simulation"
@@ -25,17 +35,19 @@ _SIGNIFICANT = 0.05
 _FEW_GENERATIONS = 3
 
 
-def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
+def report_text(
+    summary: Summary, mission: Mission, pool: FaultPool, captions: Mapping[str, str]
+) -> str:
     """Return the report, which links the figures that ``captions`` names."""
     sections = [
         f"# Campaign {plain(summary.folder.name)} on mission {plain(summary.mission)}",
         _extent(summary),
+        *_weaknesses(summary, mission, pool, captions),
         "## Settings",
         table(("setting", "value"), sorted(_settings(summary.settings))),
         "## Fitness over the generations",
         trend_in_words(summary.trend),
         *_linked(captions, "fitness"),
-        *_findings(summary, captions),
         f"## The {len(summary.top)} most critical specifications",
         _top(summary),
         *_faults(summary),
@@ -139,9 +151,13 @@ def _faults(summary: Summary) -> Iterator[str]:
             "numbers of ticks at which it was active and changed a value; *target* is what it "
             "touches, behind the message that carries it."
         )
-    for rank, (evaluation, faults) in enumerate(zip(summary.top, summary.faults, strict=True), 1):
+    of_each = zip(summary.top, summary.faults, summary.contained, strict=True)
+    for rank, (evaluation, faults, found) in enumerate(of_each, 1):
         yield f"### Faults of {rank}, evaluation {evaluation.index}"
         yield table(FAULT_COLUMNS, fault_rows(faults, evaluation.outcome))
+        if found:
+            some = (f"{way.goal} by {' and '.join(way.faults)} ({way.number})" for way in found)
+            yield f"Of the least sets it has: {'; '.join(some)}."
 
 
 def _violations(measure: Measure, evaluation: Evaluation) -> Iterator[str]:
@@ -152,61 +168,48 @@ def _violations(measure: Measure, evaluation: Evaluation) -> Iterator[str]:
         yield f"{ticks(measured[goal])}: {words}" if goal in measured else words
 
 
-def _findings(summary: Summary, captions: Mapping[str, str]) -> Iterator[str]:
-    """Yield what was found out about causes, if anything was asked."""
-    if not summary.causes:
+def _weaknesses(
+    summary: Summary, mission: Mission, pool: FaultPool, captions: Mapping[str, str]
+) -> Iterator[str]:
+    """Yield what breaks which goal, if anybody looked."""
+    if summary.harvest is None:
         return
-    ranks = {evaluation.index: rank for rank, evaluation in enumerate(summary.top, 1)}
-    n_flown = sum(cause.n_flown for cause in summary.causes)
-    n_explained = len(summary.causes) - len(summary.unexplained)
-    yield "## Findings"
+    goals = mission.goal_ids
+    yield "## What breaks which goal"
+    yield f"{said(mission, summary.ways, summary.harvest.n_flights)}."
+    if not summary.ways:
+        return
+    yield f"{MATRIX}. *Joint*: only with others."
+    yield table(("fault", "type", *goals, "target"), matrix(mission, pool, goals, summary.ways))
     yield (
-        f"Of the {len(summary.top)} most critical specifications {n_explained} are explained, with "
-        f"{n_flown} flights after those of the search. The *cause set* of each are the faults that "
-        "alone keep 95 % of its violations of every goal, and of which none can be left out; those "
-        f"with alike cause sets are one finding. {_COUNTS}"
+        "The least sets of faults, by goal: the share of the forms tried that break it by each "
+        "measure, in how many mission seeds the form that is shown does, and this form. "
+        "`weaknesses/` has each by its number, as a fault specification."
     )
-    header = ("", "evaluations", "faults", *summary.measure.goals)
-    rows = [
-        (
-            f"[{number}](critical/{ranks[finding.evaluations[0]]:02d}-cause.xmi)",
-            " ".join(map(str, finding.evaluations)),
-            " ".join(fault.name for fault in finding.faults),
-            *violated(finding.outcome, summary.measure.duration),
-        )
-        for number, finding in enumerate(summary.findings, 1)
-    ]
-    if rows:
-        yield table(header, rows)
-    if summary.unexplained:
-        yield "\n".join(f"- {plain(cause.why_not)}" for cause in summary.unexplained)
-    for number, finding in enumerate(summary.findings, 1):
-        yield f"### Cause of finding {number}, evaluation {finding.evaluations[0]}"
-        yield table(FAULT_COLUMNS, fault_rows(finding.faults, finding.outcome))
-        yield "\n".join(f"- {plain(sentence)}" for sentence in finding.cause.sentences)
-        yield from _linked(captions, f"finding_{number:02d}")
-        yield "Violations under it in other weather:"
-        firm = finding.cause.firmness
-        yield table(
-            ("goal", "violations", "median", "least", "most", f"violated in, of {N_SEEDS}"),
-            [(*map(_number, each.values()),) for each in firm if each["most"]],
-        )
-
-
-def _number(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    yield table(("", *LISTED), listed(mission, pool, summary.ways))
+    names = {goal.id: goal.name for goal in mission.goals}
+    for way in least(summary.ways):
+        yield f"### {plain(names[way.goal])} ({way.goal}), broken by {way.number}"
+        yield f"Broken by {verdict(way)}. {_COUNTS}"
+        outcome = summary.outcome(way)
+        faults = named_faults(mission, pool, way.shown.witness)
+        yield table(goals, [violated(outcome, summary.measure.duration)])
+        yield table(FAULT_COLUMNS, fault_rows(faults, outcome))
+        if sentences := summary.sentences.get(way.number):
+            yield "\n".join(f"- {plain(each)}" for each in sentences)
+        yield from _linked(captions, f"weakness_{way.number:02d}")
 
 
 def _guilty(summary: Summary, captions: Mapping[str, str]) -> Iterator[str]:
-    """Yield which types of faults cause sets hold."""
-    if summary.findings:
-        yield "## Fault types in cause sets"
+    """Yield which types of faults break goals at the least."""
+    if summary.ways:
+        yield "## Fault types in the least sets"
         yield (
-            "The same over what the violations are due to: a type that is above but not here rode "
-            "along."
+            "The same over the least sets that break a goal: a type that is above but not here "
+            "rode along."
         )
         yield _patterns(summary.guilty)
-        yield from _linked(captions, "cause_sets")
+        yield from _linked(captions, "figure_12_weaknesses")
 
 
 def _patterns(patterns: Sequence[TypePattern]) -> str:

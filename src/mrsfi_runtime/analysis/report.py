@@ -10,25 +10,26 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import astuple, fields, replace
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.drawing import Draw, Drawing, Drawings, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
 from mrsfi_runtime.analysis.markdown import report_text
-from mrsfi_runtime.analysis.page.content import Record, Told, campaign_page, flown_of, told_of
+from mrsfi_runtime.analysis.page.content import Record, Told, campaign_page, flown_of, told_content
 from mrsfi_runtime.analysis.page.document import document
-from mrsfi_runtime.analysis.page.flight import Flown
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.story import Story, places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
+from mrsfi_runtime.analysis.weaknesses import Way, least, verdict
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
 
 N_GENERATION_FRONTS = 5
@@ -80,7 +81,7 @@ def write_report(
     draw
         Draws the figures.
     show
-        Shows what the report says, once all but the page and the figures is written. They are
+        Shows what the report says, once all but the page and the figures is written. Figures are
         finished whatever becomes of it.
 
     Returns
@@ -100,96 +101,97 @@ def write_report(
         summary, columns = summarise(folder, store, mission, pool, ratio)
         with _writing(folder, "report"):
             shown = tuple(illustrate(summary, mission, columns, store))
-            _emptied(layout.figures, "figure_*.*", "finding_*.*")
+            _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")
             finish = draw(_to_draw(layout, shown))
             _write_critical(layout, summary, pool, write_specification)
-            _write_tables(layout.tables, shown, summary.measure, store)
-            content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
-            layout.summary.write_text(content + "\n", encoding="utf-8")
-            captions = {each.name: each.caption for each in shown}
-            if not isinstance(record, str):
-                for number in range(1, len(summary.findings) + 1):
-                    captions.update(_captions_of(number))
-            layout.report.write_text(report_text(summary, captions), encoding="utf-8")
-        stories: list[Illustration] = []
-        unfinished: list[Callable[[], None]] = []
-
-        def illustrated(number: int, story: Story) -> None:
-            told = tuple(_of_finding(number, story))
-            stories.extend(told)
-            unfinished.append(draw(_to_draw(layout, told)))
-
+            _write_witnesses(layout, summary, pool, write_specification)
         try:
+            with _writing(folder, "flights"):
+                flown = [*_fly(layout, summary, mission, pool, record)]
+            stories = [each for one in flown for each in one.figures]
+            drawn = draw(_to_draw(layout, stories))
+            summary = replace(summary, sentences={one.number: one.sentences for one in flown})
+            with _writing(folder, "report"):
+                _write_tables(layout.tables, (*shown, *stories), summary.measure, store)
+                content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
+                layout.summary.write_text(content + "\n", encoding="utf-8")
+                captions = {each.name: each.caption for each in (*shown, *stories)}
+                layout.report.write_text(
+                    report_text(summary, mission, pool, captions), encoding="utf-8"
+                )
             show(summary)
+            with _writing(folder, "page"):
+                page = campaign_page(summary, mission, pool, store, [one.content for one in flown])
+                layout.page.write_text(document(page), encoding="utf-8")
         finally:
-            try:
-                with _writing(folder, "page"):
-                    _write_page(layout, summary, mission, store, record, illustrated)
-                    _write_rows(layout.tables, stories)
-            finally:
-                with _writing(folder, "figures"):
-                    finish()
-            with _writing(folder, "figures of the findings"):
-                for drawn in unfinished:
-                    drawn()
+            with _writing(folder, "figures"):
+                finish()
+        with _writing(folder, "figures of the weaknesses"):
+            drawn()
     return summary
 
 
-def _write_page(
+class _OnPage(NamedTuple):
+    """A way to break a goal as it is shown, by its number."""
+
+    number: int
+    sentences: Sequence[str]
+    content: dict[str, Any]
+    figures: Sequence[Illustration]
+
+
+def _fly(
     layout: CampaignFolder,
     summary: Summary,
     mission: Mission,
-    store: CampaignStore,
+    pool: FaultPool,
     record: Record | str,
-    illustrated: Callable[[int, Story], None],
-) -> None:
-    """Write the page; hand on the number and the story of each finding as soon as it is flown."""
-    findings = _told(layout, summary, store)
-
-    def flown() -> Iterator[tuple[Told, Flown | str]]:
-        for number, told in enumerate(findings, 1):
-            flight = flown_of(told, record)
-            if not isinstance(flight, str):
-                illustrated(number, story_of(told.title, mission, told.faults, flight.recording))
-            yield told, flight
-
-    n_flights = sum(1 + len(told.faults) for told in findings)
-    page = campaign_page(summary, mission, store, flown(), n_flights)
-    layout.page.write_text(document(page), encoding="utf-8")
-
-
-def _of_finding(number: int, story: Story) -> Iterator[Illustration]:
-    """Yield the figures of a finding's flight."""
-    for (name, caption), (function, table) in zip(
-        _captions_of(number),
-        (("flight_timeline", timeline_table), ("flight_map", places_table)),
-        strict=True,
-    ):
-        yield Illustration(
-            name, caption, Drawing(function, (story,), "mission_plots"), table(story)
+) -> Iterator[_OnPage]:
+    """Fly what is the least that breaks each goal, and yield what there is to be shown of it."""
+    shown = least(summary.ways)
+    names = {goal.id: goal.name for goal in mission.goals}
+    n_flights = sum(1 + len(way.faults) for way in shown)
+    for way in shown:
+        faults = named_faults(mission, pool, way.shown.witness)
+        title = f"{names[way.goal]} ({way.goal})"
+        flown, sentences = flown_of(mission, way.goal, title, faults, record)
+        figures: Sequence[Illustration] = ()
+        if not isinstance(flown, str):
+            story = story_of(title, mission, faults, flown.recording)
+            figures = tuple(_of_way(way.number, story))
+        told = Told(
+            title=title,
+            sentence=f"Broken by {verdict(way)}.",
+            faults=faults,
+            sentences=sentences,
+            outcome=summary.outcome(way),
+            command=_command(layout, summary, way),
+            xmi=_witness(layout, way).read_text(encoding="utf-8"),
         )
+        content = told_content(mission, told, flown, n_flights)
+        yield _OnPage(way.number, sentences, content, figures)
 
 
-def _captions_of(number: int) -> list[tuple[str, str]]:
-    """Return names and captions of the figures of a finding."""
-    name, finding = f"finding_{number:02d}", f"Finding {number}"
-    return [
-        (f"{name}_timeline", f"{finding}: its faults, and violations of goals, in time"),
-        (f"{name}_map", f"{finding}: where robots were, and were believed to be"),
-    ]
+def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str]:
+    """Return what flies a way again."""
+    seed = str(summary.settings.mission_seed)
+    path = str(_witness(layout, way))
+    return ("mrsfi", "simulate", summary.place, "--faults", path, "--seed", seed)
 
 
-def _told(layout: CampaignFolder, summary: Summary, store: CampaignStore) -> list[Told]:
-    """Return what the page says of the findings, whose cause sets are written."""
-    ranks = {evaluation.index: rank for rank, evaluation in enumerate(summary.top, 1)}
-    told = []
-    for number, finding in enumerate(summary.findings, 1):
-        path = layout.critical / f"{ranks[finding.evaluations[0]]:02d}-cause.xmi"
-        mission = store.manifest.place or store.manifest.mission
-        command = ["mrsfi", "simulate", mission, "--faults", str(path)]
-        command += ["--seed", str(summary.settings.mission_seed)]
-        told.append(told_of(number, finding, command, path.read_text(encoding="utf-8")))
-    return told
+def _witness(layout: CampaignFolder, way: Way) -> Path:
+    return layout.weaknesses / f"{way.number:02d}.xmi"
+
+
+def _of_way(number: int, story: Story) -> Iterator[Illustration]:
+    """Yield the figures of a flight that breaks a goal."""
+    name = f"weakness_{number:02d}"
+    for what, caption, function, table in (
+        ("timeline", "faults, and violations of goals, in time", "flight_timeline", timeline_table),
+        ("map", "where robots were, and were believed to be", "flight_map", places_table),
+    ):
+        drawing = Drawing(function, (story,), "mission_plots")
+        yield Illustration(f"{name}_{what}", f"{story.title}: {caption}", drawing, table(story))
 
 
 @contextmanager
@@ -216,18 +218,28 @@ def specification_rows(
 def _write_critical(
     layout: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
 ) -> None:
-    """Write the top specifications, and their cause sets beside them."""
+    """Write the top specifications."""
     _emptied(layout.critical, "[0-9][0-9]*.xmi")
-    causes = {cause.index: cause.places for cause in summary.causes}
     for rank, evaluation in enumerate(summary.top, start=1):
-        path, name = layout.critical / f"{rank:02d}.xmi", f"evaluation_{evaluation.index}"
-        rows = specification_rows(pool, evaluation.specification)
-        names = numbered(row[0] for row in rows)
-        write(rows, path, name, names)
-        places = causes.get(evaluation.index)
-        if places:
-            cause, named = zip(*((rows[place], names[place]) for place in places), strict=True)
-            write(cause, path.with_stem(f"{path.stem}-cause"), f"{name}_cause", named)
+        name = f"evaluation_{evaluation.index}"
+        _write_xmi(pool, evaluation.specification, layout.critical / f"{rank:02d}.xmi", name, write)
+
+
+def _write_witnesses(
+    layout: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
+) -> None:
+    """Write the form of each way to break a goal."""
+    _emptied(layout.weaknesses, "[0-9][0-9]*.xmi")
+    for way in summary.ways:
+        name = f"weakness_{way.number}"
+        _write_xmi(pool, way.shown.witness, _witness(layout, way), name, write)
+
+
+def _write_xmi(
+    pool: FaultPool, specification: Specification, path: Path, name: str, write: SpecificationWriter
+) -> None:
+    rows = specification_rows(pool, specification)
+    write(rows, path, name, numbered(row[0] for row in rows))
 
 
 def _write_tables(
@@ -285,10 +297,9 @@ def illustrate(
     if summary.top:
         where = f"the {len(summary.top)} most critical specifications"
         yield _types("figure_12_fault_types", where, summary.patterns)
-    if summary.findings:
-        n_sets = sum(bool(cause.places) for cause in summary.causes)
-        where = f"the cause sets of {n_sets} specifications"
-        yield _types("figure_12_cause_sets", where, summary.guilty)
+    if summary.ways:
+        where = f"the {len(summary.ways)} least sets that break a goal"
+        yield _types("figure_12_weaknesses", where, summary.guilty)
 
 
 def _types(name: str, where: str, patterns: Sequence[TypePattern]) -> Illustration:

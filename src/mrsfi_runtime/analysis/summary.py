@@ -1,12 +1,11 @@
 """What a campaign found, as one value and as JSON."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.findings import Finding, find_findings
 from mrsfi_runtime.analysis.fronts import (
     Front,
     Harm,
@@ -19,16 +18,19 @@ from mrsfi_runtime.analysis.fronts import (
     score,
 )
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
-from mrsfi_runtime.causes.cause_set import chosen
+from mrsfi_runtime.analysis.weaknesses import Way, ways
+from mrsfi_runtime.causes.harvest import Harvest, NotHarvestedError, harvest
+from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
-from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.search.space import SearchSpace
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of ``summary.json``."""
 
 N_TOP = 10
@@ -40,6 +42,8 @@ class Summary:
 
     Attributes
     ----------
+    place
+        Where the mission lies in its project.
     measure
         The violations that fitness, front and pick are about.
     semantics
@@ -48,10 +52,14 @@ class Summary:
         The most critical distinct specifications, at most ten, the worst for the mission first.
     faults
         The faults of each of them.
-    causes
-        What was found out about the causes of some of them, in their order.
-    findings
-        Those with alike causes as one.
+    harvest
+        What is known of the ways in which goals break; ``None`` if nobody looked.
+    ways
+        These ways, in the order in which they are numbered.
+    contained
+        Those that each of the most critical specifications has.
+    sentences
+        How some of them come about, by their numbers: for each fault what it did.
     front
         Over the goals that the settings choose, or else those of the ratio, and over what they
         minimise; ``None`` if it would be over fewer than two.
@@ -60,11 +68,12 @@ class Summary:
     pick
         ``None`` if no ratio was asked for.
     patterns, guilty
-        Fault types in the top, and in its cause sets.
+        Fault types in the top, and in the ways.
     """
 
     folder: Path
     mission: str
+    place: str
     settings: CampaignSettings
     measure: Measure
     semantics: int
@@ -75,25 +84,41 @@ class Summary:
     digest: str
     top: tuple[Evaluation, ...]
     faults: tuple[tuple[NamedFault, ...], ...]
-    causes: tuple[RecordedCause, ...]
-    findings: tuple[Finding, ...]
+    harvest: Harvest | None
+    ways: tuple[Way, ...]
+    contained: tuple[tuple[Way, ...], ...]
     front: Front | None
     harm: tuple[Harm, ...] | None
     pick: Pick | None
     trend: Trend
     patterns: tuple[TypePattern, ...]
     guilty: tuple[TypePattern, ...]
+    sentences: Mapping[int, Sequence[str]] = field(default_factory=dict)
 
-    @property
-    def unexplained(self) -> tuple[RecordedCause, ...]:
-        """Those of the causes that were looked for and not found, with the reason."""
-        return tuple(cause for cause in self.causes if cause.reason)
+    def outcome(self, way: Way) -> Outcome:
+        """Return what flying the form of a way finds."""
+        assert self.harvest is not None
+        return self.harvest.outcomes[way.shown.witness]
 
 
-def explained(store: CampaignStore, tops: Iterable[int]) -> tuple[RecordedCause, ...]:
-    """Return what is recorded of the causes of evaluations, by their indexes and in that order."""
-    known = {cause.index: cause for cause in store.causes()}
-    return tuple(known[index] for index in tops if index in known)
+def harvested(store: CampaignStore, mission: Mission, pool: FaultPool) -> Harvest | None:
+    """Return what a campaign knows of the ways in which goals break; ``None`` if nobody looked."""
+    try:
+        return harvest(SearchSpace.of(mission, pool), store)
+    except NotHarvestedError:
+        return None
+
+
+def _contained(known: Harvest | None, found: Iterable[Way], each: Evaluation) -> tuple[Way, ...]:
+    """Return the ways of which an evaluation has all faults, and whose goals it breaks."""
+    if known is None or known.yardstick is None:
+        return ()
+    broken, faults = known.yardstick.broken(each.outcome), faults_of(each.specification)
+    return tuple(
+        way
+        for way in found
+        if faults.issuperset(way.faults) and any(one.column in broken for one in way.by)
+    )
 
 
 def summarise(
@@ -120,11 +145,12 @@ def summarise(
     best = tuple(map(store.evaluation, columns.top(N_TOP)))
     tops = {each.index: each.specification for each in best}
     trend = find_trend(store.generations())
-    causes = explained(store, tops)
-    sets = [chosen(tops[cause.index], cause.places) for cause in causes]
+    known = harvested(store, mission, pool)
+    found = () if known is None else ways(known.weaknesses)
     summary = Summary(
         folder=folder,
         mission=store.manifest.mission or mission.name,
+        place=store.manifest.place or store.manifest.mission,
         settings=store.settings,
         measure=measure,
         semantics=store.manifest.semantics,
@@ -135,22 +161,23 @@ def summarise(
         digest=store.digest(),
         top=best,
         faults=tuple(named_faults(mission, pool, each.specification) for each in best),
-        causes=causes,
-        findings=find_findings(mission, pool, causes, tops),
+        harvest=known,
+        ways=found,
+        contained=tuple(_contained(known, found, each) for each in best),
         front=front,
         harm=find_harm(measure, columns) if measure.minimised else None,
         pick=None if wanted is None else _pick(measure, columns, front, wanted),
         trend=trend,
         patterns=find_patterns([*tops.values()], columns.tried, pool),
-        guilty=find_patterns(sets, columns.tried, pool),
+        guilty=find_patterns([each.shown.witness for each in found], columns.tried, pool),
     )
     return summary, columns
 
 
 def as_json(summary: Summary) -> dict[str, Any]:
     """Return a summary as plain values, whose keys always stand in the same order."""
-    pairs = zip(summary.top, summary.faults, strict=True)
-    ranked = [_ranked(summary, evaluation, faults) for evaluation, faults in pairs]
+    pairs = zip(summary.top, summary.faults, summary.contained, strict=True)
+    ranked = [_ranked(summary, *each) for each in pairs]
     return {
         "schema": SCHEMA,
         "campaign": summary.folder.name,
@@ -165,7 +192,7 @@ def as_json(summary: Summary) -> dict[str, Any]:
         "digest": summary.digest,
         "best": ranked[0] if ranked else None,
         "top": ranked,
-        "causes": _causes(summary),
+        "weaknesses": _weaknesses(summary),
         "front": _front(summary.front),
         "harm": None if summary.harm is None else [asdict(harm) for harm in summary.harm],
         "pick": _picked(summary.pick),
@@ -174,19 +201,16 @@ def as_json(summary: Summary) -> dict[str, Any]:
     }
 
 
-def _causes(summary: Summary) -> dict[str, Any] | None:
-    """Return what was found out about causes; ``None`` if nothing was asked."""
-    if not summary.causes:
+def _weaknesses(summary: Summary) -> dict[str, Any] | None:
+    """Return the ways in which goals break; ``None`` if nobody looked."""
+    if summary.harvest is None:
         return None
-    measure = summary.measure
     return {
-        "n_explained": len(summary.causes) - len(summary.unexplained),
-        "n_flown": sum(cause.n_flown for cause in summary.causes),
-        "not_explained": [
-            {"evaluation": cause.index, "reason": cause.reason} for cause in summary.unexplained
-        ],
-        "findings": [
-            finding.as_json(measure.goals, measure.duration) for finding in summary.findings
+        "n_flown": summary.harvest.n_flights,
+        "found": [
+            each | {"sentences": list(summary.sentences.get(way.number, ()))}
+            for way in summary.ways
+            for each in way.as_json()
         ],
         "patterns": [asdict(pattern) for pattern in summary.guilty],
     }
@@ -206,7 +230,7 @@ def _pick(measure: Measure, columns: Columns, front: Front | None, wanted: Ratio
 
 
 def _ranked(
-    summary: Summary, evaluation: Evaluation, faults: Sequence[NamedFault]
+    summary: Summary, evaluation: Evaluation, faults: Sequence[NamedFault], found: Iterable[Way]
 ) -> dict[str, Any]:
     outcome = evaluation.outcome
     told = outcome.told(summary.measure.duration)
@@ -221,6 +245,7 @@ def _ranked(
         },
         "measured": summary.measure.by_goal(evaluation),
         "digest": outcome.digest,
+        "weaknesses": [way.number for way in found],
         "specification": [{"fault": fault.fault.id, **fault.as_json()} for fault in faults],
     }
 

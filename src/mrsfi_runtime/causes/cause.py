@@ -60,11 +60,6 @@ class Cause:
         """The cause set as a specification."""
         return chosen(self.specification, self.places)
 
-    @property
-    def leading(self) -> int:
-        """Which fault of the cause set most is lost without, of equal ones the first."""
-        return min(range(len(self.places)), key=lambda row: sum(self.lacking[row]), default=0)
-
 
 def find_cause(
     flights: Flights, engine: Engine, specification: Specification, keep: float
@@ -73,7 +68,7 @@ def find_cause(
 
     An engine records what has to be looked at, in the first of the mission seeds. A cause set keeps
     a share of every count, above 0, at most 1. If the mission's own code fails, that is an
-    ``EvaluationError``; more flights than there may be are a ``BudgetSpentError``.
+    ``EvaluationError``.
     """
     with flights.on(ALL_OR_NONE):
         counts, fault_free = flights.counts(specification), flights.counts(())

@@ -1,4 +1,4 @@
-"""The cause set: the faults of a specification without which a finding would not be.
+"""The cause set: the faults of a specification without which violations would not be.
 
 References
 ----------

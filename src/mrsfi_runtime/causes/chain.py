@@ -98,6 +98,28 @@ class Chain:
     verdicts: tuple[FirstVerdicts, ...]
 
 
+def chain_as_json(chain: Chain) -> dict[str, Any]:
+    """Return a chain as plain values."""
+    firsts = {"belief": chain.belief, "command": chain.command, "truth": chain.truth}
+    return {
+        **{
+            name: None if first is None else _first_as_json(first) for name, first in firsts.items()
+        },
+        "verdicts": {
+            each.goal: {
+                name: None if verdict is None else verdict._asdict()
+                for name, verdict in zip(each._fields[1:], each[1:], strict=True)
+            }
+            for each in chain.verdicts
+        },
+    }
+
+
+def _first_as_json(first: First) -> dict[str, Any]:
+    changes = [change._asdict() | {"size": change.size} for change in first.changes]
+    return {"tick": first.tick, "changes": changes}
+
+
 def chains(
     record: Callable[[Specification], Recording], mission: Mission, specification: Specification
 ) -> tuple[Chain, ...]:
@@ -107,12 +129,13 @@ def chains(
     """
     whole = record(specification)
     return tuple(
-        _chain(mission, whole, record(without(specification, place)))
+        chain(mission, whole, record(without(specification, place)))
         for place in range(len(specification))
     )
 
 
-def _chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
+def chain(mission: Mission, flight: Recording, twin: Recording) -> Chain:
+    """Return the first differences between a flight and that without one of its faults."""
     owners = _owners(mission)
     truths, beliefs = ((flight[side], twin[side]) for side in ("world", "belief"))
     return Chain(

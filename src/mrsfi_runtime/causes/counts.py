@@ -30,10 +30,6 @@ ALL_OR_NONE = "all faults, and none"
 """What flights are for until it is said."""
 
 
-class BudgetSpentError(Exception):
-    """More would have to be flown than may be."""
-
-
 class Flights:
     """Flies fault specifications of a mission, each once, and counts violations.
 
@@ -46,7 +42,7 @@ class Flights:
     columns
         What is counted: for each goal first its violations in the measure, then the true ones.
     n_flown
-        Number of flights until now, by what they were for; there may be a most that they may be.
+        Number of flights until now, by what they were for.
     """
 
     def __init__(
@@ -54,7 +50,6 @@ class Flights:
         evaluate_many: EvaluateIn,
         measure: Measure,
         mission_seeds: tuple[int, ...],
-        most: int | None = None,
     ) -> None:
         kinds = tuple(dict.fromkeys((measure.kind, "true")))
         self.measure = measure
@@ -64,7 +59,6 @@ class Flights:
         self._cells = [(measure.goals.index(goal), kind) for goal, kind in self.columns]
         self._evaluate_many = evaluate_many
         self._known: dict[tuple[Specification, int], Outcome] = {}
-        self._most = most
         self._purpose = ALL_OR_NONE
 
     @contextmanager
@@ -77,16 +71,13 @@ class Flights:
             self._purpose = before
 
     def spend(self, n_flights: int) -> None:
-        """Count flights that are about to begin; too many are a ``BudgetSpentError``."""
-        if self._most is not None and self.n_flown.total() + n_flights > self._most:
-            raise BudgetSpentError
+        """Count flights that are about to begin."""
         self.n_flown[self._purpose] += n_flights
 
     def fly(self, specifications: Iterable[Specification], seed: int | None = None) -> None:
         """Fly specifications all at once, as far as they are not known, in one weather or in all.
 
-        If the mission's own code fails in one of them, that is an ``EvaluationError``; too many are
-        a ``BudgetSpentError``.
+        If the mission's own code fails in one of them, that is an ``EvaluationError``.
         """
         wanted = tuple(dict.fromkeys(specifications))
         for one in self.mission_seeds if seed is None else (seed,):

@@ -16,9 +16,9 @@ from random import Random
 from types import MappingProxyType
 from typing import TypeAlias
 
-from mrsfi_runtime.causes.cause_set import chosen, reduction
+from mrsfi_runtime.causes.cause_set import reduction
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.weakness import Broken, Known, Yardstick, faults_of, form
+from mrsfi_runtime.causes.weakness import Broken, Known, Yardstick, form
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -44,13 +44,21 @@ class Probing:
 
     In each of the first turns every fault is alone in another form; then one specification for
     each column, and half as many faults alone.
+
+    Parameters
+    ----------
+    n_alone
+        How many such first turns there are.
     """
 
-    def __init__(self, space: SearchSpace, known: Known, draw: Draw, rng: Random) -> None:
+    def __init__(
+        self, space: SearchSpace, known: Known, draw: Draw, rng: Random, n_alone: int = N_ALONE
+    ) -> None:
         self._space = space
         self._known = known
         self._draw = draw
         self._rng = rng
+        self._n_first = n_alone
         self._n_turns = 0
         self._probes = {column: self._probe(column) for column in known.sets}
         self._wishes: dict[Column, Specification] = {}
@@ -58,7 +66,7 @@ class Probing:
 
     def turn(self) -> list[Specification]:
         """Return what is to be flown next, each form once; nothing if there seems to be no more."""
-        for _ in range(N_ALONE + 1):
+        for _ in range(self._n_first + 1):
             self._n_turns += 1
             if new := {form(each): each for each in self._wanted()}:
                 return [*new.values()]
@@ -68,7 +76,7 @@ class Probing:
         """Yield what is not flown yet, of a turn."""
         wishes: list[Specification] = []
         n_alone = len(self._space.candidates)
-        if self._n_turns > N_ALONE:
+        if self._n_turns > self._n_first:
             wishes = [wish for column in self._probes if (wish := self._wish(column))]
             n_alone = -(-len(self._probes) // 2)
         wanted = (*wishes, *(next(self._alone) for _ in range(n_alone)))
@@ -105,14 +113,22 @@ class Probing:
             if column not in (yield drawn):
                 self._known.n_kept[column] += 1
             else:
-                trials = reduction(tuple(range(len(drawn))))
-                trial = next(trials)
-                while True:
-                    try:
-                        trial = trials.send(column in (yield chosen(drawn, trial)))
-                    except StopIteration as end:
-                        self._known.add(column, faults_of(chosen(drawn, end.value)))
-                        break
+                yield from self._reduced(column, drawn)
+
+    def _reduced(self, column: Column, broken: Specification) -> _Probe:
+        """Reduce what breaks a column to a minimal set, unless it has one that is known by then."""
+        faults = tuple(dict.fromkeys(timed.fault for timed in broken))
+        trials = reduction(tuple(range(len(faults))))
+        trial = next(trials)
+        left = frozenset(faults)
+        while not self._known.has_part_of(column, left):
+            kept = frozenset(faults[place] for place in trial)
+            is_broken = column in (yield tuple(each for each in broken if each.fault in kept))
+            left = kept if is_broken else left
+            try:
+                trial = trials.send(is_broken)
+            except StopIteration:
+                self._known.add(column, left)
 
 
 class Cover:
@@ -152,9 +168,10 @@ class Cover:
         for specification, score in zip(self._next, scores, strict=True):
             broken: Broken = frozenset()
             if score.outcome is not None:
-                if self._yardstick is None:
+                if not specification:
                     self._yardstick = Yardstick.of(self._space.gate.mission, score.outcome)
-                broken = self._yardstick.broken(score.outcome)
+                if self._yardstick is not None:
+                    broken = self._yardstick.broken(score.outcome)
             self.known.learn(specification, broken)
         first, self._n_asked = self._n_asked, self._n_asked + len(scores)
         fitness = [score.fitness for score in scores]

@@ -1,11 +1,26 @@
 """A chain of first differences in one plain sentence."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from mrsfi_runtime.causes.cause import Cause
 from mrsfi_runtime.causes.chain import Chain, Change, First, FirstVerdicts
 from mrsfi_runtime.causes.observed import HEADING
 from mrsfi_runtime.model.fault_types import Field, Mode, Struck
 from mrsfi_runtime.record.named_faults import NamedFault
+
+
+def sentences(cause: Cause, faults: Sequence[NamedFault]) -> tuple[str, ...]:
+    """Return for each fault of a cause set what it did, in words.
+
+    Parameters
+    ----------
+    faults
+        All faults of the specification.
+    """
+    return tuple(
+        sentence(faults[place], chain)
+        for place, chain in zip(cause.places, cause.chains, strict=True)
+    )
 
 
 def sentence(fault: NamedFault, chain: Chain) -> str:

@@ -6,15 +6,16 @@ by more than ``MARGIN`` of the mission's ticks. A set of faults is *minimal* if 
 known to break the same column.
 """
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any, Self, TypeAlias
 
-from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
+from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 
@@ -72,6 +73,12 @@ def faults_of(specification: Specification) -> FaultSet:
     return frozenset(timed.fault for timed in specification)
 
 
+def parts(specification: Specification) -> tuple[Specification, ...]:
+    """Return what is left of a specification without each of its pool faults."""
+    faults = dict.fromkeys(timed.fault for timed in specification)
+    return tuple(tuple(t for t in specification if t.fault != fault) for fault in faults)
+
+
 def form(specification: Specification) -> Specification:
     """Return a specification in an order that every other one with the same timed faults has."""
     return tuple(sorted(specification))
@@ -95,8 +102,7 @@ class Known:
         self.sets: dict[Column, list[FaultSet]] = {column: [] for column in columns(mission)}
         self.flown: dict[Specification, Broken] = {}
         self.n_kept = dict.fromkeys(self.sets, 0)
-        self._n_tried: Counter[FaultSet] = Counter()
-        self._n_broken: Counter[tuple[Column, FaultSet]] = Counter()
+        self._forms: defaultdict[FaultSet, list[Specification]] = defaultdict(list)
 
     def learn(self, specification: Specification, broken: Broken) -> None:
         """Take what a flight breaks; if of a single fault, that is a minimal set of each column."""
@@ -105,10 +111,9 @@ class Known:
             return
         self.flown[tried] = broken
         faults = faults_of(specification)
-        self._n_tried[faults] += 1
-        for column in broken:
-            self._n_broken[column, faults] += 1
-            if len(faults) == 1:
+        self._forms[faults].append(specification)
+        if len(faults) == 1:
+            for column in broken:
                 self.add(column, faults)
 
     def add(self, column: Column, faults: FaultSet) -> None:
@@ -133,37 +138,53 @@ class Known:
 
     def tries(self, column: Column, faults: FaultSet) -> tuple[int, int]:
         """Return how many forms of just these faults were tried, and how many broke a column."""
-        return self._n_tried[faults], self._n_broken[column, faults]
+        return len(self._forms[faults]), sum(1 for _ in self.breaking(column, faults))
 
     def breaking(self, column: Column, faults: FaultSet) -> Iterator[Specification]:
         """Yield the forms of just these faults that broke a column, in the order of the tries."""
-        return (
-            tried
-            for tried, broken in self.flown.items()
-            if column in broken and faults_of(tried) == faults
-        )
+        return (each for each in self._forms[faults] if column in self.flown[form(each)])
 
     def weaknesses(self) -> "tuple[Weakness, ...]":
-        """Return what is known to break each column: small sets first, then by share of forms."""
-        found = (
-            self._weakness(column, faults) for column, sets in self.sets.items() for faults in sets
-        )
-        place = {column: number for number, column in enumerate(self.sets)}
-        return tuple(
-            sorted(
-                found,
-                key=lambda each: (
-                    place[each.column],
-                    len(each.faults),
-                    -each.share,
-                    each.faults,
-                ),
-            )
-        )
+        """Return what is known to break each goal: small sets first, each by all its measures."""
+        broken_by: defaultdict[FaultSet, list[Column]] = defaultdict(list)
+        for column, sets in self.sets.items():
+            for faults in sets:
+                broken_by[faults].append(column)
+        place = {column.goal: number for number, column in enumerate(self.sets)}
 
-    def _weakness(self, column: Column, faults: FaultSet) -> "Weakness":
-        witness = min(self.breaking(column, faults), key=_mildness)
-        is_masked = Column(column.goal, "believed") not in self.flown[witness]
+        def order(each: Weakness) -> tuple[int, int, tuple[str, ...], int]:
+            goal, kind = each.column
+            return place[goal], len(each.faults), each.faults, MEASURES.index(kind)
+
+        found = (
+            self._weakness(column, faults, witness)
+            for faults, broken in broken_by.items()
+            for column, witness in self._witnesses(faults, broken)
+        )
+        return tuple(sorted(found, key=order))
+
+    def _witnesses(
+        self, faults: FaultSet, broken: Iterable[Column]
+    ) -> Iterator[tuple[Column, Specification]]:
+        """Yield a form for each column that a minimal set breaks: few forms, and mild ones."""
+        left = {*broken}
+        shown = {each: left & self._isolated(each) for each in self._forms[faults]}
+        while left:
+            witness = min(shown, key=lambda each: (-len(shown[each] & left), _mildness(each)))
+            if not shown[witness] & left:  # told of a set, and never of its parts
+                shown = {each: left & self.flown[form(each)] for each in shown}
+                continue
+            yield from ((column, witness) for column in shown[witness] & left)
+            left -= shown[witness]
+
+    def _isolated(self, flown: Specification) -> Broken:
+        """Return what a form breaks though each of its parts, flown too, does not."""
+        broken = self.flown[form(flown)]
+        known = (self.flown.get(form(part), broken) for part in parts(flown) if part)
+        return broken.difference(*known)
+
+    def _weakness(self, column: Column, faults: FaultSet, witness: Specification) -> "Weakness":
+        is_masked = Column(column.goal, "believed") not in self.flown[form(witness)]
         return Weakness(
             column, tuple(sorted(faults)), witness, *self.tries(column, faults), is_masked
         )
@@ -184,7 +205,8 @@ class Weakness:
     faults
         IDs of the pool's faults, sorted.
     witness
-        Of the forms tried that break it, the one at work for the fewest ticks.
+        A form that breaks it: of those that break the most goals and measures for which its faults
+        are minimal, the one at work for the fewest ticks.
     n_tried, n_broken
         How many different forms of just these faults were flown, and how many broke it.
     is_masked
@@ -214,9 +236,7 @@ class Weakness:
             "goal": self.column.goal,
             "measure": self.column.kind,
             "faults": list(self.faults),
-            "witness": [
-                dict(zip(TimedFault._fields, timed, strict=True)) for timed in self.witness
-            ],
+            "witness": [timed._asdict() | {"values": [*timed.values]} for timed in self.witness],
             "share": self.share,
             "tried": self.n_tried,
             "seeds": {"held": self.n_held, "of": self.n_seeds},
@@ -224,30 +244,39 @@ class Weakness:
         }
 
 
+def flown_with(found: Iterable[Weakness]) -> tuple[Specification, ...]:
+    """Return what tells in a mission seed whether weaknesses hold: no fault, witnesses, parts."""
+    witnesses = dict.fromkeys(each.witness for each in found)
+    return tuple(dict.fromkeys([(), *witnesses, *chain.from_iterable(map(parts, witnesses))]))
+
+
 def in_seeds(
     mission: Mission, found: Sequence[Weakness], evaluate: EvaluateIn, seeds: Sequence[int]
 ) -> tuple[Weakness, ...]:
     """Return weaknesses with the number of mission seeds in which they hold.
 
-    What fails breaks nothing; without faults it may not fail.
+    They were found in the first one, which is not flown again. What fails breaks nothing; without
+    faults it may not fail.
     """
-    parts = {
-        each.witness: [without(each.witness, place) for place in range(len(each.witness))]
-        for each in found
-    }
-    flown = tuple(dict.fromkeys([(), *parts, *(part for some in parts.values() for part in some)]))
-    n_held: Counter[Weakness] = Counter()
-    for seed in seeds:
+    flown = flown_with(found)
+    n_held = Counter(found)
+    for seed in seeds[1:]:
         outcomes = dict(zip(flown, evaluate(flown, seed), strict=True))
-        fault_free = outcomes[()]
-        if not isinstance(fault_free, Outcome):
-            raise EvaluationError(f"without faults, in mission seed {seed}: {fault_free.traceback}")
-        yardstick = Yardstick.of(mission, fault_free)
-        broken = {
-            each: yardstick.broken(outcome) if isinstance(outcome, Outcome) else frozenset[Column]()
-            for each, outcome in outcomes.items()
-        }
+        yardstick = yardstick_of(mission, outcomes[()], seed)
+        broken = {each: broken_by(yardstick, outcome) for each, outcome in outcomes.items()}
         for each in found:
-            alone = (broken[part] for part in parts[each.witness])
+            alone = (broken[part] for part in parts(each.witness))
             n_held[each] += each.column in broken[each.witness].difference(*alone)
     return tuple(replace(each, n_held=n_held[each], n_seeds=len(seeds)) for each in found)
+
+
+def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstick:
+    """Return what goals are judged by in a mission seed; what fails without faults is an error."""
+    if isinstance(fault_free, FailedFlight):
+        raise EvaluationError(f"without faults, in mission seed {seed}: {fault_free.traceback}")
+    return Yardstick.of(mission, fault_free)
+
+
+def broken_by(yardstick: Yardstick, flown: Evaluated) -> Broken:
+    """Return what a flight breaks, nothing if it failed."""
+    return frozenset() if isinstance(flown, FailedFlight) else yardstick.broken(flown)

@@ -1,4 +1,4 @@
-"""The command ``mrsfi check``: flies what is kept, and fails where a finding came back."""
+"""The command ``mrsfi check``: flies what is kept, and fails where a weakness came back."""
 
 import re
 from collections import defaultdict
@@ -11,7 +11,7 @@ import click
 from rich.table import Table
 
 from mrsfi.folders import find_mission
-from mrsfi.regressions import Checked, check_all, missions_with_findings
+from mrsfi.regressions import Checked, check_all, missions_with_kept
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions
 from mrsfi_runtime.cli.tables import plain_table
@@ -39,11 +39,11 @@ def check(
     if mission is None and generated is not None:
         raise click.UsageError("--generated needs MISSION")
     settings = engine.settings(default=AUTO)
-    places = [*missions_with_findings()] if mission is None else [find_mission(mission, generated)]
+    places = [*missions_with_kept()] if mission is None else [find_mission(mission, generated)]
     if not places:
         raise UsageError(
-            "found nothing that is kept in models/*/regressions/; expected at least one finding; "
-            "keep one with: mrsfi keep CAMPAIGN --finding 1"
+            "found nothing that is kept in models/*/regressions/; expected at least one weakness; "
+            "keep one with: mrsfi keep CAMPAIGN --weakness 1"
         )
     found = {each.name: [*check_all(each, settings, tell, n_seeds)] for each in places}
     if junit is not None:

@@ -11,28 +11,26 @@ import click
 from click.core import ParameterSource
 
 from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly
-from mrsfi.engines import own_engine
-from mrsfi.evolving import begun, find_causes, require_searchable, search
+from mrsfi.evolving import begun, require_searchable, search
 from mrsfi.folders import campaign_file, find_mission
 from mrsfi.loading import load_fresh
 from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.drawing import DrawingProcesses
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.analysis.report import map_drawing
-from mrsfi_runtime.analysis.summary import N_TOP
-from mrsfi_runtime.cli.console import counted, tell
+from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import (
     EngineOptions,
     WorkerOptions,
 )
-from mrsfi_runtime.cli.progress import search_progress, share, tell_of_fitness
+from mrsfi_runtime.cli.progress import search_progress, share
 from mrsfi_runtime.cli.report import report
-from mrsfi_runtime.engine.flights import Engine, Evaluator
+from mrsfi_runtime.cli.weaknesses import show_harvest
+from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost
+from mrsfi_runtime.errors import EvaluationError, TransportError, UsageError, WorkerLost
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -162,7 +160,7 @@ def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | No
 def _search(
     campaign: FlyableCampaign, settings: EngineSettings, workers: WorkerOptions, *, explains: bool
 ) -> None:
-    """Search, and then find out causes."""
+    """Search, and then find all the ways in which goals break."""
     path, store = campaign.folder.path, campaign.store
     chosen = store.settings
 
@@ -176,8 +174,7 @@ def _search(
             _run(campaign, evaluator)
             is_new = store.n_generations > n_generations
             if explains and settings.has_simulation:
-                with own_engine(evaluator, campaign.code, seed, settings) as engine:
-                    is_new |= _explain(campaign, evaluator, engine)
+                is_new |= _harvest(campaign, evaluator)
     except (KeyboardInterrupt, TransportError, WorkerLost):
         tell(f"what was found until now is kept; see it with: mrsfi report {path}")
         tell(f"go on with: mrsfi evolve --resume {path}")
@@ -195,15 +192,12 @@ def _run(campaign: FlyableCampaign, evaluator: Evaluator) -> None:
         search(campaign, evaluator, progress)
 
 
-def _explain(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine) -> bool:
-    """Find out the causes of the most critical, and tell; return whether any was not known."""
-    store = campaign.store
-    tell_of_fitness(store.settings, Measure.of(store.settings, campaign.mission))
-
-    def tell_of(cause: RecordedCause, n_wanted: int) -> None:
-        faults = counted(len(store.evaluation(cause.index).specification), "faults")
-        found = cause.reason or f"cause set {len(cause.places)} of {faults}"
-        place = f"{len(store.causes()):>{len(str(N_TOP))}}/{n_wanted}"
-        tell(f"cause {place}  evaluation {cause.index}  {found}")
-
-    return find_causes(campaign, evaluator, engine, tell_of)
+def _harvest(campaign: FlyableCampaign, evaluator: Evaluator) -> bool:
+    """Find all the ways in which goals break; return whether anything was flown."""
+    try:
+        return show_harvest(campaign, evaluator)
+    except WorkerLost:
+        raise
+    except EvaluationError as error:
+        tell(f"what breaks which goal is not looked for: {error}")
+        return False

@@ -17,13 +17,11 @@ from mrsfi.explaining import (
     require_repeatable,
 )
 from mrsfi.folders import find_mission, is_mission
-from mrsfi_runtime.analysis.findings import find_findings
-from mrsfi_runtime.causes.recorded import recorded
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
 from mrsfi_runtime.cli.explained import Shown, as_json, print_explanation
 from mrsfi_runtime.cli.progress import tell_of_fitness
-from mrsfi_runtime.cli.tables import print_findings
+from mrsfi_runtime.cli.weaknesses import harvest_now
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.folder import CampaignFolder
@@ -37,6 +35,7 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
     workers: WorkerOptions,
     faults: Path | None,
     best: bool,
+    is_all: bool,
     evaluation: int | None,
     n_top: int | None,
     keep: float,
@@ -46,7 +45,12 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
     is_json: bool,
 ) -> None:
     """Find out which faults of a specification break which goal."""
-    chosen = {"--best": best or None, "--evaluation": evaluation, "--top": n_top}
+    chosen = {
+        "--best": best or None,
+        "--all": is_all or None,
+        "--evaluation": evaluation,
+        "--top": n_top,
+    }
     given = [option for option, value in chosen.items() if value is not None]
     if len(given) > 1:
         raise click.UsageError(f"{' and '.join(given)} exclude each other")
@@ -63,6 +67,9 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
         raise click.UsageError(
             f"{option} needs --faults; a campaign has code and weather of its own"
         )
+    if is_all:
+        harvest_now(_run(target), engine, workers, is_json=is_json)
+        return
     with open_to_fly(_run(target), tell) as campaign:
         recorded_by = campaign.store.manifest.engine
         settings = engine.settings(recorded_by if recorded_by.is_foreign else None, AUTO)
@@ -104,7 +111,7 @@ def _explain_all(
     seed = case.mission_seeds[0]
     if settings.name == AUTO:
         settings = workers.tried(case.code, seed, settings)
-    told, causes = [], []
+    told = []
     with (
         workers.evaluator(case.code, seed, settings) as evaluator,
         own_engine(evaluator, case.code, seed, settings) as engine,
@@ -119,14 +126,5 @@ def _explain_all(
                 told.append(as_json(shown, found))
             else:
                 print_explanation(shown, found)
-            if found is not None and subject.recorded is not None:
-                causes.append(recorded(subject.recorded.index, found.cause, subject.faults))
-    mission = case.code.mission
-    known = {each.recorded.index: each.specification for each in subjects if each.recorded}
-    findings = find_findings(mission, case.code.pool, causes, known)
-    goals, duration = mission.goal_ids, mission.duration
     if is_json:
-        grouped = [finding.as_json(goals, duration) for finding in findings]
-        print_json({"explanations": told, "findings": grouped})
-    elif len(subjects) > 1:
-        print_findings(goals, duration, findings)
+        print_json({"explanations": told})

@@ -9,12 +9,12 @@ import click
 from rich.table import Table
 
 from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal
-from mrsfi_runtime.causes.chain import First, FirstVerdicts
+from mrsfi_runtime.causes.chain import First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.firmness import N_SEEDS
 from mrsfi_runtime.causes.labels import BYSTANDER, GoalCauses
-from mrsfi_runtime.causes.recorded import chain_as_json, sentences
+from mrsfi_runtime.causes.sentence import sentences
 from mrsfi_runtime.cli.console import counted
 from mrsfi_runtime.cli.tables import fault_tables, plain_table
 from mrsfi_runtime.cli.terminal import print_table

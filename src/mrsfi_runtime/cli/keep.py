@@ -1,4 +1,4 @@
-"""The command ``mrsfi keep``: keeps a finding beside the models, and takes new limits over."""
+"""The command ``mrsfi keep``: keeps a weakness beside the models, and takes new limits over."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -9,7 +9,7 @@ import click
 from mrsfi.campaign_folders import open_campaign
 from mrsfi.folders import find_mission
 from mrsfi.regressions import check_all, write_limits
-from mrsfi.regressions import keep as keep_finding
+from mrsfi.regressions import keep as keep_weakness
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import EngineOptions
 from mrsfi_runtime.engine.settings import AUTO
@@ -18,24 +18,26 @@ from mrsfi_runtime.engine.settings import AUTO
 def keep(
     target: str,
     *,
-    finding: int | None,
+    weakness: int | None,
     name: str | None,
     limits: Mapping[str, int] | None,
     update: bool,
     n_seeds: int | None,
     engine: EngineOptions,
 ) -> None:
-    """Keep a finding of a campaign, or take over what is counted today of all that is kept."""
+    """Keep a weakness of a campaign, or take over what is counted today of all that is kept."""
     if update:
-        if finding is not None or limits is not None:
-            raise click.UsageError("--update is about all that is kept; give no finding, no limits")
+        if weakness is not None or limits is not None:
+            raise click.UsageError(
+                "--update is about all that is kept; give no weakness, no limits"
+            )
         _update(target, name, n_seeds, engine)
         return
-    if finding is None:
-        raise click.UsageError("--finding N is missing: which finding of the campaign to keep")
+    if weakness is None:
+        raise click.UsageError("--weakness N is missing: which weakness of the campaign to keep")
     with open_campaign(Path(target)) as campaign:
         flown_by = engine.settings(campaign.store.manifest.engine, AUTO)
-        regression = keep_finding(campaign, finding, name, limits, n_seeds or 1, flown_by)
+        regression = keep_weakness(campaign, weakness, name, limits, n_seeds or 1, flown_by)
     tell(f"kept       {regression.specification}")
     tell(f"limits     {regression.path}")
 

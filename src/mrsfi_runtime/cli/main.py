@@ -28,8 +28,8 @@ _COMMANDS = MappingProxyType(
         "explain": "Find out which faults of a specification break which goal.",
         "replay": "Fly evaluations of a campaign again and compare.",
         "report": "Write figures, tables and summary of a campaign anew.",
-        "keep": "Keep a finding beside the models of its mission.",
-        "check": "Fly every kept finding, and fail where one came back.",
+        "keep": "Keep a weakness beside the models of its mission.",
+        "check": "Fly every kept weakness, and fail where one came back.",
         "compare": "Compare search algorithms on a mission, with several seeds.",
         "bridge": "Run a rosbridge server for simulators and collective intelligences.",
         "import": "Make a mission folder from a model of the paper's prototype.",
@@ -62,7 +62,7 @@ In this order:
 \b
 Beside it:
   mrsfi weaknesses runs/cover            all that a search with --algorithm cover found
-  mrsfi keep runs/uuv_sampling-a-1 --finding 1   keep what was found, beside the models
+  mrsfi keep runs/uuv_sampling-a-1 --weakness 1   keep what was found, beside the models
   mrsfi check                            did anything that is kept come back?
   mrsfi compare uuv_sampling             does a search find more than chance does?
   mrsfi bridge                           a rosbridge server that needs no ROS
@@ -78,7 +78,7 @@ Exit codes, whoever reads the output:
   1  a defect of mrsfi                   7  a replay differs from its record
   2  wrong usage                         8  messages were lost
   3  a model that cannot be used         9  a campaign folder that cannot be used
-  4  generation impossible, or stale    10  a kept finding came back
+  4  generation impossible, or stale    10  a kept weakness came back
   5  a fault specification that         130  interrupted
      cannot be flown
 """

@@ -14,4 +14,4 @@ def new(name: str, *, source: str | None, published: Path | None) -> None:
     folder = start(name, source, published)
     click.echo(f"made       {folder}/, with the mission models/{name}")
     click.echo(f"next       cd {folder} && make evolve")
-    click.echo(f"then       mrsfi keep runs/{name}-a-1 --finding 1 && make regressions")
+    click.echo(f"then       mrsfi keep runs/{name}-a-1 --weakness 1 && make regressions")

@@ -11,14 +11,16 @@ from mrsfi_runtime.analysis.drawing import Draw
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
+from mrsfi_runtime.analysis.weaknesses import least, said
 from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.tables import critical_tables, plain_table, print_findings
+from mrsfi_runtime.cli.tables import critical_tables, plain_table
 from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.cli.weaknesses import print_list, print_ways
 from mrsfi_runtime.record.measure import Measure, ticks
 
 
 def report_anew(folder: Path | None, *, ratio: str | None, is_json: bool) -> None:
-    """Write the report of a campaign anew and print its findings."""
+    """Write the report of a campaign anew and print what it says."""
     with open_campaign(latest_folder() if folder is None else folder) as campaign:
         report(campaign, ratio, is_json=is_json)
 
@@ -54,22 +56,29 @@ def report(
 
 
 def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
-    """Print findings or the most critical specifications, the front, where everything is."""
+    """Print what breaks goals, or the most critical specifications; and where everything is."""
     folder, measure = campaign.folder, summary.measure
-    if summary.findings:
-        print_findings(measure.goals, measure.duration, summary.findings)
+    mission, pool = campaign.mission, campaign.pool
+    if summary.harvest is not None and summary.ways:
+        shown = least(summary.ways)
+        click.echo(f"{said(mission, summary.ways, summary.harvest.n_flights)}\n")
+        print_ways(mission, pool, summary.ways)
+        print_list(mission, pool, shown, "The least that breaks each goal")
+        for way in shown:
+            for sentence in summary.sentences.get(way.number, ()):
+                click.echo(f"{way.number} {way.goal}: {sentence}\n")
     else:
         n_top, n_distinct = len(summary.top), summary.n_distinct
         title = f"The {n_top} most critical of {n_distinct} fault specifications"
-        print_table(title, *critical_tables(measure, campaign.pool, summary.top))
-    if summary.unexplained:
-        click.echo("\n".join(cause.why_not for cause in summary.unexplained) + "\n")
+        print_table(title, *critical_tables(measure, pool, summary.top))
     if summary.front is not None:
         _print_front(summary.front)
     if summary.harm:
         _print_harm(summary.harm, summary.measure)
     if summary.pick is not None:
         click.echo(_picked(campaign, summary.pick, summary.measure) + "\n")
+    if summary.ways:
+        click.echo(f"all ways        mrsfi weaknesses {folder.path}")
     click.echo(f"specifications  {folder.critical}")
     click.echo(f"report          {folder.report}")
     click.echo(f"page            {folder.page}")

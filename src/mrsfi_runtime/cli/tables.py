@@ -4,14 +4,10 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
-import click
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from mrsfi_runtime.analysis.findings import Finding
-from mrsfi_runtime.cli.console import counted
-from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
@@ -143,31 +139,6 @@ def critical_tables(
         for rank, evaluation in enumerate(evaluations, 1)
     )
     return _ranked(header, measure.goals, rows)
-
-
-def print_findings(goals: Sequence[str], duration: int, findings: Sequence[Finding]) -> None:
-    """Print findings, the violations under the cause set of each, and how they come about.
-
-    Parameters
-    ----------
-    goals, duration
-        IDs of the mission's goals, and its ticks.
-    findings
-        The most critical first.
-    """
-    rows = (
-        (
-            (str(number), "\n".join(map(str, finding.evaluations))),
-            dict(_outcome_lines(finding.outcome, duration)),
-            " ".join(fault.name for fault in finding.faults),
-        )
-        for number, finding in enumerate(findings, 1)
-    )
-    n_explained = sum(len(finding.evaluations) for finding in findings)
-    title = f"{counted(len(findings), 'findings')} in {counted(n_explained, 'specifications')}"
-    print_table(title, *_ranked(("#", "evaluations"), goals, rows))
-    for number, finding in enumerate(findings, 1):
-        click.echo(f"{number}: {finding.sentence}\n")
 
 
 _Ranked: TypeAlias = tuple[Sequence[str], Mapping[str, Sequence[str]], str]

@@ -1,27 +1,33 @@
 """The command ``mrsfi weaknesses``: which faults break which goal, as a matrix and as a list."""
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
+from contextlib import contextmanager
 from pathlib import Path
+from time import monotonic
 
 import click
 from rich.table import Table
 
-from mrsfi.campaign_folders import open_campaign, open_to_fly
-from mrsfi.weaknesses import known_by
+from mrsfi.campaign_folders import FlyableCampaign, open_campaign, open_to_fly
+from mrsfi.weaknesses import harvest, harvested
+from mrsfi_runtime.analysis.weaknesses import LISTED, MATRIX, Way, listed, matrix, said, ways
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, in_seeds
 from mrsfi_runtime.cli.console import counted, print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.measure import NONE
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.settings import following
+
+_EVERY = 2.0
+"""Seconds between two lines about a harvest."""
 
 
 def weaknesses(
@@ -41,9 +47,8 @@ def weaknesses(
         mission, pool = campaign.mission, campaign.pool
         if goal is not None and goal not in mission.goal_ids:
             raise UsageError(f"--goal: found '{goal}'; {expected(goal, mission.goal_ids)}")
-        known = known_by(campaign)
-        found = [each for each in known.weaknesses() if goal in {None, each.column.goal}]
-        n_evaluations = campaign.store.n_evaluations
+        known = harvested(campaign)
+        found = [each for each in known.weaknesses if goal in {None, each.column.goal}]
     told = mission.goal_ids if goal is None else (goal,)
     if is_bounds:
         print_json(
@@ -52,37 +57,62 @@ def weaknesses(
                     "goal": column.goal,
                     "measure": column.kind,
                     "draws": n_kept,
-                    "bound": known.bound(column),
+                    "bound": known.known.bound(column),
                 }
-                for column, n_kept in known.n_kept.items()
+                for column, n_kept in known.known.n_kept.items()
                 if column.goal in told
             ]
         )
         return
     if n_seeds is not None:
         found = _in_seeds(run, found, n_seeds, engine, workers)
+    all_ways = ways(found)
     if is_json:
-        print_json([each.as_json() for each in found])
+        print_json([each for way in all_ways for each in way.as_json()])
         return
-    broken = {each.column.goal for each in found}
-    n_alone = len({each.column.goal for each in found if len(each.faults) == 1})
-    click.echo(
-        f"{len(broken)} of {counted(len(told), 'goals')} can be broken, {n_alone} of them by a "
-        f"single fault, in {counted(n_evaluations, 'flights')} of one mission seed\n"
-    )
-    if found:
-        print_table(
-            "Share of the forms tried that break a goal; (…): only believed, *: unseen by the CI",
-            *_matrices(mission, pool, told, found),
-        )
-        print_table(
-            "How, in the form at work for the fewest ticks that were tried",
-            *_lists(mission, pool, found),
-        )
+    click.echo(f"{said(mission, all_ways, known.n_flights)}\n")
+    if all_ways:
+        print_ways(mission, pool, all_ways)
+        print_list(mission, pool, all_ways, "How, in one of the forms that do")
     print_table(
         "At most so many random specifications without any of these break it, too (95 % sure)",
-        plain_table(("goal",), MEASURES, _bounds(known, told)),
+        plain_table(("goal",), MEASURES, _bounds(known.known, told)),
     )
+
+
+def harvest_now(run: Path, engine: EngineOptions, workers: WorkerOptions, *, is_json: bool) -> None:
+    """Find what a campaign does not know yet of the ways in which goals break; print them."""
+    with (
+        only_writer(CampaignFolder(run)),
+        open_to_fly(run, tell) as campaign,
+        _evaluator(campaign, engine, workers) as evaluator,
+    ):
+        show_harvest(campaign, evaluator)
+    weaknesses(run, None, None, engine=engine, workers=workers, is_bounds=False, is_json=is_json)
+
+
+def show_harvest(campaign: FlyableCampaign, evaluator: Evaluator) -> bool:
+    """Find all the ways in which goals break, and tell; return whether anything was flown."""
+    n_before = len(campaign.store.flights())
+    told = -math.inf
+
+    def tell_of(known: Known, n_flown: int, n_most: int) -> None:
+        nonlocal told
+        if n_flown > n_before and monotonic() - told > _EVERY:
+            told = monotonic()
+            tell(f"harvest  {n_flown} of at most {n_most} flights  {_found(known.weaknesses())}")
+
+    found = harvest(campaign, evaluator, tell_of)
+    is_new = len(campaign.store.flights()) > n_before
+    if is_new:
+        tell(f"harvest  {counted(found.n_flights, 'flights')}  {_found(found.weaknesses)}")
+    return is_new
+
+
+def _found(weaknesses: Iterable[Weakness]) -> str:
+    found = {(each.column.goal, each.faults) for each in weaknesses}
+    goals = {goal for goal, _ in found}
+    return f"{counted(len(found), 'ways')} to break {counted(len(goals), 'goals')}"
 
 
 def _bounds(known: Known, goals: Sequence[str]) -> Iterator[tuple[str, ...]]:
@@ -96,89 +126,61 @@ def _bounds(known: Known, goals: Sequence[str]) -> Iterator[tuple[str, ...]]:
 
 
 def _in_seeds(
-    run: Path, found: list[Weakness], n_seeds: int, engine: EngineOptions, workers: WorkerOptions
+    run: Path,
+    found: Sequence[Weakness],
+    n_seeds: int,
+    engine: EngineOptions,
+    workers: WorkerOptions,
 ) -> list[Weakness]:
     """Return weaknesses with the number of mission seeds in which they hold."""
-    with open_to_fly(run, tell) as campaign:
-        recorded = campaign.store.manifest.engine
-        settings = engine.settings(recorded if recorded.is_foreign else None, AUTO)
-        workers.require_sense(settings)
+    with open_to_fly(run, tell) as campaign, _evaluator(campaign, engine, workers) as evaluator:
         seeds = following(campaign.store.settings.mission_seed, n_seeds)
-        settings = workers.tried(campaign.code, seeds[0], settings)
-        with workers.evaluator(campaign.code, seeds[0], settings) as evaluator:
-            return [*in_seeds(campaign.mission, found, evaluator.evaluate_many, seeds)]
+        return [*in_seeds(campaign.mission, found, evaluator.evaluate_many, seeds)]
 
 
-def _matrices(
-    mission: Mission, pool: FaultPool, goals: Sequence[str], found: Iterable[Weakness]
-) -> tuple[Table, Table]:
-    """Return a row for each fault that breaks a goal, with what it touches, and without.
-
-    A cell has the share of forms that break the goal alone, by the last measure that does; or says
-    that it does so jointly with others.
-    """
-    cells: dict[str, dict[str, str]] = {}
-    names: dict[str, NamedFault] = {}
-    for weakness in sorted(found, key=lambda each: MEASURES.index(each.column.kind)):
-        goal, kind = weakness.column
-        share = _share(weakness)
-        share = f"({share})" if kind == "believed" else f"{share}{'*' * weakness.is_masked}"
-        for named in named_faults(mission, pool, weakness.witness):
-            names[named.name] = named
-            row = cells.setdefault(named.name, {})
-            if len(weakness.faults) == 1:
-                row[goal] = share
-            else:
-                row.setdefault(goal, "joint")
-    rows = [
-        (each.id, each.type, *(cells[each.id].get(goal, NONE) for goal in goals))
-        for each in pool
-        if each.id in cells
-    ]
-    told = ((*row, names[row[0]].target) for row in rows)
-    wide = plain_table(("fault", "type"), goals, told, ("target",))
-    narrow = plain_table(("fault", "type"), goals, rows)
-    for table in (wide, narrow):
-        table.padding = (0, 1, 0, 0)
-        for column in table.columns:
-            column.no_wrap = True
-    return wide, narrow
+@contextmanager
+def _evaluator(
+    campaign: FlyableCampaign, engine: EngineOptions, workers: WorkerOptions
+) -> Iterator[Evaluator]:
+    """Yield what flies specifications of a campaign."""
+    recorded = campaign.store.manifest.engine
+    settings = engine.settings(recorded if recorded.is_foreign else None, AUTO)
+    workers.require_sense(settings)
+    seed = campaign.store.settings.mission_seed
+    settings = workers.tried(campaign.code, seed, settings)
+    with workers.evaluator(campaign.code, seed, settings) as evaluator:
+        yield evaluator
 
 
-def _lists(mission: Mission, pool: FaultPool, found: Iterable[Weakness]) -> Iterator[Table]:
-    """Yield a table with a row for each fault of each weakness, and a narrow one.
+def print_ways(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> None:
+    """Print which fault breaks which goal, of those goals that some do."""
+    goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in found)]
+    rows = [*matrix(mission, pool, goals, found)]
+    wide = plain_table(("fault", "type"), goals, rows, ("target",))
+    narrow = plain_table(("fault", "type"), goals, (row[:-1] for row in rows))
+    print_table(MATRIX, *_compact(wide, narrow))
 
-    One set of faults that breaks a goal by several measures is one entry, with the form that breaks
-    it by the last of them.
-    """
-    rows = []
-    order = {goal: place for place, goal in enumerate(mission.goal_ids)}
-    by_set = sorted(
-        found, key=lambda each: (order[each.column.goal], len(each.faults), each.faults)
-    )
-    for (goal, _), each in groupby(by_set, key=lambda each: (each.column.goal, each.faults)):
-        alike = {weakness.column.kind: weakness for weakness in each}
-        shares = [_share(alike[kind]) if kind in alike else NONE for kind in MEASURES]
-        shown = next(alike[kind] for kind in reversed(MEASURES) if kind in alike)
-        shares += [f"{shown.n_held}/{shown.n_seeds}"]
-        for place, named in enumerate(named_faults(mission, pool, shown.witness)):
-            first = (goal, *shares) if place == 0 else ("", "and", "", "", "")
-            window = f"{named.timed.start} … {named.timed.finish}"
-            told = (named.name, named.fault.type, window, named.target, named.values)
-            rows.append((*first, *told))
-    columns = ("fault", "type", "window", "target", "values")
-    wide = plain_table(("goal",), (*MEASURES, "seeds"), rows, columns)
-    for column in wide.columns:
-        column.no_wrap = True
+
+def print_list(mission: Mission, pool: FaultPool, found: Sequence[Way], title: str) -> None:
+    """Print ways to break goals, with a row for each fault of each."""
+    n_first = LISTED.index("fault")
+    rows = [*listed(mission, pool, found)]
+    numbers, told = LISTED[1:n_first], LISTED[n_first:]
+    wide = plain_table(("#", LISTED[0]), numbers, rows, told)
     stacked = (
-        (*row[:6], f"{row[6]}\n{row[7]}: {'; '.join(filter(None, row[8:]))}") for row in rows
+        (*row[: n_first + 2], f"{row[n_first + 2]}\n{row[-3]}: {'; '.join(filter(None, row[-2:]))}")
+        for row in rows
     )
-    narrow = plain_table(("goal",), (*MEASURES, "seeds"), stacked, ("fault", "how"))
+    narrow = plain_table(("#", LISTED[0]), numbers, stacked, ("fault", "how"))
+    wide.columns[-1].no_wrap = True
     narrow.columns[-2].no_wrap = True
+    print_table(title, *_compact(wide, narrow, n_first + 1))
+
+
+def _compact(wide: Table, narrow: Table, n_whole: int | None = None) -> tuple[Table, Table]:
+    """Return tables with little room between columns, the first of which are not wrapped."""
     for table in (wide, narrow):
         table.padding = (0, 1, 0, 0)
-        yield table
-
-
-def _share(weakness: Weakness) -> str:
-    return f"{100 * weakness.share:.0f}%"
+    for column in (*wide.columns, *narrow.columns[:n_whole]):
+        column.no_wrap = True
+    return wide, narrow

@@ -1,4 +1,4 @@
-"""The store of a campaign: evaluations, failures, generations and causes, in one SQLite file.
+"""The store of a campaign: evaluations, failures, generations, later flights, in one SQLite file.
 
 Each append is one transaction with a rollback journal, so a run that is killed at any
 moment loses at most the append it was in, and whoever opens the folder next finds every
@@ -19,7 +19,7 @@ from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
 from mrsfi_runtime.record import database, encoding
-from mrsfi_runtime.record.causes import RecordedCause
+from mrsfi_runtime.record.flights import RecordedFlight
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -245,21 +245,19 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         rows = self._select("SELECT * FROM failure ORDER BY idx")
         return tuple(self._decoded(_failure, row) for row in rows)
 
-    def causes(self) -> tuple[RecordedCause, ...]:
-        """Return what was found out about causes, in the order of the evaluations."""
-        if not self._select("SELECT 1 FROM sqlite_master WHERE name = 'cause'"):
+    def flights(self) -> tuple[RecordedFlight, ...]:
+        """Return what was flown after the search, in order."""
+        if not self._select("SELECT 1 FROM sqlite_master WHERE name = 'flight'"):
             return ()  # a record of an earlier mrsfi
-        rows = self._select(
-            "SELECT cause.idx, content, specification FROM cause LEFT JOIN evaluation "
-            "ON evaluation.idx = cause.idx ORDER BY cause.idx"
-        )
-        return tuple(self._decoded(RecordedCause.from_row, row) for row in rows)
+        rows = self._select("SELECT mission_seed, specification, found FROM flight ORDER BY idx")
+        return tuple(self._decoded(RecordedFlight.from_row, row) for row in rows)
 
-    def append_cause(self, cause: RecordedCause) -> None:
-        """Store what was found out about an evaluation."""
+    def append_flights(self, flights: Iterable[RecordedFlight]) -> None:
+        """Store what was flown after the search, in one transaction."""
+        rows = [(None, *flight.row()) for flight in flights]
         with database.transaction(self.path, self._connection) as connection:
-            connection.execute(database.CAUSE_TABLE)
-            connection.execute("INSERT INTO cause VALUES (?, ?)", (int(cause.index), cause.text()))
+            connection.execute(database.FLIGHT_TABLE)
+            connection.executemany("INSERT INTO flight VALUES (?, ?, ?, ?)", rows)
 
     def digest(self) -> str:
         """Return SHA-256 over specification, outcome and fitness of all evaluations in order.

@@ -33,15 +33,18 @@ def _columns(counts: Iterable[str], specification: str = "specification") -> str
     return f"idx, generation, {specification}, fitness, fault_ticks, {quoted(counts)}, digest"
 
 
-CAUSE_TABLE = "CREATE TABLE IF NOT EXISTS cause (idx INTEGER PRIMARY KEY, content)"
-"""Makes the table of causes, which a record that was begun by an earlier mrsfi lacks."""
+FLIGHT_TABLE = (
+    "CREATE TABLE IF NOT EXISTS flight "
+    "(idx INTEGER PRIMARY KEY, mission_seed, specification, found)"
+)
+"""Makes the table of flights after a search, which a record of an earlier mrsfi lacks."""
 
 _TABLES = (
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
     f"CREATE TABLE evaluation ({_columns(COUNTS)}, PRIMARY KEY (idx))",
     "CREATE TABLE failure (idx INTEGER PRIMARY KEY, generation, specification, traceback)",
     "CREATE TABLE generation (idx, statistics, population, random_state, PRIMARY KEY (idx))",
-    CAUSE_TABLE,
+    FLIGHT_TABLE,
 )
 
 

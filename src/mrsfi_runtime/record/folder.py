@@ -29,7 +29,8 @@ class CampaignFolder:
         self.database = path / "campaign.sqlite"  # every evaluation and generation
         self.lock = path / "campaign.lock"  # by the process that runs the campaign
         self.critical = path / "critical"  # the most critical specifications as XMI
-        self.causes = path / "causes"  # their cause sets as XMI
+        self.weaknesses = path / "weaknesses"  # the least that breaks each goal as XMI
+        self.causes = path / "causes"  # cause sets of explained specifications as XMI
         self.figures = path / "figures"
         self.tables = path / "tables"  # the numbers behind them
         self.summary = path / "summary.json"  # what a script reads of the report

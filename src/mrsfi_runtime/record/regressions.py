@@ -1,4 +1,4 @@
-"""Findings that a team keeps beside its models, with what each goal may be violated at most.
+"""Weaknesses that a team keeps beside its models, with what each goal may be violated at most.
 
 Each is two files in ``models/<mission>/regressions/``: a fault specification, ``NAME.xmi``, and
 its limits, ``NAME.toml``.
@@ -91,7 +91,7 @@ class Regression:
             content = tomllib.loads(path.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
             raise UsageError(
-                f"{path}: cannot be read ({error}); expected the limits of a kept finding in TOML"
+                f"{path}: cannot be read ({error}); expected the limits of a kept weakness in TOML"
             ) from error
         for key in content:
             if key not in _KEYS:
@@ -129,7 +129,7 @@ def _read(path: Path) -> Regression:
     try:
         for file in (specification, path):
             if file.exists() and not file.is_file():
-                raise SpecificationError(f"{file}: found no plain file; expected a kept finding")
+                raise SpecificationError(f"{file}: found no plain file; expected a kept weakness")
         if not path.exists():
             raise UsageError(f"{specification}: found no limits; expected {path.name} beside it")
         return Regression.load(path)
@@ -138,7 +138,7 @@ def _read(path: Path) -> Regression:
 
 
 def folder_of(models: Path) -> Path:
-    """Return where findings are kept that are about a mission, by the folder of its models."""
+    """Return where weaknesses are kept that are about a mission, by the folder of its models."""
     return models / "regressions"
 
 

@@ -1,12 +1,11 @@
 """What the page shows of a campaign, or of one flight, as plain values."""
 
 import shlex
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any, TypeAlias
 
-from mrsfi_runtime.analysis.findings import Finding
 from mrsfi_runtime.analysis.markdown import trend_in_words
 from mrsfi_runtime.analysis.page.flight import (
     Flown,
@@ -17,11 +16,13 @@ from mrsfi_runtime.analysis.page.flight import (
 )
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.tables import evaluations_table
+from mrsfi_runtime.analysis.weaknesses import MATRIX, matrix, said
 from mrsfi_runtime.causes.cause_set import without
-from mrsfi_runtime.causes.firmness import N_SEEDS
+from mrsfi_runtime.causes.chain import chain
+from mrsfi_runtime.causes.sentence import sentence
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -54,8 +55,6 @@ class Told:
         What flying it finds.
     command, xmi
         What flies it again, and the specification as a file holds it.
-    firmness
-        What violations are in other weather.
     """
 
     title: str
@@ -65,12 +64,6 @@ class Told:
     outcome: Outcome
     command: Sequence[str]
     xmi: str
-    firmness: Sequence[Mapping[str, Any]] = ()
-
-    @property
-    def specification(self) -> Specification:
-        """Its faults as they are flown."""
-        return tuple(fault.timed for fault in self.faults)
 
 
 def flight_page(
@@ -93,7 +86,8 @@ def flight_page(
     return {
         "title": told.title,
         "mission": mission_content(mission),
-        "findings": [
+        "heading": "What flew",
+        "shown": [
             _told(mission, told) | {"flight": flight_content(mission, flown, stride(mission, 1))}
         ],
         "record": list(facts),
@@ -103,9 +97,9 @@ def flight_page(
 def campaign_page(
     summary: Summary,
     mission: Mission,
+    pool: FaultPool,
     store: CampaignStore,
-    findings: Iterable[tuple[Told, Flown | str]],
-    n_flights: int,
+    shown: Sequence[dict[str, Any]],
 ) -> dict[str, Any]:
     """Return what the page shows of a campaign.
 
@@ -113,20 +107,20 @@ def campaign_page(
     ----------
     summary
         What it found.
-    mission, store
+    mission, pool, store
         What it ran on, and its record.
-    findings
-        What is said of each finding, the most critical first, and its flight or why it has none.
-    n_flights
-        How many flights these are at most, those without a fault included.
+    shown
+        What ``told_content`` returned of ways to break goals.
     """
     step = max(1, -(-summary.n_evaluations // MOST_LISTED))
     header, *rows = evaluations_table(store.flown(step), summary.measure)
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.mission}",
         "mission": mission_content(mission),
-        "findings": list(_findings(mission, findings, n_flights)),
-        "none": "No causes were asked for, or none was found; see the evaluations.",
+        "heading": "What breaks which goal",
+        "shown": list(shown),
+        "matrix": _matrix(summary, mission, pool),
+        "none": "Nobody looked for what breaks which goal, or nothing does; see the evaluations.",
         "search": {"said": trend_in_words(summary.trend), "charts": list(_charts(summary))},
         "evaluations": {
             "said": f"One in {step} is listed." if step > 1 else "All are listed.",
@@ -137,59 +131,60 @@ def campaign_page(
     }
 
 
-def told_of(number: int, finding: Finding, command: Sequence[str], xmi: str) -> Told:
-    """Return what is said of a finding.
+def flown_of(
+    mission: Mission, goal: str, title: str, faults: Sequence[NamedFault], record: Record | str
+) -> tuple[Flown | str, tuple[str, ...]]:
+    """Fly faults, and all of them but each; say what each did until the goal broke.
 
-    Parameters
-    ----------
-    number
-        Its rank, from 1.
-    finding
-        The finding.
-    command, xmi
-        See ``Told``.
+    Where they cannot be flown, that has a reason, and there is nothing to say.
     """
-    first, *others = finding.evaluations
-    alike = f" and {len(others)} more with alike causes" if others else ""
-    return Told(
-        title=f"{number}: cause of evaluation {first}{alike}",
-        sentence=finding.sentence,
-        faults=finding.faults,
-        sentences=finding.cause.sentences,
-        outcome=finding.outcome,
-        command=command,
-        xmi=xmi,
-        firmness=finding.cause.firmness,
-    )
-
-
-def _findings(
-    mission: Mission, findings: Iterable[tuple[Told, Flown | str]], n_flights: int
-) -> Iterable[dict[str, Any]]:
-    for told, flown in findings:
-        content = _told(mission, told)
-        if isinstance(flown, str):
-            content["no_flight"] = flown
-        else:
-            content["flight"] = flight_content(mission, flown, stride(mission, n_flights))
-        yield content
-
-
-def flown_of(told: Told, record: Record | str) -> Flown | str:
-    """Fly a specification, and all of it but each of its faults, or say why that cannot be."""
     if isinstance(record, str):
-        return record
+        return record, ()
     try:
-        return _flown(told, record)
+        return _flown(mission, goal, title, faults, record)
     except EvaluationError as error:
-        return str(error)
+        return str(error), ()
 
 
-def _flown(told: Told, record: Record) -> Flown:
-    faults = told.specification
-    places = range(len(faults)) if len(faults) > 1 else ()
-    others = {place: record(without(faults, place)) for place in places}
-    return Flown(told.title, told.faults, record(faults), others)
+def _flown(
+    mission: Mission, goal: str, title: str, faults: Sequence[NamedFault], record: Record
+) -> tuple[Flown, tuple[str, ...]]:
+    specification = tuple(fault.timed for fault in faults)
+    flight, others, said = record(specification), {}, []
+    for place, fault in enumerate(faults):
+        twin = record(without(specification, place))
+        linked = chain(mission, flight, twin)
+        verdicts = tuple(each for each in linked.verdicts if each.goal == goal)
+        said.append(sentence(fault, replace(linked, verdicts=verdicts)))
+        if len(faults) > 1:
+            others[place] = twin
+    return Flown(title, faults, flight, others), tuple(said)
+
+
+def told_content(
+    mission: Mission, told: Told, flown: Flown | str, n_flights: int
+) -> dict[str, Any]:
+    """Return what the page shows of a way to break a goal, and of its flight or why it has none.
+
+    So many flights are on the page in all.
+    """
+    content = _told(mission, told)
+    if isinstance(flown, str):
+        return content | {"no_flight": flown}
+    return content | {"flight": flight_content(mission, flown, stride(mission, n_flights))}
+
+
+def _matrix(summary: Summary, mission: Mission, pool: FaultPool) -> dict[str, Any] | None:
+    """Return which fault breaks which goal, as a table; ``None`` if none is known to."""
+    if summary.harvest is None or not summary.ways:
+        return None
+    goals = mission.goal_ids
+    return {
+        "said": said(mission, summary.ways, summary.harvest.n_flights),
+        "note": MATRIX,
+        "header": ("fault", "type", *goals, "target"),
+        "rows": [*matrix(mission, pool, goals, summary.ways)],
+    }
 
 
 def _told(mission: Mission, told: Told) -> dict[str, Any]:
@@ -202,17 +197,14 @@ def _told(mission: Mission, told: Told) -> dict[str, Any]:
         "sentence": told.sentence,
         "faults": [
             fault_content(fault) | {"sentence": sentence}
-            for fault, sentence in zip(told.faults, told.sentences, strict=True)
+            for fault, sentence in zip(
+                told.faults, told.sentences or [""] * len(told.faults), strict=True
+            )
         ],
         "counts_said": _COUNTS,
         "counts": {
             "header": header,
             "rows": [(*goal, *row) for goal, row in zip(goals, columns, strict=True)],
-        },
-        "firmness": {
-            "said": f"Violations in the weather of {N_SEEDS} mission seeds, in ticks.",
-            "header": ("goal", "violations", "median", "least", "most", "violated in"),
-            "rows": [tuple(each.values()) for each in told.firmness if each["most"]],
         },
         "command": shlex.join(told.command),
         "xmi": told.xmi,

@@ -24,7 +24,7 @@ def document(content: Mapping[str, Any]) -> str:
     ----------
     content
         Plain values, as ``page.js`` reads them: title, mission, record, and either one flight
-        or findings, search and evaluations.
+        or what breaks goals, search and evaluations.
     """
     styles, scripts = ("\n".join(map(_asset, names)) for names in (_STYLES, _SCRIPTS))
     policy = (

@@ -10,10 +10,10 @@ from mrsfi_runtime.cli.engines import engine_options
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.record.manifest import BOTH, CI
 
-_HELP = """Fly every kept finding of MISSION against today's models and code.
+_HELP = """Fly every kept weakness of MISSION against today's models and code.
 
 Without MISSION it goes through all of models/. Where a goal has more violations than is kept, the
-finding came back: it says why, and ends with exit code 10. What cannot be judged any more, because
+weakness came back: it says why, and ends with exit code 10. What cannot be judged any more, because
 a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error: the others
 are flown all the same, and the exit code is the lowest of such. Nothing kept is no pass either.
 
@@ -46,7 +46,7 @@ Examples:
 @engine_options(BOTH, CI, default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the verdicts for a script.")
 def command(**given: Any) -> None:
-    """Fly every kept finding."""
+    """Fly every kept weakness."""
     from mrsfi_runtime.cli.check import check
 
     check(**given)

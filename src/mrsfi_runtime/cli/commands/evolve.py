@@ -19,9 +19,10 @@ The campaign file says how: algorithm, population, generations, fitness. --case 
 values. Everything goes into a new folder, runs/NAME-CASE-N: copies of the models and of the
 code it ran on, every evaluation, figures, tables, and the ten worst as XMI.
 
-Of these ten it finds out which faults are the cause, with at most as many flights as the search
-took, and prints the findings: specifications with the same cause are one. More is found out by
-mrsfi explain. Somebody else's simulation is only searched on.
+Then it finds out which faults break which goal, and what is the least that does, with at most as
+many flights as the search took, and never more than a thousand; what it prints first is that.
+mrsfi weaknesses lists all of it; mrsfi explain says why one specification does what it does.
+Somebody else's simulation is only searched on.
 
 \b
 Examples:

@@ -23,6 +23,7 @@ Examples:
   mrsfi explain runs/uuv_sampling-a-1
   mrsfi explain runs/uuv_sampling-a-1 --evaluation 412
   mrsfi explain runs/uuv_sampling-a-1 --top 10 --json
+  mrsfi explain runs/uuv_sampling-a-1 --all
   mrsfi explain uuv_sampling --faults models/uuv_sampling/mine.xmi --measure masked
 
 The cause set are the faults without which the violations would not be: flown alone, they keep a
@@ -39,8 +40,8 @@ fault is to each goal:
   lesser     none of these, but alone it breaks the goal: others break it more, or hide it
   bystander  none of these
 
-Of several specifications, those are one finding whose cause sets have the same faults in windows
-that overlap.
+With --all it is about none of them, but about all the ways in which goals break: what is not known
+yet is flown and recorded, as at the end of mrsfi evolve, and printed as by mrsfi weaknesses.
 """
 
 
@@ -54,6 +55,7 @@ that overlap.
     help="Explain this fault specification of MISSION.",
 )
 @click.option("--best", is_flag=True, help="The most critical evaluation of RUN, as without it.")
+@click.option("--all", "is_all", is_flag=True, help="All the ways in which goals of RUN break.")
 @click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N of RUN.")
 @click.option("--top", "n_top", type=click.IntRange(1), metavar="K", help="The K most critical.")
 @click.option(
@@ -80,8 +82,8 @@ that overlap.
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
     metavar="DIR",
-    help="Where to write the cause sets [default: RUN/causes, or the folder of FILE; kept findings "
-    "need one].",
+    help="Where to write the cause sets [default: RUN/causes, or the folder of FILE; kept "
+    "weaknesses need one].",
 )
 @worker_options
 @engine_options(BOTH, CI, default=AUTO)

@@ -8,20 +8,21 @@ from mrsfi_runtime.cli.engines import engine_options
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.record.manifest import BOTH, CI
 
-_HELP = """Keep a finding of CAMPAIGN, so that mrsfi check tells when it comes back.
+_HELP = """Keep a weakness of CAMPAIGN, so that mrsfi check tells when it comes back.
 
-Its cause set goes into models/NAME/regressions/ as XMI, and beside it the limits: how many ticks
-of violations each goal may have at most, as many as the campaign recorded unless --max says
-otherwise. Both are files to be reviewed and committed.
+N is its number in mrsfi weaknesses. The faults go into models/NAME/regressions/ as XMI, and beside
+them the limit: how many ticks of violations the goal may have at most, as many as it has today
+unless --max says otherwise; with 0 the check fails until the weakness is gone. Both are files to be
+reviewed and committed.
 
 After a change that is wanted, --update takes over what is counted today, and prints the
 difference.
 
 \b
 Examples:
-  mrsfi keep runs/uuv_sampling-a-1 --finding 1
-  mrsfi keep runs/uuv_sampling-a-1 --finding 2 --name surfacing --max g2=0,g4=10
-  mrsfi keep runs/uuv_sampling-a-1 --finding 3 --seeds 5
+  mrsfi keep runs/uuv_sampling-a-1 --weakness 1
+  mrsfi keep runs/uuv_sampling-a-1 --weakness 2 --name surfacing --max g2=0,g4=10
+  mrsfi keep runs/uuv_sampling-a-1 --weakness 3 --seeds 5
   mrsfi keep uuv_sampling --update
   mrsfi keep uuv_sampling --update --name surfacing
 """
@@ -42,8 +43,8 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
 
 @click.command(name="keep", help=_HELP)
 @click.argument("target", metavar="CAMPAIGN|MISSION")
-@click.option("--finding", type=click.IntRange(1), metavar="N", help="Finding N of the campaign.")
-@click.option("--name", metavar="NAME", help="Name of its files [default: CAMPAIGN-finding-N].")
+@click.option("--weakness", type=click.IntRange(1), metavar="N", help="Weakness N of the campaign.")
+@click.option("--name", metavar="NAME", help="Name of its files [default: CAMPAIGN-weakness-N].")
 @click.option(
     "--max",
     "limits",
@@ -61,7 +62,7 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
 @click.option("--update", is_flag=True, help="Take over what is counted today of MISSION's.")
 @engine_options(BOTH, CI, default=AUTO)
 def command(**given: Any) -> None:
-    """Keep a finding of a campaign."""
+    """Keep a weakness of a campaign."""
     from mrsfi_runtime.cli.keep import keep
 
     keep(**given)

@@ -9,7 +9,7 @@ _HELP = """Make the folder NAME of a new project, ready for git, with a mission 
 
 It holds the metamodels, for Eclipse and to be extended; a small mission and its pool, as models
 and as a script that builds them; a campaign file; generated code; a Makefile; and what two common
-build servers need to fly the kept findings on each change. mrsfi.toml says where all of it is:
+build servers need to fly the kept weaknesses on each change. mrsfi.toml says where all of it is:
 commands work from any folder inside.
 
 \b

@@ -10,9 +10,9 @@ _HELP = """Give elements of MISSION other IDs, everywhere at once.
 
 OLD is the ID of a robot, a goal, a message, a sensor, a fault of the pool or anything else that
 has one. It changes in the models, in every fault specification below their folder, in campaign
-files, in the limits of kept findings, and in generated code: its protected regions follow, their
+files, in the limits of kept weaknesses, and in generated code: its protected regions follow, their
 markers as well as the names in what is written there. What stands in strings and comments, and
-what a kept finding tells of the day it was found, stays.
+what a kept weakness tells of the day it was found, stays.
 
 Display names stay too, and so does the flight: the mission flies to the same digest.
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import click
 
-_HELP = """Write the report of CAMPAIGN anew and print its findings.
+_HELP = """Write the report of CAMPAIGN anew and print what breaks which goal.
 
-Where nothing was explained, these are the ten most critical specifications.
+Where nobody looked for that, it prints the ten most critical specifications.
 
 CAMPAIGN is the folder of a campaign, finished or interrupted; without one, the campaign in
 runs/ that was written last. Everything comes from the folder's own copies, whatever was
@@ -19,7 +19,8 @@ Examples:
   mrsfi report runs/uuv_sampling-b-1 --ratio g3:g1=2:1
   mrsfi report runs/uuv_sampling-a-1 --json | jq '.top[].fitness'
 
-Written into the folder: report.md, summary.json, figures/, tables/, critical/*.xmi.
+Written into the folder: report.md, summary.json, figures/, tables/, critical/*.xmi and
+weaknesses/*.xmi.
 """
 
 
@@ -28,7 +29,7 @@ Written into the folder: report.md, summary.json, figures/, tables/, critical/*.
 @click.option("--ratio", metavar="G:H=M:N", help="Pick from the front, such as g3:g1=2:1.")
 @click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
 def command(**given: Any) -> None:
-    """Write the report of a campaign anew and print its findings."""
+    """Write the report of a campaign anew and print what breaks which goal."""
     from mrsfi_runtime.cli.report import report_anew
 
     report_anew(**given)

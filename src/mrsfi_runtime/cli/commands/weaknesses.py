@@ -9,16 +9,17 @@ from mrsfi_runtime.cli.engines import engine_options, worker_options
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.record.manifest import BOTH, CI
 
-_HELP = """Print all the ways in which goals break, as a campaign of algorithm cover found them.
+_HELP = """Print all the ways in which goals break, as a campaign found them.
 
 A weakness is a goal and a least set of faults that breaks it: in what the collective intelligence
 believes, in truth, or so that the goal is missed in the end. Shares say of how many forms that were
-tried, of other values and windows, as many did; the form that is shown is the one of them that is
-at work for the fewest ticks. A goal that is broken already without faults is broken by those that
-make it worse by 5 % of the mission's ticks. With --seeds, the forms shown are flown in that many
-mission seeds, the campaign's first: a set holds in a seed if it breaks the goal and no part does.
+tried, of other values and windows, as many did; one of them is shown. A goal that is broken already
+without faults is broken by those that make it worse by 5 % of the mission's ticks. A set holds in a
+mission seed if the form shown breaks the goal there, and no part of it does; five were looked at,
+or with --seeds as many as it says.
 
-Begin such a campaign with: mrsfi evolve uuv_sampling --algorithm cover --out runs/cover
+Every campaign looks for them at its end; with --algorithm cover it does nothing else. One that was
+not let to, or of an earlier mrsfi, does so with: mrsfi explain RUN --all
 
 \b
 Examples:

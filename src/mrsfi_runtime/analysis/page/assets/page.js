@@ -1,23 +1,25 @@
-// The page: findings first, then the flight, the search, the evaluations and the record.
+// The page: what breaks which goal, then the flight, the search, the evaluations and the record.
 
-function findingsOf(data, view) {
-  return make("section", { id: "findings" }, make("h2", {}, "Findings"),
-    data.findings.length ? null : make("p", {}, data.none),
-    data.findings.map((finding, k) => make("article", {},
-      make("h3", {}, said(finding.title)),
-      make("p", {}, said(finding.sentence)),
-      table(["fault", "type", "on", "values", "ticks", "what it did"], finding.faults.map((fault) =>
+function weaknessesOf(data, view) {
+  const matrix = data.matrix;
+  return make("section", { id: "weaknesses" }, make("h2", {}, data.heading),
+    data.shown.length ? null : make("p", {}, data.none),
+    matrix ? make("p", {}, said(matrix.said)) : null,
+    matrix ? make("p", { class: "note" }, matrix.note) : null,
+    matrix ? table(matrix.header, matrix.rows) : null,
+    data.shown.map((shown, k) => make("article", {},
+      make("h3", {}, said(shown.title)),
+      make("p", {}, said(shown.sentence)),
+      table(["fault", "type", "on", "values", "ticks", "what it did"], shown.faults.map((fault) =>
         [fault.name, fault.type, fault.target, fault.values, fault.window ? `${fault.window[0]} to ${fault.window[1]}` : "never", fault.sentence])),
-      make("p", { class: "note" }, finding.counts_said), table(finding.counts.header, finding.counts.rows),
-      finding.firmness.rows.length ? make("p", { class: "note" }, finding.firmness.said) : null,
-      finding.firmness.rows.length ? table(finding.firmness.header, finding.firmness.rows) : null,
-      make("p", {}, "Fly it again: ", make("code", {}, said(finding.command)), " ", copying(finding.command)),
-      make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(finding.xmi), make("pre", { dir: "ltr" }, finding.xmi)),
-      finding.flight ? make("button", { type: "button", class: "show", "aria-label": `show the flight of finding ${k + 1}`, on: { click: async () => {
+      make("p", { class: "note" }, shown.counts_said), table(shown.counts.header, shown.counts.rows),
+      make("p", {}, "Fly it again: ", make("code", {}, said(shown.command)), " ", copying(shown.command)),
+      make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(shown.xmi), make("pre", { dir: "ltr" }, shown.xmi)),
+      shown.flight ? make("button", { type: "button", class: "show", "aria-label": `show the flight of weakness ${k + 1}`, on: { click: async () => {
         view.tick = 0;
-        await view.show(finding.flight);
+        await view.show(shown.flight);
         view.element.scrollIntoView();
-      } } }, "Show the flight") : make("p", { class: "note" }, finding.no_flight))));
+      } } }, "Show the flight") : make("p", { class: "note" }, shown.no_flight))));
 }
 
 function chart(place, { title, x, y, lines, points }) {
@@ -70,8 +72,8 @@ async function main() {
   const data = JSON.parse(document.getElementById("data").textContent);
   document.title = data.title;
   const view = new FlightView(data.mission), sections = [];
-  if (data.findings) sections.push(["findings", "Findings", findingsOf(data, view)]);
-  const first = data.flight || (data.findings || []).map((each) => each.flight).find(Boolean);
+  if (data.shown) sections.push(["weaknesses", data.heading, weaknessesOf(data, view)]);
+  const first = data.flight || (data.shown || []).map((each) => each.flight).find(Boolean);
   if (first) sections.push(["flight", "The flight", view.element]);
   if (data.search) sections.push(["search", "The search", searchOf(data.search)]);
   if (data.evaluations) sections.push(["evaluations", "The evaluations", evaluationsOf(data.evaluations)]);

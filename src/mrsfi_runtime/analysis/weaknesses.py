@@ -1,0 +1,141 @@
+"""What breaks which goal at the least, as people and scripts read of it."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from mrsfi_runtime.causes.weakness import MEASURES, Weakness
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.measure import NONE
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+
+MATRIX = "Share of forms that break a goal; (…): only believed, *: unseen by the CI"
+"""What ``matrix`` shows."""
+
+LISTED = ("goal", *MEASURES, "seeds", "fault", "type", "window", "target", "values")
+"""Columns of ``listed``, after the number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A way to break a goal: a least set of faults that does, and by which measures.
+
+    Attributes
+    ----------
+    number
+        Its place in the list of them, from 1.
+    goal, faults
+        IDs of the goal and of the pool's faults.
+    by
+        A weakness for each measure by which they break it, in the order of ``MEASURES``.
+    """
+
+    number: int
+    goal: str
+    faults: tuple[str, ...]
+    by: tuple[Weakness, ...]
+
+    @property
+    def shown(self) -> Weakness:
+        """That of the gravest measure: missed before true, true before believed."""
+        return self.by[-1]
+
+    def as_json(self) -> list[dict[str, Any]]:
+        """Return the weaknesses as plain values."""
+        return [{"number": self.number, **each.as_json()} for each in self.by]
+
+
+def ways(found: Iterable[Weakness]) -> tuple[Way, ...]:
+    """Return weaknesses, in the order in which they are known, as ways to break goals."""
+    grouped = groupby(found, key=lambda each: (each.column.goal, each.faults))
+    return tuple(
+        Way(number, goal, faults, tuple(each))
+        for number, ((goal, faults), each) in enumerate(grouped, 1)
+    )
+
+
+def least(found: Iterable[Way]) -> tuple[Way, ...]:
+    """Return a way for each goal: of fewest faults, then in truth, in most weathers, shortest."""
+
+    def size(each: Way) -> tuple[int, bool, int, int]:
+        shown = each.shown
+        n_lost = shown.n_seeds - shown.n_held
+        ticks = sum(timed.finish - timed.start for timed in shown.witness)
+        return len(each.faults), shown.column.kind == MEASURES[0], n_lost, ticks
+
+    by_goal = groupby(found, key=lambda each: each.goal)
+    return tuple(min(some, key=size) for _, some in by_goal)
+
+
+def said(mission: Mission, found: Sequence[Way], n_flights: int) -> str:
+    """Return in a sentence how many goals break, and how."""
+    n_goals = len({each.goal for each in found})
+    n_alone = len({each.goal for each in found if len(each.faults) == 1})
+    return (
+        f"{n_goals} of {len(mission.goals)} goals can be broken, {n_alone} of them by a single "
+        f"fault: {len(found)} ways, found with {n_flights} flights"
+    )
+
+
+def matrix(
+    mission: Mission, pool: FaultPool, goals: Sequence[str], found: Iterable[Way]
+) -> Iterator[tuple[str, ...]]:
+    """Yield a row for each fault that breaks a goal: the fault, its type, goals, what it touches.
+
+    A cell has the share of forms that break the goal alone, by the gravest measure; or says that
+    the fault does so jointly with others.
+    """
+    cells: dict[str, dict[str, str]] = {}
+    names: dict[str, NamedFault] = {}
+    for way in found:
+        for named in named_faults(mission, pool, way.shown.witness):
+            names[named.name] = named
+            row = cells.setdefault(named.name, {})
+            if len(way.faults) == 1:
+                row[way.goal] = _share(way)
+            else:
+                row.setdefault(way.goal, "joint")
+    for fault in pool:
+        if fault.id in cells:
+            row = cells[fault.id]
+            told = (row.get(goal, NONE) for goal in goals)
+            yield fault.id, fault.type, *told, names[fault.id].target
+
+
+def listed(mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Iterator[tuple[str, ...]]:
+    """Yield a row for each fault of each way, in the form that breaks the goal."""
+    for way in found:
+        shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
+        first: tuple[str, ...] = (
+            str(way.number),
+            way.goal,
+            *(shares.get(measure, NONE) for measure in MEASURES),
+            f"{way.shown.n_held}/{way.shown.n_seeds}",
+        )
+        for named in named_faults(mission, pool, way.shown.witness):
+            window = f"{named.timed.start} … {named.timed.finish}"
+            yield *first, named.name, named.fault.type, window, named.target, named.values
+            first = ("", "and", *[""] * (len(MEASURES) + 1))
+
+
+def verdict(way: Way) -> str:
+    """Return in words how firmly a way breaks its goal, and who sees it."""
+    shown = way.shown
+    kinds = {"believed": "only in what is believed", "true": "in truth", "missed": "for good"}
+    alone = "alone" if len(way.faults) == 1 else "together"
+    seen = "" if shown.column.kind == MEASURES[0] or not shown.is_masked else ", unseen by the CI"
+    return (
+        f"{' and '.join(way.faults)} {alone}, {kinds[shown.column.kind]}{seen}; "
+        f"{100 * shown.share:.0f} % of {shown.n_tried} forms do, "
+        f"this one in {shown.n_held} of {shown.n_seeds} mission seeds"
+    )
+
+
+def _share(way: Way) -> str:
+    shown = way.shown
+    share = f"{100 * shown.share:.0f}%"
+    if shown.column.kind == MEASURES[0]:
+        return f"({share})"
+    return f"{share}*" if shown.is_masked else share

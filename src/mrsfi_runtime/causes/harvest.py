@@ -1,0 +1,215 @@
+"""What a search has left unexplained: the flights after it that tell all the ways goals break.
+
+The evaluations of a search show that goals break, under many faults at a time. So each fault is
+flown alone, in varied forms; then random specifications are drawn and reduced, as by ``cover``. If
+nothing is known to break a goal by a measure, and evaluations do, these are reduced first. What is
+found is flown in more mission seeds. A search by ``cover`` has done all but the last.
+"""
+
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from random import Random
+
+from mrsfi_runtime.causes.counts import Column, EvaluateIn
+from mrsfi_runtime.causes.cover import N_ALONE, Probing, covered
+from mrsfi_runtime.causes.weakness import (
+    Known,
+    Weakness,
+    Yardstick,
+    broken_by,
+    flown_with,
+    in_seeds,
+    yardstick_of,
+)
+from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
+from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.flights import RecordedFlight
+from mrsfi_runtime.record.settings import COVERING, following
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import varied_specification
+
+N_SEEDS = 5
+"""Mission seeds, the campaign's first among them, in which a weakness is looked at."""
+
+MOST = 1000
+"""Flights that a harvest takes at most, however many its search took."""
+
+_SHARE_ALONE = 0.4  # of the flights, at most, for what single faults do
+_N_EVALUATIONS = 20  # that break a column, and are looked at if nothing else is known to
+_N_PAIR = 3  # flights in another seed for a pair: both faults, and each
+
+
+@dataclass(frozen=True, slots=True)
+class Harvest:
+    """What is known of a campaign.
+
+    Attributes
+    ----------
+    known
+        Of its first mission seed.
+    weaknesses
+        With the number of mission seeds in which they hold.
+    n_flights
+        How many it took after the search.
+    outcomes
+        What came of what was flown for it in the first mission seed, unless it failed.
+    yardstick
+        What goals are judged by there; ``None`` if nothing is known yet.
+    """
+
+    known: Known
+    weaknesses: tuple[Weakness, ...]
+    n_flights: int
+    outcomes: Mapping[Specification, Outcome]
+    yardstick: Yardstick | None
+
+
+class NotHarvestedError(Exception):
+    """A record lacks flights, and nobody may fly them."""
+
+
+def harvest(
+    space: SearchSpace,
+    store: CampaignStore,
+    evaluate_many: EvaluateIn | None = None,
+    on_flown: Callable[[Known, int, int], None] = lambda *_: None,
+) -> Harvest:
+    """Find all the ways in which goals break, with flights that are recorded as they come.
+
+    Of a campaign that was interrupted here, only what is missing is flown.
+
+    Parameters
+    ----------
+    store
+        The campaign, whose search has ended.
+    evaluate_many
+        Flies; without, all has to be recorded, or it is a ``NotHarvestedError``.
+    on_flown
+        Told what is known, how many flights were taken until now, and how many it may take.
+
+    Raises
+    ------
+    EvaluationError
+        If the mission's own code fails without faults.
+    RecordError
+        If the record cannot be written.
+    WorkerLost, TransportError
+        If somebody who flies is gone; what was flown before is kept.
+    """
+    mission, settings = space.gate.mission, store.settings
+    flights = _Flights(store, evaluate_many)
+    most = min(MOST, store.n_evaluations * len(settings.mission_seeds))
+    seeds = following(settings.mission_seed, N_SEEDS)
+
+    def fly(specifications: Sequence[Specification], seed: int) -> Sequence[Evaluated]:
+        found = flights(specifications, seed)
+        on_flown(known, flights.n_taken, most)
+        return found
+
+    searched: dict[Specification, Outcome] = {}
+    if settings.algorithm == COVERING:
+        searched = {each.specification: each.outcome for each in store.evaluations()}
+        failed = dict.fromkeys(each.specification for each in store.failures())
+        known = covered(space, settings, {**failed, **searched})
+        yardstick = Yardstick.of(mission, searched[()]) if () in searched else None
+    else:
+        known = Known(mission)
+        (fault_free,) = flights([()], seeds[0])
+        yardstick = yardstick_of(mission, fault_free, seeds[0])
+        known.learn((), broken_by(yardstick, fault_free))
+        probing = _probing(space, store, known, yardstick, most)
+        while turn := probing.turn()[: _affordable(known, most - flights.n_taken)]:
+            for each, flown in zip(turn, fly(turn, seeds[0]), strict=True):
+                known.learn(each, broken_by(yardstick, flown))
+    weaknesses = known.weaknesses()
+    left = max(0, most - flights.n_taken)
+    n_others = min(N_SEEDS - 1, left // len(flown_with(weaknesses)))
+    if settings.algorithm == COVERING and evaluate_many is None and not flights.n_recorded:
+        n_others = 0
+    found = in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
+    outcomes = searched | flights.outcomes(seeds[0])
+    return Harvest(known, found, flights.n_taken, outcomes, yardstick)
+
+
+def _affordable(known: Known, left: int) -> int:
+    """Return how many flights may be next: what they find is to be flown in other seeds, too."""
+    n_others = N_SEEDS - 1
+    spare = left - n_others * (len(flown_with(known.weaknesses())) + _N_PAIR)
+    return max(0, spare) // N_SEEDS
+
+
+def _probing(
+    space: SearchSpace, store: CampaignStore, known: Known, yardstick: Yardstick, most: int
+) -> Probing:
+    """Return what asks for flights: first what explains a column of which nothing is known."""
+    settings = store.settings
+    rng = Random(settings.seed)
+    left = {column: deque[int](maxlen=_N_EVALUATIONS) for column in known.sets}
+    for each in store.flown(1):
+        for column in yardstick.broken(each.outcome):
+            left[column].append(each.index)
+
+    def drawn(column: Column) -> Specification:
+        if left[column] and not known.sets[column]:
+            return store.evaluation(left[column].pop()).specification
+        return varied_specification(
+            space, settings.faults, rng, lambda faults: not known.has_part_of(column, faults)
+        )
+
+    n_alone = int(_SHARE_ALONE * most / len(space.candidates))
+    return Probing(space, known, drawn, rng, max(1, min(N_ALONE, n_alone)))
+
+
+class _Flights:
+    """Flies what is not recorded, and records it.
+
+    Attributes
+    ----------
+    n_taken
+        How many flights were asked for, recorded or not.
+    n_recorded
+        How many were recorded when it began.
+    """
+
+    def __init__(self, store: CampaignStore, evaluate_many: EvaluateIn | None) -> None:
+        self._store = store
+        self._evaluate_many = evaluate_many
+        self._found: dict[tuple[Specification, int], Evaluated] = {
+            (each.specification, each.mission_seed): each.outcome or FailedFlight(each.traceback)
+            for each in store.flights()
+        }
+        self.n_taken = 0
+        self.n_recorded = len(self._found)
+
+    def __call__(self, specifications: Sequence[Specification], seed: int) -> list[Evaluated]:
+        """Return what comes of specifications in a mission seed."""
+        missing = [each for each in specifications if (each, seed) not in self._found]
+        if missing:
+            self._fly(missing, seed)
+        self.n_taken += len(specifications)
+        return [self._found[each, seed] for each in specifications]
+
+    def outcomes(self, seed: int) -> dict[Specification, Outcome]:
+        """Return what came of all in a mission seed, unless it failed."""
+        return {
+            specification: found
+            for (specification, one), found in self._found.items()
+            if one == seed and isinstance(found, Outcome)
+        }
+
+    def _fly(self, specifications: Sequence[Specification], seed: int) -> None:
+        """Fly and record, also what came before an interrupt."""
+        if self._evaluate_many is None:
+            raise NotHarvestedError
+        flown = []
+        try:
+            found = self._evaluate_many(specifications, seed)
+            for specification, each in zip(specifications, found, strict=True):
+                self._found[specification, seed] = each
+                result = (None, each.traceback) if isinstance(each, FailedFlight) else (each, "")
+                flown.append(RecordedFlight(seed, specification, *result))
+        finally:
+            self._store.append_flights(flown)

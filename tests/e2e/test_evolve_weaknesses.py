@@ -1,0 +1,350 @@
+"""What ``mrsfi evolve`` finds out about weaknesses by itself, held to what other commands say."""
+
+import csv
+import json
+import os
+import shutil
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+from signal import SIGKILL, SIGTERM
+
+import pytest
+
+from tests.support.cli import disturbed, edit, interrupted, mrsfi, mrsfi_json
+from tests.support.processes import children
+from tests.support.rendezvous import NAME, PLANTED, harmless, write_planted, write_rendezvous
+from tests.tiers import seeds, slow
+
+N_SEARCHED = 130
+"""Evaluations of the search."""
+
+ONE = ("--workers", "1")
+
+
+@pytest.fixture
+def place(tmp_path):
+    """Folder with models and generated code of the mission, and none of campaigns."""
+    write_rendezvous(tmp_path)
+    return tmp_path
+
+
+def searched(place):
+    """Return what searches what is planted, and enough that may be flown after it."""
+    return write_planted(place, [*PLANTED, *harmless(N_SEARCHED - len(PLANTED))])
+
+
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory):
+    """Folder of a campaign that has looked for weaknesses, and what the command printed."""
+    folder = tmp_path_factory.mktemp("ended")
+    write_rendezvous(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv("COLUMNS", raising=False)  # as for the tests themselves
+        done = mrsfi(*searched(folder), *ONE, "--out", "runs/it", cwd=folder)
+    return folder / "runs" / "it", done
+
+
+@pytest.fixture
+def campaign(ended, tmp_path):
+    """Copy of that campaign, at the same relative path, with the search that it names."""
+    run, _ = ended
+    for file in run.parents[1].glob("planted*"):
+        shutil.copy(file, tmp_path)
+    return Path(shutil.copytree(run, tmp_path / "runs" / "it")).relative_to(tmp_path)
+
+
+def summary(run):
+    return json.loads((run / "summary.json").read_text(encoding="utf-8"))
+
+
+def found_in(run):
+    return summary(run)["weaknesses"]["found"]
+
+
+def rows(run):
+    """Return the table of flights, as it is stored."""
+    with closing(sqlite3.connect(run / "campaign.sqlite")) as record:
+        return record.execute("SELECT * FROM flight ORDER BY idx").fetchall()
+
+
+def execute(run, statement):
+    with closing(sqlite3.connect(run / "campaign.sqlite")) as record, record:
+        record.execute(statement)
+
+
+def is_equal(run, other):
+    """Return whether two campaigns keep and say the same of weaknesses."""
+    files = ("summary.json", "report.md", "weaknesses/01.xmi", "tables/figure_12_weaknesses.csv")
+    return rows(run) == rows(other) and all(
+        (run / name).read_bytes() == (other / name).read_bytes() for name in files
+    )
+
+
+def test_it_ends_with_what_weaknesses_lists(ended):
+    run, done = ended
+
+    told = mrsfi_json("weaknesses", run, cwd=run.parent)
+
+    found = found_in(run)
+    assert [{k: v for k, v in each.items() if k != "sentences"} for each in found] == told
+    sets = {(each["goal"], each["measure"], *each["faults"]) for each in told}
+    assert sets >= {
+        *((goal, kind, "stop_a") for goal in ("g1", "g3") for kind in ("believed", "true")),
+        *((goal, kind, "stop_b") for goal in ("g2", "g3") for kind in ("believed", "true")),
+    }
+    assert all(len(each["faults"]) == 1 for each in told)
+    assert all(each["seeds"] == {"held": 5, "of": 5} for each in told)
+    assert 0 < summary(run)["weaknesses"]["n_flown"] <= N_SEARCHED
+    assert "3 of 3 goals can be broken, 3 of them by a single fault" in done.stdout
+    sentences = [sentence for each in found for sentence in each["sentences"]]
+    assert sentences
+    assert all(sentence in done.stdout for sentence in sentences)
+    assert all("g2" not in each for each in sentences if "stop_a" in each)
+    assert "harvest  " in done.stderr
+
+
+def test_each_of_the_most_critical_names_the_weaknesses_that_it_has(ended):
+    run, _ = ended
+    numbers = {(each["goal"], *each["faults"]): each["number"] for each in found_in(run)}
+
+    contained = {each["evaluation"]: {*each["weaknesses"]} for each in summary(run)["top"]}
+
+    assert contained[0] == {
+        numbers[each] for each in (("g1", "stop_a"), ("g3", "stop_a"), ("g3", "stop_b"))
+    }
+    assert contained[2] == {*numbers.values()} - {n for k, n in numbers.items() if "lie_a" in k}
+
+
+def test_the_report_has_the_matrix_and_the_twin_of_figure_12(ended):
+    run, _ = ended
+    text = (run / "report.md").read_text(encoding="utf-8")
+
+    for each in found_in(run):
+        for sentence in each["sentences"]:
+            assert f"\n- {sentence}" in text
+    assert "| fault | type | g1 | g2 | g3 | target |" in text
+    for kind in ("figures/{}.png", "figures/{}.svg", "tables/{}.csv"):
+        assert (run / kind.format("figure_12_weaknesses")).stat().st_size > 0
+    assert "(figures/figure_12_weaknesses.png)" in text
+    patterns = summary(run)["weaknesses"]["patterns"]
+    counted = {pattern["type"]: pattern["n_occurrences"] for pattern in patterns}
+    assert counted["StopRobot"] == 4
+
+
+def test_a_report_says_the_same_again_but_for_what_only_a_flight_tells(ended, campaign, tmp_path):
+    run, done = ended
+    again = mrsfi("report", campaign, cwd=tmp_path)
+    same = is_equal(tmp_path / campaign, run)
+    for code in (tmp_path / campaign / "generated").glob("*.py"):
+        code.write_text("raise RuntimeError\n", encoding="utf-8")
+
+    unflown = mrsfi("report", campaign, cwd=tmp_path)
+
+    assert same
+    assert again.stdout == done.stdout
+    lines = [line for line in again.stdout.splitlines() if " at tick " not in line]
+    assert list(filter(None, unflown.stdout.splitlines())) == list(filter(None, lines))
+    assert not [*(tmp_path / campaign / "figures").glob("weakness_*")]
+    assert "(figures/weakness_" not in (tmp_path / campaign / "report.md").read_text()
+
+
+def test_the_least_of_each_goal_has_its_figures_and_their_numbers(ended):
+    run, _ = ended
+    text = (run / "report.md").read_text(encoding="utf-8")
+    told = {each["number"]: each for each in found_in(run) if each["sentences"]}
+    names = [f"weakness_{number:02d}_{what}" for number in told for what in ("map", "timeline")]
+
+    assert [each["goal"] for each in told.values()] == ["g1", "g2", "g3"]
+    for folder, suffix in (("figures", "png"), ("figures", "svg"), ("tables", "csv")):
+        found = sorted(path.stem for path in (run / folder).glob(f"weakness_*.{suffix}"))
+        assert found == names
+    assert all(f"(figures/{name}.png)" in text for name in names)
+    for number, each in told.items():
+        with (run / "tables" / f"weakness_{number:02d}_timeline.csv").open(
+            encoding="utf-8"
+        ) as file:
+            windows = list(csv.DictReader(file))
+        assert [row["name"] for row in windows if row["kind"] == "fault"] == each["faults"]
+        assert any(row["name"] == each["goal"] for row in windows if row["kind"] != "fault")
+
+
+def test_a_written_witness_flown_again_breaks_what_was_printed(ended):
+    run, _ = ended
+
+    for each in found_in(run):
+        path = run / "weaknesses" / f"{each['number']:02d}.xmi"
+        flight = mrsfi_json("simulate", NAME, "--faults", path, cwd=run.parents[1])
+        (goal,) = [goal for goal in flight["goals"] if goal["id"] == each["goal"]]
+        assert goal[each["measure"]] > 0
+
+
+@slow
+@pytest.mark.parametrize("n_seeds", seeds([1, 2], 1))
+def test_it_flies_at_most_as_often_as_the_search_did(place, n_seeds):
+    evolve = write_planted(place, [*PLANTED, *harmless(36)], replications=n_seeds)
+
+    found = mrsfi_json(*evolve, *ONE, "--out", "out", cwd=place)
+
+    assert found["n_evaluations"] == 40
+    assert 0 < found["weaknesses"]["n_flown"] == len(rows(place / "out")) <= 40 * n_seeds
+
+
+def test_too_few_flights_for_any_leave_the_ten_most_critical(place):
+    evolve = write_planted(place, PLANTED)
+
+    done = mrsfi(*evolve, *ONE, "--out", "out", cwd=place)
+
+    assert done.stdout.startswith("The 4 most critical of 4 fault specifications\n")
+    assert found_in(place / "out") == []
+
+
+@slow
+def test_no_explain_leaves_it_out_and_resume_goes_on_with_it(ended, place):
+    run, done = ended
+
+    without = mrsfi(*searched(place), *ONE, "--no-explain", "--out", "runs/it", cwd=place)
+    found = summary(place / "runs" / "it")
+    refused = mrsfi("weaknesses", "runs/it", cwd=place, expected=9)
+    resumed = mrsfi("evolve", "--resume", "runs/it", cwd=place)
+
+    assert without.stdout.startswith("The 10 most critical of 130 fault specifications\n")
+    assert "harvest" not in without.stderr
+    assert found["weaknesses"] is None
+    assert "let it: mrsfi explain runs/it --all" in refused.stderr
+    assert "was finished already" not in resumed.stderr
+    assert resumed.stdout == done.stdout
+    assert is_equal(place / "runs" / "it", run)
+
+
+@slow
+def test_explain_all_looks_for_what_was_left_out(ended, campaign, tmp_path):
+    run, _ = ended
+    execute(tmp_path / campaign, "DROP TABLE flight")
+
+    before = mrsfi_json("report", campaign, cwd=tmp_path)
+    explained = mrsfi("explain", campaign, "--all", "--engine", "reference", cwd=tmp_path)
+
+    assert before["weaknesses"] is None
+    assert explained.stdout == mrsfi("weaknesses", run, cwd=run.parent).stdout
+    assert rows(tmp_path / campaign) == rows(run)
+
+
+@slow
+@pytest.mark.parametrize("sign", ["SIGKILL", "SIGINT"])
+def test_a_run_that_is_ended_while_it_harvests_goes_on_to_the_same(ended, place, sign):
+    run, done = ended
+    out = place / "runs" / "it"
+    words = (*searched(place), *ONE, "--out", "runs/it")
+    if sign == "SIGKILL":
+        cut = disturbed(*words, cwd=place, sign="harvest ", disturb=kill)
+    else:
+        cut = interrupted(*words, cwd=place, sign="harvest ")
+    kept = rows(out)
+
+    resumed = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=place)
+    again = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=place)
+
+    assert cut.returncode == (-SIGKILL if sign == "SIGKILL" else 130), cut.stderr
+    assert 1 <= len(kept) < len(rows(run))
+    assert rows(run)[: len(kept)] == kept
+    assert resumed.stdout == again.stdout == done.stdout
+    assert "was finished already" in again.stderr
+    assert is_equal(out, run)
+
+
+def kill(process):
+
+    os.kill(process, SIGKILL)
+
+
+@slow
+def test_a_worker_that_is_lost_ends_it_and_it_goes_on_to_the_same(ended, place):
+    run, done = ended
+    words = (*searched(place), "--workers", "2", "--out", "runs/it")
+
+    cut = disturbed(*words, cwd=place, sign="harvest ", disturb=end_a_worker)
+    kept = rows(place / "runs" / "it")
+    resumed = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=place)
+
+    assert cut.returncode == 6, cut.stderr
+    assert "a worker process died; resume the campaign" in cut.stderr
+    assert "go on with: mrsfi evolve --resume runs/it" in cut.stderr
+    assert {*kept} < {*rows(run)}
+    assert resumed.stdout == done.stdout
+
+
+def end_a_worker(process):
+
+    os.kill(children(process, b"spawn_main")[0], SIGTERM)
+
+
+@pytest.mark.parametrize("command", seeds([("report",), ("evolve", "--resume")], 1))
+def test_damaged_flights_end_with_9_like_other_damage(campaign, tmp_path, command):
+    execute(tmp_path / campaign, "UPDATE flight SET found = replace(found, 'true', 'truth')")
+
+    error = mrsfi(*command, campaign, cwd=tmp_path, expected=9).stderr
+
+    assert f"{campaign}/campaign.sqlite: the record is damaged: found " in error
+    assert "expected the outcome of a flight, or an error" in error
+
+
+@slow
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--workers", "2"),
+        pytest.param(("--dask", "local", "--workers", "2"), marks=slow),
+        pytest.param(("--engine", "compiled", "--workers", "1"), marks=slow),
+        pytest.param(("--engine", "compiled", "--workers", "2"), marks=slow),
+        pytest.param(("--engine", "rosbridge", "--workers", "2"), marks=slow),
+    ],
+    ids=" ".join,
+)
+def test_whoever_flies_the_weaknesses_are_the_same(ended, campaign, tmp_path, options):
+    run, done = ended
+    execute(tmp_path / campaign, "DELETE FROM flight")
+
+    flown = mrsfi("evolve", "--resume", campaign, *options, cwd=tmp_path)
+
+    assert flown.stdout == done.stdout
+    assert is_equal(tmp_path / campaign, run)
+
+
+def test_what_the_search_never_broke_is_found_all_the_same(place):
+    evolve = write_planted(place, harmless(60))
+
+    mrsfi(*evolve, *ONE, "--out", "out", cwd=place)
+
+    assert {each["goal"] for each in found_in(place / "out")} == {"g1", "g2", "g3"}
+
+
+def test_a_region_that_fails_under_some_of_the_faults_leaves_the_other_weaknesses(place):
+    code = place / "generated" / NAME / "collective_intelligence.py"
+    edit(
+        code,
+        "return goal_tasks.visit.violated(ci, G3)",
+        "a, b = ci.robots\n"
+        "    if ci.mission.tick == 60 and a.x < -50.0 and b.x < 50.0:\n"
+        "        raise ArithmeticError('a alone is late')\n"
+        "    return goal_tasks.visit.violated(ci, G3)",
+    )
+    evolve = write_planted(place, [[("stop_b", 20, 119)], *harmless(100)])
+
+    mrsfi(*evolve, *ONE, "--out", "out", cwd=place)
+
+    assert any("a alone is late" in found for *_, found in rows(place / "out"))
+    assert ["stop_b"] in [each["faults"] for each in found_in(place / "out")]
+
+
+@slow
+def test_a_fitness_of_ones_own_plays_no_part_in_causes_and_explain_says_so(place):
+    evolve = write_planted(place, PLANTED, fitness="planted_search:truly_violated")
+
+    mrsfi(*evolve, *ONE, "--no-explain", "--out", "out", cwd=place)
+    told = mrsfi("explain", "out", "--engine", "reference", "--measure", "true", cwd=place)
+
+    assert (
+        "fitness planted_search:truly_violated plays no part: causes are about true violations\n"
+        in told.stderr
+    )

@@ -1,0 +1,122 @@
+"""What a campaign finds out about weaknesses after its search, without the command."""
+
+from random import Random
+
+import pytest
+
+from mrsfi_runtime.causes.harvest import N_SEEDS, NotHarvestedError, harvest
+from mrsfi_runtime.causes.weakness import faults_of
+from mrsfi_runtime.engine.flights import FailedFlight
+from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.errors import EvaluationError, WorkerLost
+from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
+from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.search.space import SearchSpace
+from mrsfi_runtime.search.specifications import varied_specification
+from tests.support.rendezvous import PLANTED, harmless, write_rendezvous
+from tests.support.search import outcome_of, paper_space
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory):
+    return ReferenceEngine(load_code(write_rendezvous(tmp_path_factory.mktemp("harvested"))), 1)
+
+
+@pytest.fixture(scope="module")
+def space(engine):
+    return SearchSpace.of(engine.code.mission, engine.code.pool)
+
+
+@pytest.fixture(scope="module")
+def evaluations(engine):
+    """What a search found: what is planted, and enough that may be flown after it."""
+    found = []
+    for index, faults in enumerate([*PLANTED, *harmless(120)]):
+        specification = tuple(TimedFault(*fault) for fault in faults)
+        flown = engine.evaluate(specification)
+        found.append(Evaluation(index, 0, specification, flown, (float(sum(flown.believed)),), 1))
+    return tuple(found)
+
+
+@pytest.fixture
+def store(tmp_path, evaluations):
+    with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as opened:
+        opened.append(evaluations)
+        yield opened
+
+
+def test_what_was_flown_is_enough_to_know_it_again(store, space, engine):
+    with pytest.raises(NotHarvestedError):
+        harvest(space, store)
+
+    found = harvest(space, store, engine.evaluate_many)
+
+    again = harvest(space, store)
+    assert again.weaknesses == found.weaknesses != ()
+    assert again.known.n_kept == found.known.n_kept
+    assert again.n_flights == found.n_flights == len(store.flights())
+    assert all(again.outcomes[each.witness].true for each in found.weaknesses)
+
+
+def test_a_goal_that_only_evaluations_break_is_explained_by_them(tmp_path):
+    """Three faults that break a goal together only are hardly ever drawn together."""
+    space, guilty = paper_space(), {"f6", "f8", "f10"}
+
+    def flown(specification):
+        return outcome_of(0, int(guilty <= faults_of(specification)), 0, 0, 0, 0)
+
+    rng = Random(1)
+    drawn = [varied_specification(space, 12, rng, lambda _: True) for _ in range(900)]
+    with CampaignStore.create(tmp_path, CampaignSettings(faults=3), Manifest()) as store:
+        store.append(
+            Evaluation(index, 0, each, flown(each), (0.0,), 1) for index, each in enumerate(drawn)
+        )
+
+        found = harvest(space, store, lambda some, _: map(flown, some))
+
+    assert {each.faults for each in found.weaknesses} == {tuple(sorted(guilty))}
+
+
+def test_what_is_recorded_is_not_flown_again(store, space, engine):
+    flown = []
+
+    def cut(specifications, seed):
+        if len(flown) > 40:
+            raise WorkerLost
+        flown.extend(specifications)
+        return engine.evaluate_many(specifications, seed)
+
+    with pytest.raises(WorkerLost):
+        harvest(space, store, cut)
+    n_kept = len(store.flights())
+    flown.clear()
+
+    def noted(specifications, seed):
+        flown.extend(specifications)
+        return engine.evaluate_many(specifications, seed)
+
+    found = harvest(space, store, noted)
+
+    assert n_kept > 40
+    assert n_kept + len(flown) == found.n_flights
+
+
+@pytest.mark.parametrize(("n_evaluations", "n_seeds"), [(1, 1), (30, 1), (60, N_SEEDS)])
+def test_there_are_no_more_flights_than_those_of_the_search(
+    tmp_path, space, engine, evaluations, n_evaluations, n_seeds
+):
+    with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
+        store.append(evaluations[:n_evaluations])
+
+        found = harvest(space, store, engine.evaluate_many)
+
+    assert found.n_flights <= n_evaluations
+    assert {each.n_seeds for each in found.weaknesses} <= {*range(n_seeds, N_SEEDS + 1)}
+
+
+def test_a_mission_that_fails_without_faults_has_no_yardstick(store, space):
+    with pytest.raises(EvaluationError, match="without faults, in mission seed 1: late"):
+        harvest(space, store, lambda some, _: [FailedFlight("late")] * len(some))
