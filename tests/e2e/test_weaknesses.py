@@ -1,6 +1,8 @@
 """What a campaign of algorithm cover has found is true, and told in names, figures and JSON."""
 
+import csv
 import json
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -116,3 +118,83 @@ def test_a_script_gets_the_same(place, told, monkeypatch):
 
     found = [one.as_json() for one in api.Campaign("runs/cover").weaknesses]
     assert json.loads(json.dumps(found)) == told
+
+
+def test_each_form_is_a_model_that_flies_and_breaks_its_goal(place, told, tmp_path, monkeypatch):
+    monkeypatch.chdir(place)
+
+    done = mrsfi("weaknesses", "runs/cover", "--xmi", tmp_path / "forms", cwd=place)
+
+    files = sorted((tmp_path / "forms").iterdir())
+    different = {(one["goal"], json.dumps(one["witness"])) for one in told}
+    assert len(files) == len(different)
+    assert f"written    {tmp_path}/forms" in done.stderr
+    mission = api.load(MISSION)
+    goals = [goal.id for goal in mission.model.goals]
+    gravest = {"-".join((one["goal"], *one["faults"])): one for one in told}
+    assert {*gravest} <= {file.stem for file in files}
+    for stem, one in [*gravest.items()][::20]:
+        flight = mission.fly(tmp_path / "forms" / f"{stem}.xmi")
+        flown = [(timed.start, timed.finish, list(timed.values)) for timed in flight.specification]
+        assert flown == [(each["start"], each["finish"], each["values"]) for each in one["witness"]]
+        assert getattr(flight.outcome, one["measure"])[goals.index(one["goal"])] > 0
+
+
+def test_of_all_forms_none_is_written_where_one_cannot_be(place, told, tmp_path):
+    taken = tmp_path / f"{told[0]['goal']}-{told[0]['faults'][0]}.xmi"
+    taken.mkdir()
+
+    refused = mrsfi("weaknesses", "runs/cover", "--xmi", tmp_path, cwd=place, expected=2)
+
+    assert f"{taken.name}: cannot be written" in refused.stderr
+    assert [*tmp_path.iterdir()] == [taken]
+
+
+def test_failure_modes_have_a_row_for_each_goal_and_set(place, told, tmp_path):
+    table = tmp_path / "fmea.csv"
+
+    mrsfi("weaknesses", "runs/cover", "--fmea", table, *REFERENCE, cwd=place)
+
+    with table.open(encoding="utf-8", newline="") as file:
+        rows = [*csv.DictReader(file)]
+    sets = {(one["goal"], " ".join(one["faults"])) for one in told}
+    goals = [each["end_effect"].rpartition("(")[2].removesuffix(")") for each in rows]
+    assert sorted(zip(goals, (each["faults"] for each in rows), strict=True)) == sorted(sets)
+    unseen = {(one["goal"], " ".join(one["faults"])) for one in told if one["masked"]}
+    assert {
+        (goal, each["faults"])
+        for goal, each in zip(goals, rows, strict=True)
+        if each["detected"] == "no"
+    } <= unseen
+    assert all(each["item"] and each["local_effect"] and int(each["ticks"]) for each in rows)
+    assert {each["occurrence"] for each in rows} == {""}
+
+
+def test_a_fault_tree_is_of_what_truly_happens(place, told, tmp_path):
+    path = tmp_path / "trees.xml"
+
+    mrsfi("weaknesses", "runs/cover", "--fault-tree", path, cwd=place)
+
+    trees = {
+        tree.get("name"): {each.get("name") for each in tree.iter("basic-event")}
+        for tree in ET.parse(path).getroot().iter("define-fault-tree")
+    }
+    real = [one for one in told if one["measure"] != "believed"]
+    assert {*trees} == {one["goal"] for one in real}
+    alone = {(one["goal"], *one["faults"]) for one in real if len(one["faults"]) == 1}
+    assert {(goal, fault) for goal, faults in trees.items() for fault in faults} >= alone
+
+
+@pytest.mark.parametrize(
+    ("option", "expected"),
+    [("--fmea", ".csv or .md"), ("--fault-tree", ".xml or .txt or .pft")],
+)
+@pytest.mark.parametrize("name", ["x.xlsx", "x"])
+def test_a_file_of_another_kind_is_refused_with_those_that_there_are(
+    place, tmp_path, option, expected, name
+):
+    refused = mrsfi("weaknesses", "runs/cover", option, tmp_path / name, cwd=place, expected=2)
+
+    assert f"{name}: found" in refused.stderr
+    assert f"expected a name that ends in {expected}" in refused.stderr
+    assert not [*tmp_path.iterdir()]

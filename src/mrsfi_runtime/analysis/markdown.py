@@ -261,5 +261,10 @@ def table_row(cells: Iterable[object]) -> str:
 
 def plain(text: str) -> str:
     """Return text that cannot break out of its line or cell, nor steer a terminal."""
-    line = " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
+    return printable(text).replace("|", "\\|").replace("<", "&lt;")
+
+
+def printable(text: str) -> str:
+    """Return text in one line, of characters that are seen."""
+    line = " ".join(text.split())
     return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in line)

@@ -7,8 +7,17 @@ from pathlib import Path
 import click
 from rich.table import Table
 
-from mrsfi.campaign_folders import open_campaign, open_to_fly
-from mrsfi.weaknesses import known_by
+from mrsfi.campaign_folders import OpenCampaign, open_campaign, open_to_fly
+from mrsfi.engines import opened
+from mrsfi.weaknesses import (
+    FAULT_TREES,
+    FMEA,
+    format_of,
+    known_by,
+    write_fault_trees,
+    write_fmea,
+    write_forms,
+)
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, in_seeds
 from mrsfi_runtime.cli.console import counted, print_json, tell
@@ -33,6 +42,7 @@ def weaknesses(
     workers: WorkerOptions,
     is_bounds: bool,
     is_json: bool,
+    **files: Path | None,
 ) -> None:
     """Print the weaknesses of a campaign, of one goal or all."""
     if is_bounds and not is_json:
@@ -44,6 +54,7 @@ def weaknesses(
         known = known_by(campaign)
         found = [each for each in known.weaknesses() if goal in {None, each.column.goal}]
         n_evaluations = campaign.store.n_evaluations
+        _write(campaign, found, engine, **files)
     told = mission.goal_ids if goal is None else (goal,)
     if is_bounds:
         print_json(
@@ -182,3 +193,31 @@ def _lists(mission: Mission, pool: FaultPool, found: Iterable[Weakness]) -> Iter
 
 def _share(weakness: Weakness) -> str:
     return f"{100 * weakness.share:.0f}%"
+
+
+def _write(
+    campaign: OpenCampaign,
+    found: list[Weakness],
+    engine: EngineOptions,
+    xmi: Path | None,
+    fmea: Path | None,
+    fault_tree: Path | None,
+) -> None:
+    """Write the files that are wanted of weaknesses, and tell of each."""
+    for path, known in ((fmea, FMEA), (fault_tree, FAULT_TREES)):
+        if path is not None:
+            format_of(path, known)
+    if fmea is not None:
+        with open_to_fly(campaign.folder.path, tell) as flown:
+            recorded = flown.store.manifest.engine
+            settings = engine.settings(recorded if recorded.is_foreign else None, AUTO)
+            seed = flown.store.settings.mission_seed
+            settings = settings.tried(flown.code, seed, tell, waits=False)
+            with opened(flown.code, seed, settings, tell) as flown_by:
+                write_fmea(flown, found, flown_by.record, fmea)
+    if xmi is not None:
+        write_forms(campaign, found, xmi)
+    if fault_tree is not None:
+        write_fault_trees(campaign, found, fault_tree)
+    for path in filter(None, (xmi, fmea, fault_tree)):
+        tell(f"written    {path}")
