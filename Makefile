@@ -88,8 +88,8 @@ test-night: $(DEV) generate ## run make test-all with all seeds, then make inter
 	$(PYTEST) $(OURS) --tier night
 	$(MAKE) interop release
 
-interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, Chromium
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples]"
+interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, pfta, Chromium
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples,interop]"
 	$(PYTEST) --dist loadfile --no-loadscope-reorder --tier $(TIER) tests/interop
 
 release: $(DEV) ## build sdist and wheel into dist/, and run the tutorial from the wheel in clean environments

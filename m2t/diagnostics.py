@@ -119,6 +119,7 @@ TolerancePositive (mission): a tolerance is above 0
 FixedDistancePositive (mission): a fixed distance is above 0
 DelayNotNegative (faults): delays and block durations are 0 to 2,147,483,647
 WindowNotNegative (faults): the window of a fault does not begin or end before tick 0
+LikelihoodInRange (faults): the likelihood of a fault is 0 to 1
 SpeedWithinMaximum (mission): a nominal speed is not above the maximum of its robot
 MessageFieldName (mission): a message reports POSITION, SPEED, ENERGY or a sensor type
 MessageFieldType (mission): a message field is of type Coordinates, Int, Double or String

@@ -70,7 +70,7 @@ FixedDistanceBetweenRobots extends GoalTask: attr EDouble[1] fixedDistance,
 
 _FAULTS = f"""
 FaultSpecification: {_IDENTIFIED}, val Fault[*] faults
-Fault: {_NAMED}, attr EInt[?] start, attr EInt[?] finish
+Fault: {_NAMED}, attr EInt[?] start, attr EInt[?] finish, attr EDouble[?] likelihood
 FaultType:
 MessageFault extends FaultType: ref Message[1] affectedMessage
 RobotFault extends FaultType: ref Robot[1] affectedRobot

@@ -47,6 +47,10 @@ class Fault(Identified):
         ecore.EAttribute(eType=ecore.EInt, unsettable=True),
         "The last tick at which the fault is active; unset in a pool.",
     )
+    likelihood = annotated(
+        ecore.EAttribute(eType=ecore.EDouble, unsettable=True),
+        "The chance that the fault occurs in a mission, 0 to 1; unset if nobody knows.",
+    )
     delayMessage = annotated(
         ecore.EReference(containment=True),
         "Set if the fault is of type DelayMessage.",

@@ -34,6 +34,8 @@ class Fault(Identified):
     """The first tick at which the fault is active; unset in a pool."""
     finish: int
     """The last tick at which the fault is active; unset in a pool."""
+    likelihood: float
+    """The chance that the fault occurs in a mission, 0 to 1; unset if nobody knows."""
     delayMessage: DelayMessage | None
     """Set if the fault is of type DelayMessage."""
     blockMessage: BlockMessage | None
@@ -101,6 +103,7 @@ class Fault(Identified):
         name: str | None = ...,
         start: int | None = ...,
         finish: int | None = ...,
+        likelihood: float | None = ...,
         delayMessage: DelayMessage | None = ...,
         blockMessage: BlockMessage | None = ...,
         randomRemainingEnergyCapacityReport: RandomRemainingEnergyCapacityReport | None = ...,

@@ -66,6 +66,7 @@ RANGES: Mapping[str, Range] = MappingProxyType(
         "fixedDistance": Range("FixedDistancePositive", 0, is_open=True),
         "start": _WINDOW,
         "finish": _WINDOW,
+        "likelihood": Range("LikelihoodInRange", 0, 1),
     }
 )
 """Allowed numbers by feature name; a feature of that name means the same in every class."""

@@ -32,7 +32,7 @@ BACK_REFERENCES = frozenset({"parentID", "goal_ID"})
 ZERO_VALUES = frozenset({"VAL", "CAPACITY"})
 """Attributes of the old Zero types, whose value can only be zero."""
 
-OPTIONAL = frozenset({"header", "name", "maxSpeed", "start", "finish"})
+OPTIONAL = frozenset({"header", "name", "maxSpeed", "start", "finish", "likelihood"})
 """Attributes that stay unset if the file does not give them; bounds of search do as well."""
 
 USUAL: Mapping[str, str] = MappingProxyType({"EDouble": "0.0", "EInt": "0", "EString": ""})

@@ -15,6 +15,8 @@ from mrsfi_runtime.model.fault_types import FaultType, Parameter
 
 Entry: TypeAlias = tuple[str, Expression]
 
+_OPTIONAL = ("start", "finish", "likelihood")
+
 
 def visit(models: LoadedModels) -> Mapping[str, Any]:
     """Turn the fault specification into calls of the runtime's vocabulary.
@@ -44,7 +46,7 @@ def types_in_use(models: LoadedModels) -> tuple[FaultType, ...]:
 
 
 def _fault(fault: Any) -> Call:
-    """Return a fault: what it is, what it strikes, and its window if it has one."""
+    """Return a fault: what it is, what it strikes, its window and likelihood if it has them."""
     (fault_type,) = fault_types(fault)
     kind = meaning(fault_type)
     values = tuple(float(getattr(fault_type, known.name)) for known in kind.parameters)
@@ -58,7 +60,7 @@ def _fault(fault: Any) -> Call:
             ("target", str(getattr(fault_type, reference).ID)),
             *_given("values", values),
             *_given("bounds", _bounds(fault_type, kind)),
-            *((name, getattr(fault, name)) for name in ("start", "finish") if is_set(fault, name)),
+            *((name, getattr(fault, name)) for name in _OPTIONAL if is_set(fault, name)),
             *_given("own", _own(fault, fault_type, kind, reference)),
         ),
     )

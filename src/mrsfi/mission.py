@@ -288,7 +288,7 @@ class Mission:
         from mrsfi.campaign import Campaign  # noqa: PLC0415 - brings numpy
         from mrsfi.campaign_folders import free_folder, open_to_fly  # noqa: PLC0415
         from mrsfi.evolving import begun, require_searchable, search  # noqa: PLC0415
-        from mrsfi.weaknesses import harvest  # noqa: PLC0415 - brings DEAP
+        from mrsfi.weaknesses import harvest  # noqa: PLC0415
 
         if case is None:
             chosen = CampaignSettings.parse("[search]", "settings", **settings)

@@ -1,14 +1,36 @@
-"""What breaks the goals of a mission at the least, as a campaign has found out."""
+"""What breaks the goals of a mission at the least, as a campaign has found out, and files of it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import TypeVar
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
+from mrsfi_runtime.analysis import fault_tree, fmea
+from mrsfi_runtime.analysis.weaknesses import Way
 from mrsfi_runtime.causes.harvest import Harvest, NotHarvestedError
 from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.engine.flights import Evaluator
-from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.errors import RecordError, UsageError
+from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.search.space import SearchSpace
+
+FMEA = MappingProxyType({".csv": fmea.as_csv, ".md": fmea.as_markdown})
+FAULT_TREES = MappingProxyType(
+    {".xml": fault_tree.as_open_psa, ".txt": fault_tree.as_pfta, ".pft": fault_tree.as_pfta}
+)
+"""What files are written as, by what their names end in."""
+
+T = TypeVar("T")
+
+
+def format_of(path: Path, known: Mapping[str, T]) -> T:
+    """Return what a file is to be written as; a name that ends otherwise is a ``UsageError``."""
+    if path.suffix not in known:
+        wanted = f"a name that ends in {' or '.join(known)}"
+        raise UsageError(f"{path}: found the ending '{path.suffix}'; expected {wanted}")
+    return known[path.suffix]
 
 
 def harvested(campaign: OpenCampaign) -> Harvest:
@@ -38,3 +60,23 @@ def harvest(
     """
     space = SearchSpace.of(campaign.mission, campaign.pool)
     return find_out(space, campaign.store, evaluator.evaluate_many, on_flown)
+
+
+def write_fmea(
+    campaign: OpenCampaign, found: Sequence[Way], record: fmea.Record, path: Path
+) -> None:
+    """Write failure modes and effects, flown in the campaign's mission seed.
+
+    What cannot be written, or ends otherwise than those of ``FMEA``, is a ``UsageError``.
+    """
+    write = format_of(path, FMEA)
+    modes = fmea.failure_modes(campaign.mission, campaign.pool, found, record)
+    with whole_file(path) as file:
+        file.write(write(campaign.mission, modes))
+
+
+def write_fault_trees(campaign: OpenCampaign, found: Sequence[Way], path: Path) -> None:
+    """Write the fault tree of each goal; errors as in ``write_fmea``, by ``FAULT_TREES``."""
+    write = format_of(path, FAULT_TREES)
+    with whole_file(path) as file:
+        file.write(write(campaign.mission, campaign.pool, found))

@@ -1,5 +1,6 @@
 """The page of a campaign in a real browser: Chromium, opened from disk."""
 
+import json
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,13 +12,11 @@ import pytest
 
 from mrsfi_runtime.analysis.page.content import Told, flight_page
 from mrsfi_runtime.analysis.page.document import document
-from mrsfi_runtime.causes.cause_set import chosen
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.outcome import TOLD
-from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.causes import RecordedCause
 from mrsfi_runtime.record.named_faults import named_faults
 from tests.integration.analysis.test_page import HOSTILE
 from tests.support.cli import MISSION, mrsfi, workspace
@@ -94,17 +93,19 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def leader(campaign: Path) -> tuple[RecordedCause, Recording]:
-    """The first finding's cause as recorded, and its flight."""
-    code = load_code(campaign / "generated")
-    with CampaignStore.open(campaign) as store:
-        cause = next(cause for cause in store.causes() if cause.places)
-        faults = chosen(store.evaluation(cause.index).specification, cause.places)
-        return cause, ReferenceEngine(code, store.settings.mission_seed).record(faults)
+def first(campaign: Path) -> tuple[dict[str, Any], Recording]:
+    """The least that breaks the first goal that is broken, as it is told, and its flight."""
+    found = json.loads((campaign / "summary.json").read_text(encoding="utf-8"))["weaknesses"]
+    told = next(each for each in found["found"] if each["sentences"])
+    faults = tuple(
+        TimedFault(each["fault"], each["start"], each["finish"], tuple(each["values"]))
+        for each in told["witness"]
+    )
+    return told, ReferenceEngine(load_code(campaign / "generated"), 1).record(faults)
 
 
-def test_positions_at_some_ticks_are_those_of_the_engine(chromium, campaign, leader):
-    _, recording = leader
+def test_positions_at_some_ticks_are_those_of_the_engine(chromium, campaign, first):
+    _, recording = first
     with opened(chromium, campaign / "report.html") as page:
         for tick in TICKS:
             page.seek(tick)
@@ -117,24 +118,18 @@ def test_positions_at_some_ticks_are_those_of_the_engine(chromium, campaign, lea
                         assert float(text) == pytest.approx(found, abs=step)
 
 
-def test_counts_are_those_of_the_record(chromium, campaign, leader):
-    cause, _ = leader
-    assert cause.outcome is not None
-    told = cause.outcome.told(1000)
+def test_counts_are_those_of_the_flight(chromium, campaign, first):
+    told, recording = first
     with opened(chromium, campaign / "report.html") as page:
-        table = page.shown.locator("#findings article").first.locator("table").nth(1)
-        rows = [row.locator("td").all_inner_texts() for row in table.locator("tbody tr").all()]
+        article = page.shown.locator("#weaknesses article").first
+        assert f"({told['goal']})" in article.locator("h3").inner_text()
+        rows = article.locator("table").nth(1).locator("tbody tr").all()
+        cells = [row.locator("td").all_inner_texts() for row in rows]
 
-    assert f"evaluation {cause.index}" in page_title(campaign, cause)
-    for goal, row in enumerate(rows):
-        expected = [told[kind][goal] for kind in TOLD]
-        assert row[2:] == ["–" if each is None else str(each) for each in expected]
-
-
-def page_title(campaign: Path, cause: RecordedCause) -> str:
-    """Return the line of the report that names a finding's evaluation."""
-    lines = (campaign / "report.md").read_text(encoding="utf-8").splitlines()
-    return next(line for line in lines if f"evaluation {cause.index}" in line)
+    for goal, row in enumerate(cells):
+        counts = dict(zip(TOLD, row[2:], strict=True))
+        assert counts["believed"] == str(int((recording["is_believed"][:, goal] > 0).sum()))
+        assert counts["true"] == str(int((recording["is_true"][:, goal] > 0).sum()))
 
 
 def test_play_slider_keys_and_clicks_do_what_they_say(chromium, campaign):

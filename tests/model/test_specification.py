@@ -4,9 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from m2t.load import inspect_specification, load_specification
+from m2t.generate import fault_loader_text
+from m2t.load import inspect_specification, load_mission_folder, load_specification
 from m2t.specification import SpecificationRow, write_specification
 from mrsfi_runtime.errors import SpecificationError
+from mrsfi_runtime.mission import pool_from_text
 from tests.support.models.copies import FAULTS, copy_models, edit
 
 ROWS: list[SpecificationRow] = [
@@ -56,6 +58,18 @@ def test_bounds_of_the_pool_are_copied(tmp_path):
     write_specification(folder, [("f8", 0, 1, {"DELAY": 7.0})], path, identifier="s")
 
     assert '<delayMessage DELAY="7.0" DELAY_MAX="300.0">' in path.read_text(encoding="ascii")
+
+
+def test_the_likelihood_of_the_pool_reaches_code_and_what_is_written(tmp_path):
+    folder, path = copy_models(tmp_path), _target(tmp_path)
+    edit(folder / FAULTS, 'ID="f8"', 'ID="f8" likelihood="1e-4"')
+
+    write_specification(folder, [("f8", 0, 1, {}), ("f9", 0, 1, {})], path, identifier="s")
+
+    pool = pool_from_text(fault_loader_text(load_mission_folder(folder)))
+    written = pool_from_text(fault_loader_text(load_specification(path)))
+    assert (pool["f8"].likelihood, pool["f9"].likelihood) == (1e-4, None)
+    assert [fault.likelihood for fault in written] == [1e-4, None]
 
 
 def test_empty_specification_loads_with_the_mission_beside_it(folder):

@@ -200,6 +200,8 @@ DelayNotNegative | DURATION="5.0" | DURATION="5.0" BLOCK_DURATION_MIN="-2" | BLO
     blockMessage of faults 'f2' | has BLOCK_DURATION_MIN '-2'
 WindowNotNegative | ID="f2" | ID="f2" start="-1" finish="3" | ID="f2"
     faults 'f2' | has start '-1'; expected 0 or more
+LikelihoodInRange | ID="f2" | ID="f2" likelihood="1.5" | ID="f2"
+    faults 'f2' | has likelihood '1.5'; expected 0 to 1
 ExactlyOneFaultType | <activateSensor>
     <zeroSpeed><affectedMessage href="mission.xmi#m7"/></zeroSpeed>\n<activateSensor> | ID="f1"
     faults 'f1' | contains 2 fault types (ZeroSpeed, ActivateSensor); expected exactly one; delete

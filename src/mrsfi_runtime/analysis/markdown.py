@@ -176,7 +176,7 @@ def _weaknesses(
         return
     goals = mission.goal_ids
     yield "## What breaks which goal"
-    yield f"{said(mission, summary.ways, summary.harvest.n_flights)}."
+    yield f"{said(goals, summary.ways, summary.harvest.n_flights)}."
     if not summary.ways:
         return
     yield f"{MATRIX}. *Joint*: only with others."
@@ -264,5 +264,10 @@ def table_row(cells: Iterable[object]) -> str:
 
 def plain(text: str) -> str:
     """Return text that cannot break out of its line or cell, nor steer a terminal."""
-    line = " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
+    return printable(text).replace("|", "\\|").replace("<", "&lt;")
+
+
+def printable(text: str) -> str:
+    """Return text in one line, of characters that are seen."""
+    line = " ".join(text.split())
     return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in line)

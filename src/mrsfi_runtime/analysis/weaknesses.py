@@ -69,12 +69,12 @@ def least(found: Iterable[Way]) -> tuple[Way, ...]:
     return tuple(min(some, key=size) for _, some in by_goal)
 
 
-def said(mission: Mission, found: Sequence[Way], n_flights: int) -> str:
-    """Return in a sentence how many goals break, and how."""
+def said(goals: Sequence[str], found: Sequence[Way], n_flights: int) -> str:
+    """Return in a sentence how many of some goals break, and how."""
     n_goals = len({each.goal for each in found})
     n_alone = len({each.goal for each in found if len(each.faults) == 1})
     return (
-        f"{n_goals} of {len(mission.goals)} goals can be broken, {n_alone} of them by a single "
+        f"{n_goals} of {len(goals)} goals can be broken, {n_alone} of them by a single "
         f"fault: {len(found)} ways, found with {n_flights} flights"
     )
 

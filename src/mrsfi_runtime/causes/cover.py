@@ -1,24 +1,17 @@
 """The search ``cover``: all the ways in which goals break, without a fitness.
 
-First it flies each fault alone, in varied forms: most weaknesses are one fault. Then it draws, for
-each goal by each measure, random specifications without a set that is known to break that, and
-reduces what breaks it nevertheless to a minimal one. Every flight is judged for all goals.
-
-References
-----------
-The reduction is ddmin, see ``cause_set``.
+It asks for what ``probing`` wants flown, and nothing else.
 """
 
 import json
 import statistics
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from random import Random
 from types import MappingProxyType
-from typing import TypeAlias
 
-from mrsfi_runtime.causes.cause_set import reduction
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.weakness import Broken, Known, Yardstick, form
+from mrsfi_runtime.causes.probing import Probing
+from mrsfi_runtime.causes.weakness import Broken, Known, Yardstick
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -26,109 +19,7 @@ from mrsfi_runtime.search import algorithms
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import varied_fault, varied_specification
-
-N_ALONE = 10
-"""Forms in which each fault is flown alone before several are flown together."""
-
-_N_TRIES = 100  # draws of what is known already, until there seems to be nothing else
-
-Draw: TypeAlias = Callable[[Column], Specification]
-"""Draws a specification without a set that is known to break a column; empty if there is none."""
-
-_Probe: TypeAlias = Generator[Specification, Broken, None]
-
-
-class Probing:
-    """Asks for flights, turn by turn, and learns from what they break.
-
-    In each of the first turns every fault is alone in another form; then one specification for
-    each column, and half as many faults alone.
-
-    Parameters
-    ----------
-    n_alone
-        How many such first turns there are.
-    """
-
-    def __init__(
-        self, space: SearchSpace, known: Known, draw: Draw, rng: Random, n_alone: int = N_ALONE
-    ) -> None:
-        self._space = space
-        self._known = known
-        self._draw = draw
-        self._rng = rng
-        self._n_first = n_alone
-        self._n_turns = 0
-        self._probes = {column: self._probe(column) for column in known.sets}
-        self._wishes: dict[Column, Specification] = {}
-        self._alone = self._faults_in_turn()
-
-    def turn(self) -> list[Specification]:
-        """Return what is to be flown next, each form once; nothing if there seems to be no more."""
-        for _ in range(self._n_first + 1):
-            self._n_turns += 1
-            if new := {form(each): each for each in self._wanted()}:
-                return [*new.values()]
-        return []
-
-    def _wanted(self) -> Iterator[Specification]:
-        """Yield what is not flown yet, of a turn."""
-        wishes: list[Specification] = []
-        n_alone = len(self._space.candidates)
-        if self._n_turns > self._n_first:
-            wishes = [wish for column in self._probes if (wish := self._wish(column))]
-            n_alone = -(-len(self._probes) // 2)
-        wanted = (*wishes, *(next(self._alone) for _ in range(n_alone)))
-        return (each for each in wanted if form(each) not in self._known.flown)
-
-    def _faults_in_turn(self) -> Iterator[Specification]:
-        whole = [(0, self._space.duration - 1)]
-        while True:
-            for fault in self._space.candidates:
-                for _ in range(_N_TRIES):
-                    timed = (varied_fault(self._space, fault, whole, self._rng),)
-                    if timed not in self._known.flown:
-                        break
-                yield timed
-
-    def _wish(self, column: Column) -> Specification | None:
-        """Return what one column wants flown; ``None`` if it knows all that it draws."""
-        probe = self._probes[column]
-        wish = self._wishes.get(column)
-        for _ in range(_N_TRIES):
-            if wish is None:
-                wish = next(probe)
-            elif form(wish) in self._known.flown:
-                wish = probe.send(self._known.flown[form(wish)])
-            if wish and form(wish) not in self._known.flown:
-                self._wishes[column] = wish
-                return wish
-        self._wishes[column] = wish or ()
-        return None
-
-    def _probe(self, column: Column) -> _Probe:
-        while True:
-            drawn = self._draw(column)
-            if column not in (yield drawn):
-                self._known.n_kept[column] += 1
-            else:
-                yield from self._reduced(column, drawn)
-
-    def _reduced(self, column: Column, broken: Specification) -> _Probe:
-        """Reduce what breaks a column to a minimal set, unless it has one that is known by then."""
-        faults = tuple(dict.fromkeys(timed.fault for timed in broken))
-        trials = reduction(tuple(range(len(faults))))
-        trial = next(trials)
-        left = frozenset(faults)
-        while not self._known.has_part_of(column, left):
-            kept = frozenset(faults[place] for place in trial)
-            is_broken = column in (yield tuple(each for each in broken if each.fault in kept))
-            left = kept if is_broken else left
-            try:
-                trial = trials.send(is_broken)
-            except StopIteration:
-                self._known.add(column, left)
+from mrsfi_runtime.search.specifications import varied_specification
 
 
 class Cover:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from random import Random
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
-from mrsfi_runtime.causes.cover import N_ALONE, Probing, covered
+from mrsfi_runtime.causes.probing import N_ALONE, Probing
 from mrsfi_runtime.causes.weakness import (
     Known,
     Weakness,
@@ -111,6 +111,8 @@ def harvest(
 
     searched: dict[Specification, Outcome] = {}
     if settings.algorithm == COVERING:
+        from mrsfi_runtime.causes.cover import covered  # noqa: PLC0415 - brings DEAP
+
         searched = {each.specification: each.outcome for each in store.evaluations()}
         failed = dict.fromkeys(each.specification for each in store.failures())
         known = covered(space, settings, {**failed, **searched})

@@ -1,6 +1,7 @@
 """A chain of first differences in one plain sentence."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from mrsfi_runtime.causes.cause import Cause
 from mrsfi_runtime.causes.chain import Chain, Change, First, FirstVerdicts
@@ -33,7 +34,7 @@ def sentence(fault: NamedFault, chain: Chain) -> str:
     chain
         What it changed first.
     """
-    parts = [*_differences(chain), *map(_verdict, chain.verdicts)]
+    parts = [*(words for _, words in _differences(chain)), *map(_verdict, chain.verdicts)]
     window = f"from tick {fault.timed.start} to {fault.timed.finish}"
     done = f"{fault.name} ({fault.fault.type}) {_deed(fault)} {window}"
     return f"{done}: {'; '.join(parts) or 'nothing differs at any tick'}."
@@ -50,13 +51,21 @@ def _deed(fault: NamedFault) -> str:
     return f"{deed} {', '.join(fault.touched) or 'nothing'}{where}"
 
 
-def _differences(chain: Chain) -> Iterator[str]:
-    if chain.belief is not None:
-        yield f"at tick {chain.belief.tick} the CI believed {changed(chain.belief)}"
-    if chain.command is not None:
-        yield f"at tick {chain.command.tick} what was sent was {changed(chain.command)}"
-    if chain.truth is not None:
-        yield f"at tick {chain.truth.tick} there truly was {changed(chain.truth)}"
+def local_effect(chain: Chain) -> str:
+    """Say what a fault changed first of what is believed or sent; empty if it changed neither."""
+    told = [*_differences(replace(chain, truth=None))]
+    return min(told, key=lambda each: each[0])[1] if told else ""
+
+
+def _differences(chain: Chain) -> Iterator[tuple[int, str]]:
+    """Yield what differs first, each with its tick."""
+    for first, words in (
+        (chain.belief, "the CI believed"),
+        (chain.command, "what was sent was"),
+        (chain.truth, "there truly was"),
+    ):
+        if first is not None:
+            yield first.tick, f"at tick {first.tick} {words} {changed(first)}"
 
 
 def changed(first: First) -> str:

@@ -61,7 +61,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     mission, pool = campaign.mission, campaign.pool
     if summary.harvest is not None and summary.ways:
         shown = least(summary.ways)
-        click.echo(f"{said(mission, summary.ways, summary.harvest.n_flights)}\n")
+        click.echo(f"{said(mission.goal_ids, summary.ways, summary.harvest.n_flights)}\n")
         print_ways(mission, pool, summary.ways)
         print_list(mission, pool, shown, "The least that breaks each goal")
         for way in shown:

@@ -3,14 +3,25 @@
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from time import monotonic
 
 import click
 from rich.table import Table
 
-from mrsfi.campaign_folders import FlyableCampaign, open_campaign, open_to_fly
-from mrsfi.weaknesses import harvest, harvested
+from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_campaign, open_to_fly
+from mrsfi.engines import opened
+from mrsfi.weaknesses import (
+    FAULT_TREES,
+    FMEA,
+    format_of,
+    harvest,
+    harvested,
+    write_fault_trees,
+    write_fmea,
+)
 from mrsfi_runtime.analysis.weaknesses import LISTED, MATRIX, Way, listed, matrix, said, ways
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, in_seeds
@@ -39,6 +50,7 @@ def weaknesses(
     workers: WorkerOptions,
     is_bounds: bool,
     is_json: bool,
+    **files: Path | None,
 ) -> None:
     """Print the weaknesses of a campaign, of one goal or all."""
     if is_bounds and not is_json:
@@ -48,7 +60,8 @@ def weaknesses(
         if goal is not None and goal not in mission.goal_ids:
             raise UsageError(f"--goal: found '{goal}'; {expected(goal, mission.goal_ids)}")
         known = harvested(campaign)
-        found = [each for each in known.weaknesses if goal in {None, each.column.goal}]
+        found = [way for way in ways(known.weaknesses) if goal in {None, way.goal}]
+        _write(campaign, found, engine, **files)
     told = mission.goal_ids if goal is None else (goal,)
     if is_bounds:
         print_json(
@@ -66,14 +79,13 @@ def weaknesses(
         return
     if n_seeds is not None:
         found = _in_seeds(run, found, n_seeds, engine, workers)
-    all_ways = ways(found)
     if is_json:
-        print_json([each for way in all_ways for each in way.as_json()])
+        print_json([each for way in found for each in way.as_json()])
         return
-    click.echo(f"{said(mission, all_ways, known.n_flights)}\n")
-    if all_ways:
-        print_ways(mission, pool, all_ways)
-        print_list(mission, pool, all_ways, "How, in one of the forms that do")
+    click.echo(f"{said(told, found, known.n_flights)}\n")
+    if found:
+        print_ways(mission, pool, found)
+        print_list(mission, pool, found, "How, in one of the forms that do")
     print_table(
         "At most so many random specifications without any of these break it, too (95 % sure)",
         plain_table(("goal",), MEASURES, _bounds(known.known, told)),
@@ -127,15 +139,17 @@ def _bounds(known: Known, goals: Sequence[str]) -> Iterator[tuple[str, ...]]:
 
 def _in_seeds(
     run: Path,
-    found: Sequence[Weakness],
+    found: Sequence[Way],
     n_seeds: int,
     engine: EngineOptions,
     workers: WorkerOptions,
-) -> list[Weakness]:
-    """Return weaknesses with the number of mission seeds in which they hold."""
+) -> list[Way]:
+    """Return ways with the number of mission seeds in which they hold."""
     with open_to_fly(run, tell) as campaign, _evaluator(campaign, engine, workers) as evaluator:
         seeds = following(campaign.store.settings.mission_seed, n_seeds)
-        return [*in_seeds(campaign.mission, found, evaluator.evaluate_many, seeds)]
+        each = [weakness for way in found for weakness in way.by]
+        flown = iter(in_seeds(campaign.mission, each, evaluator.evaluate_many, seeds))
+        return [replace(way, by=tuple(islice(flown, len(way.by)))) for way in found]
 
 
 @contextmanager
@@ -184,3 +198,28 @@ def _compact(wide: Table, narrow: Table, n_whole: int | None = None) -> tuple[Ta
     for column in (*wide.columns, *narrow.columns[:n_whole]):
         column.no_wrap = True
     return wide, narrow
+
+
+def _write(
+    campaign: OpenCampaign,
+    found: Sequence[Way],
+    engine: EngineOptions,
+    fmea: Path | None,
+    fault_tree: Path | None,
+) -> None:
+    """Write the files that are wanted of weaknesses, and tell of each."""
+    for path, known in ((fmea, FMEA), (fault_tree, FAULT_TREES)):
+        if path is not None:
+            format_of(path, known)
+    if fmea is not None:
+        with open_to_fly(campaign.folder.path, tell) as flown:
+            recorded = flown.store.manifest.engine
+            settings = engine.settings(recorded if recorded.is_foreign else None, AUTO)
+            seed = flown.store.settings.mission_seed
+            settings = settings.tried(flown.code, seed, tell, waits=False)
+            with opened(flown.code, seed, settings, tell) as flown_by:
+                write_fmea(flown, found, flown_by.record, fmea)
+    if fault_tree is not None:
+        write_fault_trees(campaign, found, fault_tree)
+    for path in filter(None, (fmea, fault_tree)):
+        tell(f"written    {path}")

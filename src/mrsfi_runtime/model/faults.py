@@ -26,8 +26,9 @@ class Fault:
     ``target`` is the ID of a message, robot, sensor or obstacle, as ``kind.struck`` says.
     ``values`` follow ``kind.parameters``. ``bounds`` holds what the model says about the
     range of an evolving parameter: name to (lowest, highest), ``None`` where it is silent.
-    ``start`` and ``finish`` are set in a written fault specification, not in a pool. ``own`` holds
-    what a team has added to the class of faults, or to that of their type.
+    ``start`` and ``finish`` are set in a written fault specification, not in a pool.
+    ``likelihood`` is the chance that it occurs in a mission, 0 … 1, ``None`` if nobody knows.
+    ``own`` holds what a team has added to the class of faults, or to that of their type.
     """
 
     id: str
@@ -38,6 +39,7 @@ class Fault:
     name: str = ""
     start: int | None = None
     finish: int | None = None
+    likelihood: float | None = None
     own: Mapping[str, OwnValue] = field(default_factory=dict)
 
     @property

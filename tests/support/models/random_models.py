@@ -144,11 +144,11 @@ class _Drawer:
         if metaclass.name != "Fault":
             return kept
         kinds = [feature for feature in features(metaclass) if is_contained(feature)]
-        has_window = self._rng.random() < 0.5
+        is_timed = self._rng.random() < 0.5
         plain = [
             feature
             for feature in features(metaclass)
-            if feature.name in ("ID", "name") or (has_window and feature.name in _WINDOW)
+            if feature.name in ("ID", "name") or (is_timed and feature.name in _OPTIONAL)
         ]
         return [*plain, self._rng.choice(kinds)]
 
@@ -209,7 +209,7 @@ class _Drawer:
         return self._rng.choice([-1.0, 1.0, 1.0]) * value
 
 
-_WINDOW = ("start", "finish")
+_OPTIONAL = ("start", "finish", "likelihood")
 _MANY = {"robots": (2, 4), "faults": (0, 20), "goals": (1, 8), "trajectory": (2, 4)}
 """Numbers of children, from and to, by feature; a distance needs two robots."""
 _BOUNDS = (("speed", "maxSpeed"), ("start", "finish"), ("LOWER_BOUND", "UPPER_BOUND"))

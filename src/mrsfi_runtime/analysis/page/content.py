@@ -180,7 +180,7 @@ def _matrix(summary: Summary, mission: Mission, pool: FaultPool) -> dict[str, An
         return None
     goals = mission.goal_ids
     return {
-        "said": said(mission, summary.ways, summary.harvest.n_flights),
+        "said": said(goals, summary.ways, summary.harvest.n_flights),
         "note": MATRIX,
         "header": ("fault", "type", *goals, "target"),
         "rows": [*matrix(mission, pool, goals, summary.ways)],

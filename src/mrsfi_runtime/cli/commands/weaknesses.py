@@ -26,9 +26,12 @@ Examples:
   mrsfi weaknesses runs/cover
   mrsfi weaknesses runs/cover --goal g2
   mrsfi weaknesses runs/cover --seeds 5
+  mrsfi weaknesses runs/cover --fmea runs/fmea.csv --fault-tree runs/trees.xml
   mrsfi weaknesses runs/cover --bounds --json
   mrsfi weaknesses runs/cover --json | jq '.[] | select(.masked)'
 """
+
+_FILE = click.Path(path_type=Path, dir_okay=False)
 
 
 @click.command(name="weaknesses", help=_HELP)
@@ -37,6 +40,8 @@ Examples:
 @click.option(
     "--seeds", "n_seeds", type=click.IntRange(1, 1000), metavar="N", help="Fly in N mission seeds."
 )
+@click.option("--fmea", type=_FILE, metavar="FILE", help="Write failure modes: .csv or .md.")
+@click.option("--fault-tree", type=_FILE, metavar="FILE", help="Write .xml, or .txt for pfta.")
 @worker_options
 @engine_options(BOTH, CI, default=AUTO)
 @click.option("--bounds", "is_bounds", is_flag=True, help="With --json: what was not found.")

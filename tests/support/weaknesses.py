@@ -1,0 +1,16 @@
+"""Weaknesses by hand, of the paper's mission."""
+
+from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.weakness import Weakness
+from mrsfi_runtime.model.faults import TimedFault
+from tests.support.search import PAPER_FAULTS
+
+_VALUES = {fault.id: fault.values for fault in PAPER_FAULTS}
+
+
+def weakness(
+    goal: str, measure: str, *faults: str, start: int = 10, finish: int = 90, masked: bool = False
+) -> Weakness:
+    """Return a weakness whose form has the pool's values."""
+    form = tuple(TimedFault(fault, start, finish, _VALUES.get(fault, ())) for fault in faults)
+    return Weakness(Column(goal, measure), tuple(sorted(faults)), form, 4, 1, masked)
