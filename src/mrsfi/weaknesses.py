@@ -8,7 +8,7 @@ from typing import TypeVar
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
 from mrsfi_runtime.analysis import fault_tree, fmea
 from mrsfi_runtime.analysis.weaknesses import Way
-from mrsfi_runtime.causes.harvest import Harvest, NotHarvestedError
+from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.engine.flights import Evaluator
@@ -38,14 +38,14 @@ def harvested(campaign: OpenCampaign) -> Harvest:
 
     One that was not harvested is a ``RecordError``, unless its algorithm is ``cover``.
     """
-    try:
-        return find_out(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
-    except NotHarvestedError:
+    found = known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store)
+    if found is None:
         path = campaign.folder.path
         raise RecordError(
             f"{path}: found evaluations, and not yet what breaks which goal at the least; "
             f"expected a campaign that has looked for it; let it: mrsfi explain {path} --all"
-        ) from None
+        )
+    return found
 
 
 def harvest(

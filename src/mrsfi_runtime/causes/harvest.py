@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
+from typing import Any, NamedTuple
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.causes.probing import N_ALONE, Probing
@@ -25,6 +26,7 @@ from mrsfi_runtime.causes.weakness import (
 from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.flights import RecordedFlight
 from mrsfi_runtime.record.settings import COVERING, following
@@ -67,14 +69,33 @@ class Harvest:
     yardstick: Yardstick | None
 
 
-class NotHarvestedError(Exception):
-    """A record lacks flights, and nobody may fly them."""
+def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
+    """Return what a campaign knows already; ``None`` if nobody looked, or only at a part of it.
+
+    One that covers knows all but other mission seeds by itself.
+    """
+    kept, flights = store.kept(_KEPT, _restored), store.flights()
+    if (
+        kept is None
+        or kept.n_evaluations != store.n_evaluations
+        or len(flights) < max(kept.n_flights, 1)
+    ):
+        return _covered(space, store) if store.settings.algorithm == COVERING else None
+    mission, seed = space.gate.mission, store.settings.mission_seed
+    outcomes = _searched(store)
+    outcomes |= {each.specification: each.outcome for each in flights if each.mission_seed == seed}
+    known, flown = Known(mission), _unfailed(outcomes)
+    yardstick = Yardstick.of(mission, flown[()])
+    for specification, outcome in outcomes.items():
+        known.learn(specification, yardstick.broken(outcome) if outcome else frozenset())
+    known.restore(kept.weaknesses, kept.n_kept)
+    return Harvest(known, kept.weaknesses, kept.n_flights, flown, yardstick)
 
 
 def harvest(
     space: SearchSpace,
     store: CampaignStore,
-    evaluate_many: EvaluateIn | None = None,
+    evaluate_many: EvaluateIn,
     on_flown: Callable[[Known, int, int], None] = lambda *_: None,
 ) -> Harvest:
     """Find all the ways in which goals break, with flights that are recorded as they come.
@@ -86,7 +107,7 @@ def harvest(
     store
         The campaign, whose search has ended.
     evaluate_many
-        Flies; without, all has to be recorded, or it is a ``NotHarvestedError``.
+        Flies.
     on_flown
         Told what is known, how many flights were taken until now, and how many it may take.
 
@@ -99,6 +120,9 @@ def harvest(
     WorkerLost, TransportError
         If somebody who flies is gone; what was flown before is kept.
     """
+    before = known_by(space, store)
+    if before is not None and before.n_flights:
+        return before
     mission, settings = space.gate.mission, store.settings
     flights = _Flights(store, evaluate_many)
     most = min(MOST, store.n_evaluations * len(settings.mission_seeds))
@@ -109,16 +133,10 @@ def harvest(
         on_flown(known, flights.n_taken, most)
         return found
 
-    searched: dict[Specification, Outcome] = {}
-    if settings.algorithm == COVERING:
-        from mrsfi_runtime.causes.cover import covered  # noqa: PLC0415 - brings DEAP
-
-        searched = {each.specification: each.outcome for each in store.evaluations()}
-        failed = dict.fromkeys(each.specification for each in store.failures())
-        known = covered(space, settings, {**failed, **searched})
-        yardstick = Yardstick.of(mission, searched[()]) if () in searched else None
+    if before is not None:
+        known, yardstick, outcomes = before.known, before.yardstick, before.outcomes
     else:
-        known = Known(mission)
+        known, outcomes = Known(mission), {}
         (fault_free,) = flights([()], seeds[0])
         yardstick = yardstick_of(mission, fault_free, seeds[0])
         known.learn((), broken_by(yardstick, fault_free))
@@ -129,11 +147,80 @@ def harvest(
     weaknesses = known.weaknesses()
     left = max(0, most - flights.n_taken)
     n_others = min(N_SEEDS - 1, left // len(flown_with(weaknesses)))
-    if settings.algorithm == COVERING and evaluate_many is None and not flights.n_recorded:
-        n_others = 0
     found = in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
-    outcomes = searched | flights.outcomes(seeds[0])
-    return Harvest(known, found, flights.n_taken, outcomes, yardstick)
+    outcomes = {**outcomes, **flights.outcomes(seeds[0])}
+    ended = Harvest(known, found, flights.n_taken, outcomes, yardstick)
+    store.keep(_KEPT, _text(ended, store.n_evaluations))
+    return ended
+
+
+_KEPT = "harvest"  # what it is called in a record
+
+
+class _Kept(NamedTuple):
+    """What a record says of a harvest beside its flights."""
+
+    n_evaluations: int
+    n_flights: int
+    n_kept: Mapping[Column, int]
+    weaknesses: tuple[Weakness, ...]
+
+
+def _text(found: Harvest, n_evaluations: int) -> str:
+    return encoding.canonical(
+        {
+            "numbers": [n_evaluations, found.n_flights],
+            "kept": [[*column, n_kept] for column, n_kept in found.known.n_kept.items()],
+            "weaknesses": [_row(each) for each in found.weaknesses],
+        }
+    )
+
+
+def _row(each: Weakness) -> list[Any]:
+    counts = [each.n_tried, each.n_broken, int(each.is_masked), each.n_held, each.n_seeds]
+    return [*each.column, each.faults, encoding.specification_text(each.witness), counts]
+
+
+def _restored(text: str) -> _Kept:
+    """Return what a record says; a ValueError or TypeError if it makes no sense."""
+    content = encoding.object_from_text(text)
+    if content.keys() != {"numbers", "kept", "weaknesses"}:
+        raise ValueError(f"found {text[:60]}; expected what is known of weaknesses")
+    ((n_evaluations, n_flights),) = encoding.integers([content["numbers"]])
+    n_kept = {Column(str(goal), str(kind)): int(n) for goal, kind, n in content["kept"]}
+    found = []
+    for goal, kind, faults, witness, counts in content["weaknesses"]:
+        (rows,), ((n_tried, n_broken, masked, *seeds),) = (
+            encoding.lists([witness]),
+            encoding.integers([counts]),
+        )
+        column, form = Column(str(goal), str(kind)), encoding.specification(rows)
+        names = tuple(map(str, faults))
+        found.append(Weakness(column, names, form, n_tried, n_broken, bool(masked), *seeds))
+    return _Kept(n_evaluations, n_flights, n_kept, tuple(found))
+
+
+def _searched(store: CampaignStore) -> dict[Specification, Outcome | None]:
+    """Return what a search by ``cover`` has flown, with nothing for what failed."""
+    if store.settings.algorithm != COVERING:
+        return {}
+    failed: dict[Specification, Outcome | None] = {
+        each.specification: None for each in store.failures()
+    }
+    return failed | {each.specification: each.outcome for each in store.evaluations()}
+
+
+def _unfailed(flown: Mapping[Specification, Outcome | None]) -> dict[Specification, Outcome]:
+    return {each: outcome for each, outcome in flown.items() if outcome is not None}
+
+
+def _covered(space: SearchSpace, store: CampaignStore) -> Harvest:
+    from mrsfi_runtime.causes.cover import covered  # noqa: PLC0415 - brings DEAP
+
+    searched = _searched(store)
+    known, flown = covered(space, store.settings, searched), _unfailed(searched)
+    yardstick = Yardstick.of(space.gate.mission, flown[()]) if () in flown else None
+    return Harvest(known, known.weaknesses(), 0, flown, yardstick)
 
 
 def _affordable(known: Known, left: int) -> int:
@@ -172,11 +259,9 @@ class _Flights:
     ----------
     n_taken
         How many flights were asked for, recorded or not.
-    n_recorded
-        How many were recorded when it began.
     """
 
-    def __init__(self, store: CampaignStore, evaluate_many: EvaluateIn | None) -> None:
+    def __init__(self, store: CampaignStore, evaluate_many: EvaluateIn) -> None:
         self._store = store
         self._evaluate_many = evaluate_many
         self._found: dict[tuple[Specification, int], Evaluated] = {
@@ -184,7 +269,6 @@ class _Flights:
             for each in store.flights()
         }
         self.n_taken = 0
-        self.n_recorded = len(self._found)
 
     def __call__(self, specifications: Sequence[Specification], seed: int) -> list[Evaluated]:
         """Return what comes of specifications in a mission seed."""
@@ -204,8 +288,6 @@ class _Flights:
 
     def _fly(self, specifications: Sequence[Specification], seed: int) -> None:
         """Fly and record, also what came before an interrupt."""
-        if self._evaluate_many is None:
-            raise NotHarvestedError
         flown = []
         try:
             found = self._evaluate_many(specifications, seed)

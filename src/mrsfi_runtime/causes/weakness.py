@@ -7,7 +7,7 @@ known to break the same column.
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any, Self, TypeAlias
@@ -123,6 +123,13 @@ class Known:
             self.sets[column] = [*kept, faults]
             self.n_kept[column] = 0
 
+    def restore(self, found: "Iterable[Weakness]", n_kept: Mapping[Column, int]) -> None:
+        """Take what was known when all that is flown had been learnt in its order."""
+        self.sets = {column: [] for column in self.sets}
+        for each in found:
+            self.sets[each.column].append(frozenset(each.faults))
+        self.n_kept.update(n_kept)
+
     def bound(self, column: Column) -> float:
         """Return the chance, 0 … 1, that such a random specification breaks a column, at most.
 
@@ -166,11 +173,14 @@ class Known:
     def _witnesses(
         self, faults: FaultSet, broken: Iterable[Column]
     ) -> Iterator[tuple[Column, Specification]]:
-        """Yield a form for each column that a minimal set breaks: few forms, and mild ones."""
+        """Yield a form for each column that a minimal set breaks: few, and long at work.
+
+        What is long at work breaks a goal in any weather, if any form of its faults does.
+        """
         left = {*broken}
         shown = {each: left & self._isolated(each) for each in self._forms[faults]}
         while left:
-            witness = min(shown, key=lambda each: (-len(shown[each] & left), _mildness(each)))
+            witness = min(shown, key=lambda each: (-len(shown[each] & left), _shortness(each)))
             if not shown[witness] & left:  # told of a set, and never of its parts
                 shown = {each: left & self.flown[form(each)] for each in shown}
                 continue
@@ -190,8 +200,8 @@ class Known:
         )
 
 
-def _mildness(specification: Specification) -> tuple[int, Specification]:
-    return sum(timed.finish - timed.start for timed in specification), specification
+def _shortness(specification: Specification) -> tuple[int, Specification]:
+    return -sum(timed.finish - timed.start for timed in specification), specification
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,7 +216,7 @@ class Weakness:
         IDs of the pool's faults, sorted.
     witness
         A form that breaks it: of those that break the most goals and measures for which its faults
-        are minimal, the one at work for the fewest ticks.
+        are minimal, the one at work for the most ticks.
     n_tried, n_broken
         How many different forms of just these faults were flown, and how many broke it.
     is_masked

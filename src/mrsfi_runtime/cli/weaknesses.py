@@ -204,8 +204,8 @@ def _write(
     campaign: OpenCampaign,
     found: Sequence[Way],
     engine: EngineOptions,
-    fmea: Path | None,
-    fault_tree: Path | None,
+    fmea: Path | None = None,
+    fault_tree: Path | None = None,
 ) -> None:
     """Write the files that are wanted of weaknesses, and tell of each."""
     for path, known in ((fmea, FMEA), (fault_tree, FAULT_TREES)):

@@ -245,6 +245,16 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         rows = self._select("SELECT * FROM failure ORDER BY idx")
         return tuple(self._decoded(_failure, row) for row in rows)
 
+    def kept(self, key: str, decode: Callable[[str], T]) -> T | None:
+        """Return a text of its own that is stored under a key, decoded; ``None`` if none is."""
+        rows = self._select("SELECT value FROM meta WHERE key = ?", (key,))
+        return self._decoded(decode, rows[0][0]) if rows else None
+
+    def keep(self, key: str, text: str) -> None:
+        """Store a text under a key, in place of another one."""
+        with database.transaction(self.path, self._connection) as connection:
+            connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, text))
+
     def flights(self) -> tuple[RecordedFlight, ...]:
         """Return what was flown after the search, in order."""
         if not self._select("SELECT 1 FROM sqlite_master WHERE name = 'flight'"):

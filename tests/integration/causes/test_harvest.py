@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from mrsfi_runtime.causes.harvest import N_SEEDS, NotHarvestedError, harvest
+from mrsfi_runtime.causes.harvest import N_SEEDS, harvest, known_by
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.engine.reference import ReferenceEngine
@@ -49,12 +49,14 @@ def store(tmp_path, evaluations):
 
 
 def test_what_was_flown_is_enough_to_know_it_again(store, space, engine):
-    with pytest.raises(NotHarvestedError):
-        harvest(space, store)
+    assert known_by(space, store) is None
 
     found = harvest(space, store, engine.evaluate_many)
 
-    again = harvest(space, store)
+    again = known_by(space, store)
+    assert again.known.flown == found.known.flown
+    for column, sets in found.known.sets.items():
+        assert {*again.known.sets[column]} == {*sets}
     assert again.weaknesses == found.weaknesses != ()
     assert again.known.n_kept == found.known.n_kept
     assert again.n_flights == found.n_flights == len(store.flights())

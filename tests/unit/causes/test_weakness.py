@@ -72,7 +72,7 @@ def test_forms_are_counted_once_and_by_their_faults():
     assert breaking == [(TimedFault("f1", start, 9),) for start in (0, 2)]
 
 
-def test_weaknesses_stand_by_goal_size_and_measure_with_a_form_for_several_or_the_shortest():
+def test_weaknesses_stand_by_goal_size_and_measure_with_a_form_for_several_or_the_longest():
     known = Known(MISSION)
     _flown(known, "f2", breaks=[SECOND], start=5)
     _flown(known, "f2", breaks=[SECOND, SECOND._replace(kind="believed")], start=1)
@@ -94,7 +94,7 @@ def test_weaknesses_stand_by_goal_size_and_measure_with_a_form_for_several_or_th
     )
     assert [each.faults for each in second] == [("f2",), ("f3",), ("f4", "f5")]
     assert second[0].witness == believed.witness == (TimedFault("f2", 1, 9),)
-    assert second[1].witness == (TimedFault("f3", 6, 9),)
+    assert second[1].witness == (TimedFault("f3", 3, 9),)
     assert [each.is_masked for each in second] == [False, True, True]
     assert [(each.n_broken, each.n_tried) for each in second] == [(2, 2), (2, 3), (1, 1)]
 
