@@ -129,22 +129,24 @@ def main() -> None:
         }
         every = [(name, each) for name, found in told.items() for each in found]
         chosen = Random(1).sample(every, min(N_DRAWN, len(every)))
-        sums = [0] * 6
+        sums = [0] * 7
         for name, mission in missions.items():
             flights = Flights(mission)
             drawn = [each for of, each in chosen if of == name]
-            found = (len(drawn), *seen(flights, drawn), *wrong_claims(flights, told[name]))
+            n_several = sum(len(each.witness) > 1 for each in drawn)
+            judged = (*seen(flights, drawn), *wrong_claims(flights, told[name]))
+            found = (len(drawn), n_several, *judged)
             sums = [*map(sum, zip(sums, found, strict=True))]
             print(f"{name}: {_words(found)}", flush=True)
         print(f"together: {_words(sums)}")
 
 
 def _words(found: Sequence[int]) -> str:
-    n, n_broken, n_larger, n_equal, n_wrong, n_claims = found
+    n, n_several, n_broken, n_larger, n_equal, n_wrong, n_claims = found
     return (
-        f"of {n} weaknesses {n_broken} break their goal again, {n_larger} with a part as well, "
-        f"{n_equal} hold in as many of {N_SEEDS} mission seeds as told; of {n_claims:,} faults "
-        f"named in all, the goal breaks as well without {n_wrong}"
+        f"of {n} weaknesses, {n_several} of several faults, {n_broken} break their goal again, "
+        f"{n_larger} with a part as well, {n_equal} hold in as many of {N_SEEDS} mission seeds as "
+        f"told; of {n_claims:,} faults named by all, the goal breaks as well without {n_wrong}"
     )
 
 
