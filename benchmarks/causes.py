@@ -5,8 +5,6 @@ Run ``python -m benchmarks.causes`` from the project's folder. A campaign that i
 """
 
 import json
-import subprocess
-import sys
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -14,17 +12,13 @@ from statistics import median
 from time import monotonic
 from typing import Any
 
+from benchmarks.measuring import mrsfi
+
 RUNS = Path("runs/causes")
 MISSION, CASE = "uuv_sampling", "a"
 SEEDS = (1, 2, 3)
 N_TOP = 10
 FEW = 10  # of the 20 mission seeds
-
-
-def mrsfi(*words: object) -> str:
-    """Run a command, and return what it prints."""
-    command = [sys.executable, "-m", "mrsfi_runtime.cli.main", *map(str, words)]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def campaign(seed: int) -> tuple[Path, float]:

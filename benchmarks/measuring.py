@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import shlex
 import subprocess
 import sys
 import time
@@ -91,6 +92,21 @@ def run_in(
         raise SystemExit(message)
     processor = usage.ru_utime + usage.ru_stime
     return Run(seconds, processor, usage.ru_maxrss * 1024, tuple(lines))
+
+
+def mrsfi(*words: object) -> str:
+    """Run a command of ours to its end, and return what it prints.
+
+    Raises
+    ------
+    SystemExit
+        If it fails, with what it says.
+    """
+    command = [sys.executable, "-m", "mrsfi_runtime.cli.main", *map(str, words)]
+    ended = subprocess.run(command, check=False, capture_output=True, text=True)
+    if ended.returncode:
+        raise SystemExit(f"{shlex.join(command)} ended with {ended.returncode}:\n{ended.stderr}")
+    return ended.stdout
 
 
 def drawn(code: MissionCode, n: int, n_faults: int = 20) -> list[Specification]:

@@ -1,21 +1,29 @@
-"""What share of a mission's weaknesses ``cover`` finds, held against brute force.
+"""What share of a mission's weaknesses campaigns tell, held against brute force.
 
-Run ``python -m benchmarks.weaknesses [MISSION ...]`` from the project's folder. Brute force, which
-uses nothing of ``causes`` and ``search``, flies every fault of the pool alone in 300 forms and
-every pair in 60, each in five mission seeds. A weakness is a goal, a measure, and a fault, or a
-pair of which no part breaks the goal in any seed, that breaks it in one form in all five.
+Run ``python -m benchmarks.weaknesses [MISSION ...] [--algorithms cover ...]`` from the project's
+folder. ``cover`` searches with as many evaluations as the table says, others with what is usual.
+
+Brute force, which uses nothing of ``causes`` and ``search``, flies every fault of the pool alone in
+300 forms and every pair in 60, each in five mission seeds. A weakness is a goal, a measure, and a
+fault, or a pair of which no part breaks the goal in any seed, that breaks it in one form in all
+five. What is told is *right* if brute force finds it, too, and *refuted* if it is a pair of which
+brute force has seen a part break the goal in one of the seeds; that is asked of faults and pairs
+that are told to hold in at least five mission seeds, all of those that were looked at.
 """
 
+import argparse
 import json
-import subprocess
-import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
 from random import Random
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
+from benchmarks.drawn_missions import DRAWN, drawn_mission
+from benchmarks.drawn_missions import generated as code_of
+from benchmarks.measuring import mrsfi
+from mrsfi import load
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.mission import MissionCode, load_code
 from mrsfi_runtime.model.bounds import value_bounds
@@ -24,14 +32,11 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import conflicts
 
-MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
+MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy", *DRAWN)
 SEEDS = (1, 2, 3, 4, 5)
 N_ALONE, N_PAIR = 300, 60
 N_RUNS = 6
 EVALUATIONS = (300, 909, 3000)
-
-Told = frozenset[tuple[str, str, frozenset[str]]]
-"""Weaknesses: goal, measure, faults."""
 
 
 class Judged(NamedTuple):
@@ -39,6 +44,32 @@ class Judged(NamedTuple):
 
     goal: str
     measure: str
+
+
+class Weakness(NamedTuple):
+    """A goal by a measure, and a set of faults that breaks it."""
+
+    judged: Judged
+    faults: frozenset[str]
+
+
+Weaknesses: TypeAlias = frozenset[Weakness]
+
+
+class Known(NamedTuple):
+    """What brute force has seen break goals: in all mission seeds, and a fault alone in any."""
+
+    surely: Weaknesses
+    ever: Weaknesses
+
+    def refutes(self, told: Weakness) -> bool:
+        """Return whether a fault of a pair was seen to be enough."""
+        is_pair = len(told.faults) == 2
+        return is_pair and any(told._replace(faults=each) in self.ever for each in _alone(told))
+
+
+def _alone(told: Weakness) -> Iterator[frozenset[str]]:
+    return (frozenset([fault]) for fault in told.faults)
 
 
 class Brute:
@@ -55,34 +86,32 @@ class Brute:
             (outcome,) = self._engine.evaluate_many([()], seed)
             self._most[seed] = self._counts(outcome)
 
-    def weaknesses(self) -> Told:
+    def known(self) -> Known:
         """Return what single faults and pairs break."""
         alone = [(self._form(fault),) for fault in self._pool for _ in range(N_ALONE)]
         flown = self._broken(alone)
-        surely = {(j, faults_of(s)) for s in alone for j in frozenset.intersection(*flown[s])}
-        ever = {(j, faults_of(s)) for s in alone for j in frozenset.union(*flown[s])}
-        return frozenset((*judged, faults) for judged, faults in surely | self._joint(ever))
+        surely = _weaknesses((s, frozenset.intersection(*flown[s])) for s in alone)
+        ever = _weaknesses((s, frozenset.union(*flown[s])) for s in alone)
+        return Known(surely | self._joint(ever), ever)
 
-    def _joint(
-        self, ever: set[tuple[Judged, frozenset[str]]]
-    ) -> set[tuple[Judged, frozenset[str]]]:
+    def _joint(self, ever: Weaknesses) -> Weaknesses:
         """Return the pairs of which no part ever breaks what they break."""
 
         def is_new(judged: Judged, pair: Specification) -> bool:
-            return all((judged, faults_of((timed,))) not in ever for timed in pair)
+            return all(Weakness(judged, faults_of((timed,))) not in ever for timed in pair)
 
         pairs = [*self._pairs()]
         first = self._broken(pairs, SEEDS[:1])
         some = [pair for pair in pairs if any(is_new(j, pair) for j in first[pair][0])]
         flown = self._broken(some)
         parts = self._broken([(timed,) for pair in some for timed in pair])
-        return {
-            (judged, faults_of(pair))
+        return frozenset(
+            Weakness(judged, faults_of(pair))
             for pair in some
             for judged in frozenset.intersection(*flown[pair])
             if is_new(judged, pair)
             and not any(judged in broken for timed in pair for broken in parts[timed,])
-        }
+        )
 
     def _pairs(self) -> Iterator[Specification]:
         excluded = conflicts(self._mission, self._pool)
@@ -152,37 +181,91 @@ def faults_of(specification: Specification) -> frozenset[str]:
     return frozenset(timed.fault for timed in specification)
 
 
-def found_by_cover(mission: str, seed: int, n_evaluations: int) -> Told:
-    """Return the weaknesses that a campaign prints."""
+def _weaknesses(
+    broken: Iterable[tuple[Specification, frozenset[Judged]]],
+) -> Weaknesses:
+    return frozenset(
+        Weakness(judged, faults_of(specification))
+        for specification, columns in broken
+        for judged in columns
+    )
+
+
+def told_by(
+    models: Path, algorithm: str, seed: int, n_evaluations: int | None, n_seeds: int | None
+) -> list[dict[str, Any]]:
+    """Search, and return the weaknesses that are printed; what is left out is as usual."""
+    settings = {"algorithm": algorithm, "seed": seed, "evaluations": n_evaluations}
+    given = {name: value for name, value in settings.items() if value is not None}
+    seeds = [] if n_seeds is None else ["--seeds", n_seeds]
     with tempfile.TemporaryDirectory() as folder:
         run = Path(folder) / "run"
-        limits = ("--evaluations", n_evaluations, "--seed", seed, "--out", run)
-        _mrsfi("evolve", mission, "--algorithm", "cover", "--no-explain", *limits)
-        found = json.loads(_mrsfi("weaknesses", run, "--json"))
-    return frozenset((w["goal"], w["measure"], frozenset(w["faults"])) for w in found)
+        load(models).evolve("a", out=run, explain=algorithm != "cover", **given)
+        found: list[dict[str, Any]] = json.loads(mrsfi("weaknesses", run, *seeds, "--json"))
+    return found
 
 
-def _mrsfi(*words: object) -> str:
-    command = [sys.executable, "-m", "mrsfi_runtime.cli.main", *map(str, words)]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+def weakness_of(told: Mapping[str, Any]) -> Weakness:
+    """Return a weakness as brute force has it."""
+    return Weakness(Judged(told["goal"], told["measure"]), frozenset(told["faults"]))
 
 
-def _share(told: Iterable[Told], known: Told) -> str:
+def found_share(told: Iterable[Weaknesses], known: Weaknesses) -> str:
     """Return the least and the greatest share of what is known that is told."""
-    shares = [len(known & each) / len(known) for each in told] if known else []
+    return _between([len(known & each) / len(known) for each in told] if known else [])
+
+
+def right_shares(told: Iterable[list[dict[str, Any]]], known: Known) -> tuple[str, str]:
+    """Return the least and greatest share of what is sure, as told, that is right, or refuted."""
+    right, refuted = [], []
+    for each in told:
+        held = (w for w in each if w["seeds"]["held"] == w["seeds"]["of"] >= len(SEEDS))
+        if sure := [w for w in map(weakness_of, held) if len(w.faults) <= 2]:
+            right.append(sum(w in known.surely for w in sure) / len(sure))
+            refuted.append(sum(map(known.refutes, sure)) / len(sure))
+    return _between(right), _between(refuted)
+
+
+def _between(shares: list[float]) -> str:
     return f"{min(shares):.2f} to {max(shares):.2f}" if shares else "–"
+
+
+def print_table(models: Path, known: Known, algorithms: Iterable[str]) -> None:
+    """Print a line for each algorithm and number of evaluations."""
+    single = frozenset(each for each in known.surely if len(each.faults) == 1)
+    for algorithm in algorithms:
+        is_cover = algorithm == "cover"
+        n_seeds = len(SEEDS) if is_cover else None
+        for n_evaluations in EVALUATIONS if is_cover else (None,):
+            told = [
+                told_by(models, algorithm, seed, n_evaluations, n_seeds)
+                for seed in range(1, N_RUNS + 1)
+            ]
+            found = [frozenset(map(weakness_of, each)) for each in told]
+            right, refuted = right_shares(told, known)
+            n = "default" if n_evaluations is None else f"{n_evaluations:,}"
+            print(
+                f"  {algorithm:6} {n:>7}: single {found_share(found, single)}, "
+                f"pairs {found_share(found, known.surely - single)}, "
+                f"together {found_share(found, known.surely)}; right {right}, refuted {refuted}",
+                flush=True,
+            )
 
 
 def main() -> None:
     """Print a table for each mission."""
-    for mission in sys.argv[1:] or MISSIONS:
-        known = Brute(load_code(Path("generated") / mission), Random(77)).weaknesses()
-        single = frozenset(each for each in known if len(each[2]) == 1)
-        print(f"{mission}: {len(single)} single faults, {len(known - single)} pairs break a goal")
-        for n_evaluations in EVALUATIONS:
-            told = [found_by_cover(mission, seed, n_evaluations) for seed in range(1, N_RUNS + 1)]
-            shares = f"single {_share(told, single)}, pairs {_share(told, known - single)}"
-            print(f"  cover, {n_evaluations:>5} evaluations: {shares}", flush=True)
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("missions", nargs="*", metavar="MISSION", default=MISSIONS)
+    parser.add_argument("--algorithms", nargs="+", metavar="NAME", default=["cover"])
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as place:
+        for name in arguments.missions:
+            models = drawn_mission(Path(place), name) if name in DRAWN else Path("models") / name
+            known = Brute(load_code(code_of(models)), Random(77)).known()
+            n_single = sum(len(each.faults) == 1 for each in known.surely)
+            n_pairs = len(known.surely) - n_single
+            print(f"{name}: {n_single} single faults, {n_pairs} pairs break a goal", flush=True)
+            print_table(models, known, arguments.algorithms)
 
 
 if __name__ == "__main__":
