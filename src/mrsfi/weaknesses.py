@@ -1,6 +1,7 @@
 """What breaks the goals of a mission at the least, as a campaign has found out, and files of it."""
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
 from typing import TypeVar
@@ -10,10 +11,11 @@ from mrsfi_runtime.analysis import fault_tree, fmea
 from mrsfi_runtime.analysis.weaknesses import Way
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
-from mrsfi_runtime.causes.weakness import Known
+from mrsfi_runtime.causes.weakness import Known, faults_of
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.files import whole_file
+from mrsfi_runtime.record.encoding import fault_texts
 from mrsfi_runtime.search.space import SearchSpace
 
 FMEA = MappingProxyType({".csv": fmea.as_csv, ".md": fmea.as_markdown})
@@ -46,6 +48,23 @@ def harvested(campaign: OpenCampaign) -> Harvest:
             f"expected a campaign that has looked for it; let it: mrsfi explain {path} --all"
         )
     return found
+
+
+def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
+    """Return the faults that no specification had, and the pairs that none had together."""
+    flown: set[frozenset[str]] = {
+        faults_of(each.specification) for each in campaign.store.flights()
+    }
+    store, columns = campaign.store, ("specification",)
+    for texts in store.stored(columns, store.n_evaluations, lambda read: [*read[0]]):
+        flown.update(frozenset(fault_texts(text)[0]) for text in texts)
+    together = {pair for some in flown for pair in combinations(sorted(some), 2)}
+    faults = [fault.id for fault in campaign.pool]
+    alone = {fault for some in flown for fault in some}
+    return (
+        *((fault,) for fault in faults if fault not in alone),
+        *(pair for pair in combinations(faults, 2) if tuple(sorted(pair)) not in together),
+    )
 
 
 def harvest(

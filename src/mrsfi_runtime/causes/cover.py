@@ -25,7 +25,8 @@ from mrsfi_runtime.search.specifications import varied_specification
 class Cover:
     """The algorithm: see the module.
 
-    It ends after as many evaluations as the settings say, or where there is nothing left to try.
+    It ends after as many evaluations as the settings say, when all bounds are as low as they say,
+    or where there is nothing left to try.
 
     Attributes
     ----------
@@ -35,7 +36,7 @@ class Cover:
 
     def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
         self._space = space
-        self._most = settings.evaluations
+        self._most, self._until = settings.evaluations, settings.until
         self._n_faults = settings.faults
         self._rng = Random(settings.seed)
         self.known = Known(space.gate.mission)
@@ -68,7 +69,9 @@ class Cover:
         fitness = [score.fitness for score in scores]
         self._n_generations += 1
         left = None if self._most is None else self._most - self._n_asked
-        self._next = self._probing.turn()[:left]
+        turn = self._probing.turn()[:left]
+        bounds = map(self.known.bound, self.known.sets)
+        self._next = [] if self._until is not None and max(bounds) <= self._until else turn
         return GenerationSummary(
             index=self._n_generations - 1,
             statistics={

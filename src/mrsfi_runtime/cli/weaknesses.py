@@ -19,6 +19,7 @@ from mrsfi.weaknesses import (
     format_of,
     harvest,
     harvested,
+    untried,
     write_fault_trees,
     write_fmea,
 )
@@ -36,6 +37,9 @@ from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.settings import following
+
+_MOST_UNTRIED = 10
+"""Faults and pairs that are named at most, of those that were never flown."""
 
 _EVERY = 2.0
 """Seconds between two lines about a harvest."""
@@ -61,6 +65,7 @@ def weaknesses(
             raise UsageError(f"--goal: found '{goal}'; {expected(goal, mission.goal_ids)}")
         known = harvested(campaign)
         found = [way for way in ways(known.weaknesses) if goal in {None, way.goal}]
+        never = () if is_json else untried(campaign)
         _write(campaign, found, engine, **files)
     told = mission.goal_ids if goal is None else (goal,)
     if is_bounds:
@@ -89,6 +94,12 @@ def weaknesses(
     print_table(
         "At most so many random specifications without any of these break it, too (95 % sure)",
         plain_table(("goal",), MEASURES, _bounds(known.known, told)),
+    )
+    n_faults = len(pool)
+    click.echo(
+        f"Of {n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs, never flown: "
+        f"{', '.join(' with '.join(each) for each in never[:_MOST_UNTRIED]) or 'none'}"
+        f"{f' and {len(never) - _MOST_UNTRIED} more' if len(never) > _MOST_UNTRIED else ''}"
     )
 
 

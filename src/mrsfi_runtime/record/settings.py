@@ -34,7 +34,7 @@ ALGORITHM_NAMES = (
 COVERING = "cover"
 """The one that knows neither populations nor generations."""
 
-_ENOUGH = 909  # evaluations, if that algorithm is not told
+_ENOUGH, _ENDLESS = 909, 100_000  # evaluations, if it is not told; the last beside ``until``
 
 MINIMISING = ("nsga2", "guided")
 """Those that keep a front, and so can minimise one thing beside many violations."""
@@ -86,6 +86,8 @@ class CampaignSettings:
     evaluations
         Number of evaluations after which the run ends, exactly, in place of
         ``generations``: how controls are given as many as another run had.
+    until
+        Bound of what is not found, 0 … 1, at which ``cover`` ends for all goals, if not before.
     max_failures
         Number of failed evaluations that ends the run.
     source
@@ -117,6 +119,7 @@ class CampaignSettings:
     seed: int = 1
     mission_seed: int = 1
     evaluations: int | None = None
+    until: float | None = None
     max_failures: int = 10
     source: str = field(default="settings", compare=False)
     options: frozenset[str] = field(default=frozenset(), compare=False)
@@ -160,7 +163,12 @@ class CampaignSettings:
             _require_no_generations("option", given)
             if "algorithm" not in given:  # else they are settings of another one
                 _require_no_generations(source, table)
-            values = {"evaluations": _ENOUGH} | values
+            values = {"evaluations": _ENDLESS if "until" in values else _ENOUGH} | values
+        elif "until" in values:
+            raise UsageError(
+                f"{'option' if 'until' in given else source}: found until with an algorithm that "
+                f"does not bound what it has not found; expected '{COVERING}'"
+            )
         return cls(**values, source=source, options=frozenset(given))
 
     @classmethod
@@ -257,6 +265,7 @@ _RULES: Mapping[str, _Rule] = MappingProxyType(
         "seed": _whole(0, _LARGEST_SEED),
         "mission_seed": _whole(0, _LARGEST_SEED),
         "evaluations": _whole(1),
+        "until": _CHANCE,
         "max_failures": _whole(1),
     }
 )

@@ -78,6 +78,16 @@ def test_no_form_is_flown_twice_and_no_draw_holds_what_is_known():
     assert any("f4" not in faults_of(form) for form in late)
 
 
+def test_it_ends_when_all_bounds_are_as_low_as_was_asked_for():
+    search = cover(evaluations=100_000, until=0.1)
+
+    for _ in turns(search):
+        assert max(map(search.known.bound, search.known.sets)) > 0.1 or search.is_finished
+
+    assert max(map(search.known.bound, search.known.sets)) <= 0.1
+    assert sum(map(len, search.known.sets.values())) == 8
+
+
 @pytest.mark.parametrize("n_evaluations", [1, 20, 137, 909])
 def test_a_number_of_evaluations_is_met_exactly(n_evaluations):
     search = cover(evaluations=n_evaluations)
@@ -129,3 +139,15 @@ def test_it_has_neither_populations_nor_generations(key):
 
     other = CampaignSettings.parse(f"[search]\n{key} = 3\n", "mine.toml", algorithm="cover")
     assert other.evaluations == 909
+
+
+def test_a_bound_to_end_at_is_of_it_alone_and_lets_it_go_on_for_long():
+    told = CampaignSettings.parse('[search]\nalgorithm = "cover"\nuntil = 0.1\n', "mine.toml")
+
+    assert (told.until, told.evaluations) == (0.1, 100_000)
+    with pytest.raises(
+        UsageError, match=r"mine\.toml: found until with an algorithm that does not"
+    ):
+        CampaignSettings.parse("[search]\nuntil = 0.1\n", "mine.toml")
+    with pytest.raises(UsageError, match="option: found until with an algorithm that does not"):
+        CampaignSettings.parse("[search]\n", "mine.toml", until=0.1)

@@ -30,6 +30,7 @@ Examples:
   mrsfi evolve uuv_sampling --case b --ratio g3:g1=2:1
   mrsfi evolve uuv_sampling --seed 7 --generations 5 --out runs/short
   mrsfi evolve uuv_sampling --algorithm random --evaluations 1000
+  mrsfi evolve uuv_sampling --algorithm cover --until 0.02
   mrsfi evolve uuv_sampling --algorithm guided --minimise faults --violations true --goals g2
   mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
   mrsfi evolve --resume runs/uuv_sampling-a-1
@@ -64,6 +65,7 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 @click.option("--generations", type=int, help="Generations after the first.")
 @click.option("--population", type=int, help="Individuals of a generation.")
 @click.option("--evaluations", type=int, help="Stop after exactly so many evaluations.")
+@click.option("--until", type=float, metavar="P", help="Cover until all bounds are at most P.")
 @click.option("--faults", type=int, help="Timed faults of an individual; with --minimise at most.")
 @click.option("--goals", metavar="G,H,…", callback=_goal_ids, help="Goals to look at.")
 @click.option("--violations", metavar="NAME", help=f"What is counted: {', '.join(VIOLATIONS)}.")
