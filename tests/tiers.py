@@ -12,7 +12,8 @@
 
 A test that belongs to the rest is marked ``@slow``. One that takes seeds takes ``seeds(…)``,
 and leaves all but the first few of them to the rest; one that is slow for each of its values
-takes ``in_turn(…)``, and what draws inside of a test asks ``is_due(…)``. Laws of hypothesis are
+takes ``in_turn(…)``, and what draws inside of a test asks ``is_due(…)``. Of any other slow test
+with several values, the first runs every day and the others have turns. Laws of hypothesis are
 multiplied by tier. Whose turn it is follows from the date of the commit, so that three days run
 all of it and one commit always the same.
 """
@@ -91,7 +92,15 @@ class Tier:
         turns = [mark.args[0] for mark in item.iter_markers("turn")]
         if _is_law(item):
             turns.append(crc32(item.nodeid.encode()))
+        elif not turns and item.get_closest_marker("slow") is not None:
+            turns += [place for place in [sum(_places(item))] if place]
         return self.takes_turns and bool(turns) and sum(turns) % N_TURNS != today
+
+
+def _places(item: pytest.Item) -> Iterable[int]:
+    """Return the places of a test's values among those of its parameters."""
+    callspec = getattr(item, "callspec", None)
+    return () if callspec is None else callspec.indices.values()
 
 
 def _is_law(item: pytest.Item) -> bool:

@@ -1,6 +1,7 @@
 """Tiers leave no test out: what one does not run, another does, today or on another day."""
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -32,6 +33,7 @@ def draws():
 @dataclass(frozen=True)
 class Item:
     obj: object
+    callspec: object = None
 
     @property
     def nodeid(self):
@@ -76,6 +78,14 @@ def test_what_has_turns_is_left_on_all_days_but_one_and_never_at_night(test, n_d
     for name, tier in TIERS.items():
         n_taken = sum(not tier.leaves(Item(test), day) for day in days)
         assert n_taken == (n_days if name in ("rest", "due") else N_TURNS), name
+
+
+@pytest.mark.parametrize(("places", "n_days"), [((0, 0), N_TURNS), ((0, 1), 1), ((2, 1), 1)])
+def test_the_first_values_of_a_slow_test_are_taken_every_day_and_others_on_one(places, n_days):
+    item = Item(kills, SimpleNamespace(indices=dict(enumerate(places))))
+
+    assert sum(not TIERS["rest"].leaves(item, day) for day in range(N_TURNS)) == n_days
+    assert not TIERS["night"].leaves(item, 0)
 
 
 def test_seeds_beyond_the_first_are_slow_and_have_turns():
