@@ -72,7 +72,7 @@ evolve: generate ## search critical fault specifications of MISSION; ends with w
 report: $(BASE) ## write the report of campaign folder OUT anew (default: the latest of runs/)
 	$(BIN)/mrsfi report $(if $(OUT),$(call quoted,$(OUT)))
 
-regressions: generate ## fly the kept findings of MISSION; fails where one came back
+regressions: generate ## fly the kept weaknesses of MISSION; fails where one came back
 	$(BIN)/mrsfi check $(mission) $(engine)
 
 quick: $(DEV) ## run the units and laws of the tests, in less than a minute

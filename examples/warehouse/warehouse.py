@@ -94,4 +94,4 @@ for found in mission.validate():
     print(found)
 print(mission.fly().violations("true"))
 campaign = mission.evolve(population=10, generations=4, faults=4)
-print(*(f"{each.column.goal}: {' '.join(each.faults)}" for each in campaign.weaknesses), sep="\n")
+print(*(f"{way.goal}: {' '.join(way.faults)}" for way in campaign.ways), sep="\n")

@@ -16,6 +16,7 @@ from mrsfi.flight import Flight, fly
 from mrsfi.regressions import keep
 from mrsfi.weaknesses import harvested
 from mrsfi_runtime.analysis.columns import Columns
+from mrsfi_runtime.analysis.weaknesses import Way, ways
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
@@ -76,6 +77,11 @@ class Campaign:
         """All the ways in which goals break, by goal; a ``RecordError`` if nobody looked."""
         with open_campaign(self.folder) as campaign:
             return harvested(campaign).weaknesses
+
+    @property
+    def ways(self) -> tuple[Way, ...]:
+        """The same by goal and set of faults, numbered as ``keep`` takes them."""
+        return ways(self.weaknesses)
 
     @property
     def digest(self) -> str:

@@ -77,7 +77,7 @@ def test_a_command_ends_with_what_it_decided_whoever_reads_it(tmp_path, line, co
 
 def test_what_came_back_is_told_by_the_exit_code_though_nobody_reads_it(found, tmp_path):
     place = shutil.copytree(found, tmp_path, dirs_exist_ok=True)
-    mrsfi("keep", "runs/it", "--weakness", "3", cwd=place)
+    mrsfi("keep", "runs/it", "--weakness", "2", cwd=place)
     write_body(place / "generated" / NAME / COLLECTIVE, "g1.check", "    return True\n")
 
     done = shell("mrsfi check | true; exit ${PIPESTATUS[0]}", place)

@@ -179,7 +179,7 @@ def _weaknesses(
     yield f"{said(goals, summary.ways, summary.harvest.n_flights)}."
     if not summary.ways:
         return
-    yield f"{MATRIX}. *Joint*: only with others."
+    yield f"{MATRIX}."
     yield table(("fault", "type", *goals, "target"), matrix(mission, pool, goals, summary.ways))
     yield (
         "The least sets of faults, by goal: the share of the forms tried that break it by each "
@@ -189,7 +189,7 @@ def _weaknesses(
     yield table(("", *LISTED), listed(mission, pool, summary.ways))
     names = {goal.id: goal.name for goal in mission.goals}
     for way in least(summary.ways):
-        yield f"### {plain(names[way.goal])} ({way.goal}), broken by {way.number}"
+        yield f"### {plain(names[way.goal])} ({way.goal}), broken by weakness {way.number}"
         yield f"Broken by {verdict(way)}. {_COUNTS}"
         outcome = summary.outcome(way)
         faults = named_faults(mission, pool, way.shown.witness)

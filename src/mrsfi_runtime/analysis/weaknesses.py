@@ -11,7 +11,7 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.measure import NONE
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
-MATRIX = "Share of forms that break a goal; (…): only believed, *: unseen by the CI"
+MATRIX = "Share of forms that do; (…): only believed, *: unseen by the CI, joint: with others"
 """What ``matrix`` shows."""
 
 LISTED = ("goal", *MEASURES, "seeds", "fault", "type", "window", "target", "values")
@@ -41,6 +41,11 @@ class Way:
     def shown(self) -> Weakness:
         """That of the gravest measure: missed before true, true before believed."""
         return self.by[-1]
+
+    @property
+    def is_unseen(self) -> bool:
+        """Whether the goal truly breaks, and the collective intelligence does not believe it."""
+        return self.shown.is_masked and self.shown.column.kind != MEASURES[0]
 
     def as_json(self) -> list[dict[str, Any]]:
         """Return the weaknesses as plain values."""
@@ -73,9 +78,13 @@ def said(goals: Sequence[str], found: Sequence[Way], n_flights: int) -> str:
     n_goals = len({each.goal for each in found})
     n_alone = len({each.goal for each in found if len(each.faults) == 1})
     return (
-        f"{n_goals} of {len(goals)} goals can be broken, {n_alone} of them by a single "
-        f"fault: {len(found)} ways, found with {n_flights} flights"
+        f"{n_goals} of {_counted(len(goals), 'goals')} can be broken, {n_alone} of them by a single "
+        f"fault: {_counted(len(found), 'ways')}, found with {_counted(n_flights, 'flights')}"
     )
+
+
+def _counted(number: int, nouns: str) -> str:
+    return f"{number} {nouns.removesuffix('s') if number == 1 else nouns}"
 
 
 def matrix(
@@ -107,6 +116,7 @@ def listed(mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Iterator[
     """Yield a row for each fault of each way, in the form that breaks the goal."""
     for way in found:
         shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
+        shares[way.shown.column.kind] += "*" * way.is_unseen
         first: tuple[str, ...] = (
             str(way.number),
             way.goal,
@@ -124,7 +134,7 @@ def verdict(way: Way) -> str:
     shown = way.shown
     kinds = {"believed": "only in what is believed", "true": "in truth", "missed": "for good"}
     alone = "alone" if len(way.faults) == 1 else "together"
-    seen = "" if shown.column.kind == MEASURES[0] or not shown.is_masked else ", unseen by the CI"
+    seen = ", unseen by the CI" if way.is_unseen else ""
     return (
         f"{' and '.join(way.faults)} {alone}, {kinds[shown.column.kind]}{seen}; "
         f"{100 * shown.share:.0f} % of {shown.n_tried} forms do, "
@@ -137,4 +147,4 @@ def _share(way: Way) -> str:
     share = f"{100 * shown.share:.0f}%"
     if shown.column.kind == MEASURES[0]:
         return f"({share})"
-    return f"{share}*" if shown.is_masked else share
+    return f"{share}*" if way.is_unseen else share

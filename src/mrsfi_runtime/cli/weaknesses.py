@@ -36,6 +36,7 @@ from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+from mrsfi_runtime.record.measure import NONE
 from mrsfi_runtime.record.settings import following
 
 _MOST_UNTRIED = 10
@@ -144,7 +145,12 @@ def _bounds(known: Known, goals: Sequence[str]) -> Iterator[tuple[str, ...]]:
         columns = [Column(goal, measure) for measure in MEASURES]
         yield (
             goal,
-            *(f"{100 * known.bound(each):.1f}% (0 of {known.n_kept[each]})" for each in columns),
+            *(
+                f"{100 * known.bound(each):.1f}% (0 of {known.n_kept[each]})"
+                if known.n_kept[each]
+                else NONE
+                for each in columns
+            ),
         )
 
 

@@ -150,7 +150,7 @@ def test_the_summary_says_what_was_found(focused):
         "digest",
         "best",
         "top",
-        "causes",
+        "weaknesses",
         "front",
         "harm",
         "pick",
