@@ -109,7 +109,7 @@ def write_report(
             with _writing(folder, "flights"):
                 flown = [*_fly(layout, summary, mission, pool, record)]
             stories = [each for one in flown for each in one.figures]
-            drawn = draw(_to_draw(layout, stories))
+            later = [draw(_to_draw(layout, stories))] if stories else []
             summary = replace(summary, sentences={one.number: one.sentences for one in flown})
             with _writing(folder, "report"):
                 _write_tables(layout.tables, (*shown, *stories), summary.measure, store)
@@ -127,7 +127,8 @@ def write_report(
             with _writing(folder, "figures"):
                 finish()
         with _writing(folder, "figures of the weaknesses"):
-            drawn()
+            for drawn in later:
+                drawn()
     return summary
 
 

@@ -11,7 +11,7 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.measure import NONE
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
-MATRIX = "Share of forms that do; (…): only believed, *: unseen by the CI, joint: with others"
+MATRIX = "Share of forms that do; (%): only believed, *: unseen by the CI, joint: with others"
 """What ``matrix`` shows."""
 
 LISTED = ("goal", *MEASURES, "seeds", "fault", "type", "window", "target", "values")
@@ -77,9 +77,10 @@ def said(goals: Sequence[str], found: Sequence[Way], n_flights: int) -> str:
     """Return in a sentence how many of some goals break, and how."""
     n_goals = len({each.goal for each in found})
     n_alone = len({each.goal for each in found if len(each.faults) == 1})
+    told, by = _counted(len(goals), "goals"), _counted(len(found), "ways")
     return (
-        f"{n_goals} of {_counted(len(goals), 'goals')} can be broken, {n_alone} of them by a single "
-        f"fault: {_counted(len(found), 'ways')}, found with {_counted(n_flights, 'flights')}"
+        f"{n_goals} of {told} can be broken, {n_alone} of them by a single fault: {by}, found with "
+        f"{_counted(n_flights, 'flights')}"
     )
 
 
