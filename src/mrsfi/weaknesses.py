@@ -8,7 +8,8 @@ from typing import TypeVar
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
 from mrsfi_runtime.analysis import fault_tree, fmea
-from mrsfi_runtime.analysis.weaknesses import Way
+from mrsfi_runtime.analysis.weaknesses import Way, ways
+from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.weakness import Known, faults_of
@@ -16,6 +17,7 @@ from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.encoding import fault_texts
+from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.search.space import SearchSpace
 
 FMEA = MappingProxyType({".csv": fmea.as_csv, ".md": fmea.as_markdown})
@@ -79,6 +81,34 @@ def harvest(
     """
     space = SearchSpace.of(campaign.mission, campaign.pool)
     return find_out(space, campaign.store, evaluator.evaluate_many, on_flown)
+
+
+def mildest(
+    campaign: FlyableCampaign,
+    evaluator: Evaluator,
+    record: fmea.Record,
+    goal: str | None = None,
+    n_seeds: int = 3,
+) -> tuple[shrinking.Mildest, ...]:
+    """Find the mildest form of each set of faults that breaks a goal, by its gravest measure.
+
+    Parameters
+    ----------
+    campaign, evaluator
+        A campaign that was harvested, and what flies it, some 30 times for each set.
+    record
+        Flies once without faults, in the campaign's mission seed, to see what is true.
+    goal
+        ID of the goal; of all, if none is named.
+    n_seeds
+        Mission seeds, from the campaign's on, in which a form has to break the goal.
+    """
+    known = harvested(campaign)
+    space = SearchSpace.of(campaign.mission, campaign.pool)
+    deviation = shrinking.Deviation(space, campaign.pool, record(()))
+    found = [way.shown for way in ways(known.weaknesses) if goal in {None, way.goal}]
+    seeds = following(campaign.store.settings.mission_seed, n_seeds)
+    return shrinking.mildest(deviation, known.known, found, evaluator.evaluate_many, seeds)
 
 
 def write_fmea(

@@ -12,13 +12,14 @@ import click
 from rich.table import Table
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_campaign, open_to_fly
-from mrsfi.engines import opened
+from mrsfi.engines import opened, own_engine
 from mrsfi.weaknesses import (
     FAULT_TREES,
     FMEA,
     format_of,
     harvest,
     harvested,
+    mildest,
     untried,
     write_fault_trees,
     write_fmea,
@@ -31,7 +32,7 @@ from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.flights import Evaluator
-from mrsfi_runtime.engine.settings import AUTO
+from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
@@ -54,6 +55,7 @@ def weaknesses(
     engine: EngineOptions,
     workers: WorkerOptions,
     is_bounds: bool,
+    is_mildest: bool = False,
     is_json: bool,
     **files: Path | None,
 ) -> None:
@@ -83,6 +85,9 @@ def weaknesses(
             ]
         )
         return
+    if is_mildest:
+        _tell_mildest(run, goal, n_seeds, engine, workers, is_json=is_json)
+        return
     if n_seeds is not None:
         found = _in_seeds(run, found, n_seeds, engine, workers)
     if is_json:
@@ -109,7 +114,7 @@ def harvest_now(run: Path, engine: EngineOptions, workers: WorkerOptions, *, is_
     with (
         only_writer(CampaignFolder(run)),
         open_to_fly(run, tell) as campaign,
-        _evaluator(campaign, engine, workers) as evaluator,
+        _evaluator(campaign, engine, workers) as (evaluator, _),
     ):
         show_harvest(campaign, evaluator)
     weaknesses(run, None, None, engine=engine, workers=workers, is_bounds=False, is_json=is_json)
@@ -162,25 +167,58 @@ def _in_seeds(
     workers: WorkerOptions,
 ) -> list[Way]:
     """Return ways with the number of mission seeds in which they hold."""
-    with open_to_fly(run, tell) as campaign, _evaluator(campaign, engine, workers) as evaluator:
+    with (
+        open_to_fly(run, tell) as campaign,
+        _evaluator(campaign, engine, workers) as (evaluator, _),
+    ):
         seeds = following(campaign.store.settings.mission_seed, n_seeds)
         each = [weakness for way in found for weakness in way.by]
         flown = iter(in_seeds(campaign.mission, each, evaluator.evaluate_many, seeds))
         return [replace(way, by=tuple(islice(flown, len(way.by)))) for way in found]
 
 
+def _tell_mildest(
+    run: Path,
+    goal: str | None,
+    n_seeds: int | None,
+    engine: EngineOptions,
+    workers: WorkerOptions,
+    *,
+    is_json: bool,
+) -> None:
+    """Print the mildest form of each set of faults that breaks a goal."""
+    with (
+        open_to_fly(run, tell) as campaign,
+        _evaluator(campaign, engine, workers) as (evaluator, settings),
+    ):
+        mission, seed = campaign.mission, campaign.store.settings.mission_seed
+        with own_engine(evaluator, campaign.code, seed, settings) as own:
+            least = mildest(campaign, evaluator, own.record, goal)
+        found = tuple(each.weakness for each in least)
+        if n_seeds is not None:
+            seeds = following(seed, n_seeds)
+            found = in_seeds(mission, found, evaluator.evaluate_many, seeds)
+    if is_json:
+        told = zip(least, found, strict=True)
+        print_json([replace(each, weakness=weakness).as_json() for each, weakness in told])
+        return
+    print_list(mission, campaign.pool, ways(found), "The mildest form that was found")
+    for number, each in enumerate(least, 1):
+        click.echo(f"{number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
+
+
 @contextmanager
 def _evaluator(
     campaign: FlyableCampaign, engine: EngineOptions, workers: WorkerOptions
-) -> Iterator[Evaluator]:
-    """Yield what flies specifications of a campaign."""
+) -> Iterator[tuple[Evaluator, EngineSettings]]:
+    """Yield what flies specifications of a campaign, and on what."""
     recorded = campaign.store.manifest.engine
     settings = engine.settings(recorded if recorded.is_foreign else None, AUTO)
     workers.require_sense(settings)
     seed = campaign.store.settings.mission_seed
     settings = workers.tried(campaign.code, seed, settings)
     with workers.evaluator(campaign.code, seed, settings) as evaluator:
-        yield evaluator
+        yield evaluator, settings
 
 
 def print_ways(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> None:

@@ -1,0 +1,257 @@
+"""The least that does it: the mildest form in which a set of faults still breaks a goal.
+
+A form is mild whose values are near to what is true, and whose windows are short. One after the
+other is bisected, while the goal breaks in several mission seeds at once. That takes for granted
+that what is milder than a form that keeps the goal keeps it, too, which need not be so: what comes
+of it is the mildest form that was found.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, combinations, starmap
+from typing import Any
+
+from mrsfi_runtime.causes.counts import Column, EvaluateIn
+from mrsfi_runtime.causes.weakness import (
+    Broken,
+    FaultSet,
+    Known,
+    Weakness,
+    broken_by,
+    faults_of,
+    form,
+    parts,
+    yardstick_of,
+)
+from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
+from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault, fault_ticks
+from mrsfi_runtime.model.targets import touched
+from mrsfi_runtime.search.space import SearchSpace
+
+_N_STARTS = 5  # forms that were flown already, of which one is sought that holds in all seeds
+_FINE = 16  # what differs by no more than this part need not be told apart
+_LEAST = 0.001  # share of a value or window below which none is sought
+_BROKEN = {"believed": "is believed broken", "true": "breaks", "missed": "is missed"}
+_TRUE = {
+    Field.POSITION: ("robots", ("x", "y", "z")),
+    Field.SPEED: ("robots", ("speed",)),
+    Field.ENERGY: ("robots", ("energy",)),
+    Field.OBSTACLE: ("obstacles", ("x", "y")),
+    **{each: ("sensors", (each.name.lower(),)) for each in OF_SENSOR},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Mildest:
+    """The mildest form that was found of a weakness.
+
+    Attributes
+    ----------
+    weakness
+        With that form as its witness, and the mission seeds in which it was sought.
+    sentence
+        From what on the goal breaks, and the strongest form tried that did not break it.
+    n_flights
+        How many flights it took, beside one in each seed without faults. One that serves several
+        weaknesses counts for the first of them.
+    """
+
+    weakness: Weakness
+    sentence: str
+    n_flights: int
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as plain values, those of the weakness among them."""
+        more = {"sentence": self.sentence, "flights": self.n_flights}
+        return self.weakness.as_json() | more
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """Measures forms by what is true without faults, as a recorded flight has it."""
+
+    space: SearchSpace
+    pool: FaultPool
+    recording: Recording
+
+    def harmless(self, timed: TimedFault) -> tuple[float, ...]:
+        """Return the values with which a fault would change nothing when it begins.
+
+        What stands in the place of a true value is harmless where it is that; every other one, a
+        delay, a difference or a percentage, at 0.
+        """
+        fault, world = self.pool[timed.fault], self.recording["world"]
+        targets = touched(self.space.gate.mission, fault)
+        if fault.kind.mode is not Mode.FIXED or not targets:
+            return (0.0,) * len(timed.values)
+        affected, index = targets[0]
+        owners, fields = _TRUE[affected]
+        owner = world[min(timed.start, len(world) - 1)][owners][index]
+        true = tuple(float(owner[field]) for field in fields)[: len(timed.values)]
+        return true + timed.values[len(true) :]
+
+    def share(self, timed: TimedFault) -> float:
+        """Return how far values are off, the farthest as a share of its range, to four digits."""
+        bounds = self.space.candidates[timed.fault].bounds
+        told = zip(timed.values, self.harmless(timed), bounds, strict=True)
+        shares = (abs(value - true) / (b - a) for value, true, (a, b) in told if a < b)
+        return round(max(shares, default=0.0), 4)
+
+    def size(self, specification: Specification) -> float:
+        """Return how strong a form is: how far off, and for which share of the mission at work."""
+        duration = self.space.duration
+        return sum(map(self.share, specification)) + fault_ticks(specification, duration) / duration
+
+    def milder(
+        self, timed: TimedFault, off: float = 1.0, before: float = 1.0, after: float = 1.0
+    ) -> TimedFault:
+        """Return a fault as far off by a share, in the last or the first share of its window."""
+        length = timed.finish - timed.start
+        start, finish = timed.finish - round(before * length), timed.start + round(after * length)
+        there = timed._replace(start=start, finish=finish)
+        candidate, values = self.space.candidates[timed.fault], []
+        told = zip(timed.values, self.harmless(timed), self.harmless(there), strict=True)
+        limits = zip(candidate.is_integer, candidate.bounds, strict=True)
+        for (value, true, then), (is_whole, (low, high)) in zip(told, limits, strict=True):
+            near = then + (value - true) * off
+            values.append(min(max(float(round(near) if is_whole else f"{near:.6g}"), low), high))
+        return there._replace(values=tuple(values))
+
+    def in_words(self, timed: TimedFault) -> str:
+        """Return how far values are off: ``41 off``, ``3 energy units off``, ``DELAY 9 ticks``."""
+        kind = self.pool[timed.fault].kind
+        if kind.mode is not Mode.FIXED:
+            return kind.in_words(timed.values)
+        apart = math.dist(timed.values[:2], self.harmless(timed)[:2])
+        return f"{apart:.4g} {UNITS.get(kind.parameters[0].range, '')}".rstrip() + " off"
+
+
+def mildest(
+    deviation: Deviation,
+    known: Known,
+    found: Sequence[Weakness],
+    evaluate: EvaluateIn,
+    seeds: Sequence[int],
+) -> tuple[Mildest, ...]:
+    """Return the mildest form of each of some weaknesses, in their order.
+
+    Parameters
+    ----------
+    known
+        What was flown in the first of the seeds.
+    seeds
+        Mission seeds in all of which a form has to break the goal, while no part of it does. Where
+        none of the forms that are tried first does, it is as many of the first of them as one does.
+    """
+    flown = _Flown(deviation.space, known, evaluate, seeds)
+    return tuple(_mildest(deviation, known, each, flown) for each in found)
+
+
+class _Flown:
+    """What forms break in each of some mission seeds, each flown once; what fails breaks nothing.
+
+    ``n_flown`` is the number of flights, beside one in each seed without faults.
+    """
+
+    def __init__(
+        self, space: SearchSpace, known: Known, evaluate: EvaluateIn, seeds: Sequence[int]
+    ) -> None:
+        self.n_flown = 0
+        self.broken: list[dict[Specification, Broken]] = [{(): frozenset()} for _ in seeds]
+        self.broken[0] |= known.flown
+        self._seeds = seeds
+        self._evaluate = evaluate
+        self._yardsticks = [
+            yardstick_of(space.gate.mission, fault_free, seed)
+            for seed in seeds
+            for fault_free in evaluate([()], seed)
+        ]
+
+    def n_held(self, column: Column, tried: Specification) -> int:
+        """Return in how many seeds, one after the other, a form breaks it, and no part does."""
+        wanted = [form(tried), *map(form, parts(tried))]
+        for k, (seed, broken) in enumerate(zip(self._seeds, self.broken, strict=True)):
+            new = [each for each in wanted if each not in broken]
+            self.n_flown += len(new)
+            for each, outcome in zip(new, self._evaluate(new, seed) if new else (), strict=True):
+                broken[each] = broken_by(self._yardsticks[k], outcome)
+            whole, *alone = (broken[each] for each in wanted)
+            if column not in whole.difference(*alone):
+                return k
+        return len(self._seeds)
+
+    def tried(self, column: Column, faults: FaultSet) -> dict[Specification, bool]:
+        """Return all forms of just these faults, and whether any broke a column in any seed."""
+        return {
+            each: any(column in broken.get(each, ()) for broken in self.broken)
+            for each in dict.fromkeys(chain.from_iterable(self.broken))
+            if faults_of(each) == faults
+        }
+
+
+def _shrunk(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flown) -> Specification:
+    """Return the mildest form that is found from one that is known."""
+    column = weakness.column
+    known_ones = known.breaking(column, frozenset(weakness.faults))
+    starts = [*sorted(known_ones, key=deviation.size)[:_N_STARTS], weakness.witness]
+    found = max(starts, key=lambda each: flown.n_held(column, each))
+    n_held = flown.n_held(column, found)
+    for place in range(len(found)) if n_held else ():
+        for axis in ("off", "before", "after"):
+            whole, broke, kept, share = found, 1.0, 0.0, 0.0
+            while broke - kept > max(broke / _FINE, _LEAST):
+                milder = deviation.milder(whole[place], **{axis: share})
+                tried = (*whole[:place], milder, *whole[place + 1 :])
+                clashes = any(starmap(deviation.space.clash, combinations(tried, 2)))
+                if not clashes and flown.n_held(column, tried) >= n_held:
+                    broke, found = share, tried
+                else:
+                    kept = share
+                share = (kept + broke) / 2 if kept else broke / 4
+    return found
+
+
+def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flown) -> Mildest:
+    before, column = flown.n_flown, weakness.column
+    shrunk = form(_shrunk(deviation, known, weakness, flown))
+    least = replace(
+        weakness,
+        witness=shrunk,
+        is_masked=column._replace(kind="believed") not in flown.broken[0][shrunk],
+        n_held=flown.n_held(column, shrunk),
+        n_seeds=len(flown.broken),
+    )
+    tried = flown.tried(column, frozenset(weakness.faults))
+    return Mildest(least, _sentence(deviation, least, tried), flown.n_flown - before)
+
+
+def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specification, bool]) -> str:
+    """Say from what on a goal breaks, and what the strongest form is up to which it never did.
+
+    What counts is how far off the values of a single fault are; or else for how long faults last.
+    """
+    found, (goal, kind) = weakness.witness, weakness.column
+    is_off = len(found) == 1 and deviation.share(found[0]) > 0.0
+
+    def n_ticks(each: Specification) -> int:
+        return fault_ticks(each, deviation.space.duration)
+
+    def ticks(each: Specification) -> str:
+        return f"{n_ticks(each)} tick{'s' * (n_ticks(each) != 1)}"
+
+    def size(each: Specification) -> float:
+        return deviation.share(each[0]) if is_off else n_ticks(each)
+
+    def words(each: Specification) -> str:
+        return deviation.in_words(each[0]) if is_off else ticks(each)
+
+    how = f"from {words(found)} for {ticks(found)}" if is_off else f"in {ticks(found)}"
+    least = min(size(each) for each, is_broken in tried.items() if is_broken)
+    kept = [each for each in tried if size(each) < least]
+    less = "nothing less that was tried kept it"
+    if kept:
+        n_tries = "1 try" if len(kept) == 1 else f"{len(kept)} tries"
+        less = f"up to {words(max(kept, key=size))} never, in {n_tries}"
+    return f"{' and '.join(weakness.faults)}: {goal} {_BROKEN[kind]} {how}; {less}"

@@ -1,0 +1,42 @@
+"""The least that breaks a goal, of a campaign that evolved and was harvested, is told."""
+
+from tests.support.cli import mrsfi, mrsfi_json
+from tests.support.rendezvous import DEADLINE
+
+MILDEST = ("weaknesses", "runs/it", "--mildest", "--engine", "reference", "--workers", "1")
+
+
+def test_there_is_one_of_each_goal_and_set_of_faults_that_holds_in_three_seeds(found):
+    shown = mrsfi_json("weaknesses", "runs/it", cwd=found)
+
+    least = mrsfi_json(*MILDEST, cwd=found)
+
+    sets = [(one["goal"], *one["faults"]) for one in least]
+    assert len(sets) == len({*sets})
+    assert {*sets} == {(one["goal"], *one["faults"]) for one in shown}
+    assert {(one["seeds"]["held"], one["seeds"]["of"]) for one in least} == {(3, 3)}
+    assert least[0]["flights"] > 0
+
+
+def test_a_robot_is_stopped_just_as_long_as_it_takes_to_be_late(found):
+    slack = DEADLINE - 50  # ticks that a robot may lose
+
+    (stopped,) = (
+        one
+        for one in mrsfi_json(*MILDEST, "--goal", "g2", cwd=found)
+        if one["faults"] == ["stop_b"]
+    )
+
+    (timed,) = stopped["witness"]
+    assert slack <= timed["finish"] - timed["start"] + 1 <= slack + 4
+    assert stopped["sentence"].startswith("stop_b: g2 is missed in ")
+
+
+def test_sentences_and_flights_are_printed_and_seeds_if_asked_for(found):
+    least = mrsfi_json(*MILDEST, cwd=found)
+
+    said = " ".join(mrsfi(*MILDEST, "--seeds", "5", cwd=found).stdout.split())
+
+    for number, one in enumerate(least, 1):
+        assert f"{number} {one['sentence']} ({one['flights']} flight" in said
+    assert "5/5" in said
