@@ -112,7 +112,7 @@ def test_on_somebody_elses_simulation_nothing_is_explained_unasked_nor_what_flie
         printed, found = evolved_elsewhere(place, url)
         refused = mrsfi_process("explain", "out", "--best", cwd=place, expected=7)
 
-    assert found["causes"] is None
+    assert found["weaknesses"] is None
     assert "cause " not in printed.stderr
     assert printed.stdout.startswith("The 4 most critical of 4 fault specifications\n")
     assert ": flown twice, it had violations " in refused.stderr
@@ -139,4 +139,4 @@ def test_somebody_elses_simulation_that_repeats_itself_is_explained_when_asked(e
     (told,), (same,) = (json.loads(each.stdout)["explanations"] for each in (found, expected))
     assert told["is_violated"]
     assert told["columns"] == same["columns"]
-    assert told["goals"] == same["goals"]
+    assert told["faults"] == same["faults"]

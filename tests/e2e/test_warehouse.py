@@ -87,7 +87,7 @@ def test_no_id_and_no_number_of_a_table_is_cut(place, monkeypatch):
         told = mrsfi(*command, cwd=place).stdout
         assert words, command
         assert words <= {*told.split()}, command
-        assert "…" not in told, command
+        assert "…" not in told.replace(" … ", ""), command  # but as in 2 … 196
 
 
 def test_all_robots_get_other_ids_at_once_and_nothing_else_changes(place):

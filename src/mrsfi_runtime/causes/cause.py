@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor, without
+from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor
 from mrsfi_runtime.causes.chain import Chain, chains
 from mrsfi_runtime.causes.counts import ALL_OR_NONE, Column, Counts, Flights
 from mrsfi_runtime.causes.firmness import N_SEEDS, Firmness, firmness
@@ -30,8 +30,6 @@ class Cause:
         The cause set: the faults without which the violations would not be.
     kept
         Counts under the cause set.
-    lacking
-        Counts under the cause set without each of its faults.
     outcome
         What flying the cause set finds in the first mission seed.
     chains
@@ -49,7 +47,6 @@ class Cause:
     fault_free: Counts
     places: Places
     kept: Counts
-    lacking: tuple[Counts, ...]
     outcome: Outcome
     chains: tuple[Chain, ...]
     firmness: tuple[Firmness, ...]
@@ -78,7 +75,6 @@ def find_cause(
         columns = range(len(flights.columns))
         places = Question(flights, specification, floor(counts, keep, columns)).minimum()
         cause = chosen(specification, places)
-        lacking = tuple(flights.counts(without(cause, row)) for row in range(len(cause)))
     with flights.on("chains"):
         flights.spend(len(cause) + 1 if cause else 0)
         record = partial(engine.record, seed=flights.mission_seeds[0])
@@ -93,7 +89,6 @@ def find_cause(
         fault_free=fault_free,
         places=places,
         kept=flights.counts(cause),
-        lacking=lacking,
         outcome=flights.outcome(cause),
         chains=linked,
         firmness=firm,
