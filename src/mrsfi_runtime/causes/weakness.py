@@ -240,6 +240,11 @@ class Weakness:
         """Share of the forms tried that broke it, above 0, at most 1."""
         return self.n_broken / self.n_tried
 
+    @property
+    def label(self) -> str:
+        """``firm`` if it holds in all of several mission seeds, or else ``of this weather``."""
+        return "firm" if self.n_held == self.n_seeds > 1 else "of this weather"
+
     def as_json(self) -> dict[str, Any]:
         """Return it as plain values."""
         return {
@@ -251,6 +256,7 @@ class Weakness:
             "tried": self.n_tried,
             "seeds": {"held": self.n_held, "of": self.n_seeds},
             "masked": self.is_masked,
+            "label": self.label,
         }
 
 

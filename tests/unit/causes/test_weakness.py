@@ -121,6 +121,8 @@ def test_a_set_holds_in_a_seed_if_it_breaks_the_goal_and_no_part_of_it_does():
 
     assert (one.faults, one.n_held, one.n_seeds) == (("f6",), 2, 3)
     assert (two.faults, two.n_held, two.n_seeds) == (("f4", "f5"), 2, 3)
+    assert two.label == "of this weather"
+    assert in_seeds(MISSION, [two], _outcomes, (1, 3))[0].label == "firm"
 
 
 def test_a_mission_that_fails_without_faults_is_an_error():
