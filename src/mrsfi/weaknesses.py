@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
 from mrsfi_runtime.analysis import fault_tree, fmea
-from mrsfi_runtime.analysis.weaknesses import Way, ways
+from mrsfi_runtime.analysis.weaknesses import Way
 from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
@@ -87,10 +87,10 @@ def mildest(
     campaign: FlyableCampaign,
     evaluator: Evaluator,
     record: fmea.Record,
-    goal: str | None = None,
+    found: Sequence[Way],
     n_seeds: int = 3,
 ) -> tuple[shrinking.Mildest, ...]:
-    """Find the mildest form of each set of faults that breaks a goal, by its gravest measure.
+    """Find the mildest form of each of some ways to break a goal, by its gravest measure.
 
     Parameters
     ----------
@@ -98,17 +98,17 @@ def mildest(
         A campaign that was harvested, and what flies it, some 30 times for each set.
     record
         Flies once without faults, in the campaign's mission seed, to see what is true.
-    goal
-        ID of the goal; of all, if none is named.
+    found
+        The ways, as a harvest numbers them.
     n_seeds
         Mission seeds, from the campaign's on, in which a form has to break the goal.
     """
-    known = harvested(campaign)
+    known = harvested(campaign).known
     space = SearchSpace.of(campaign.mission, campaign.pool)
     deviation = shrinking.Deviation(space, campaign.pool, record(()))
-    found = [way.shown for way in ways(known.weaknesses) if goal in {None, way.goal}]
+    shown = [way.shown for way in found]
     seeds = following(campaign.store.settings.mission_seed, n_seeds)
-    return shrinking.mildest(deviation, known.known, found, evaluator.evaluate_many, seeds)
+    return shrinking.mildest(deviation, known, shown, evaluator.evaluate_many, seeds)
 
 
 def write_fmea(

@@ -86,7 +86,7 @@ def weaknesses(
         )
         return
     if is_mildest:
-        _tell_mildest(run, goal, n_seeds, engine, workers, is_json=is_json)
+        _tell_mildest(run, found, n_seeds, engine, workers, is_json=is_json)
         return
     if n_seeds is not None:
         found = _in_seeds(run, found, n_seeds, engine, workers)
@@ -179,32 +179,37 @@ def _in_seeds(
 
 def _tell_mildest(
     run: Path,
-    goal: str | None,
+    found: Sequence[Way],
     n_seeds: int | None,
     engine: EngineOptions,
     workers: WorkerOptions,
     *,
     is_json: bool,
 ) -> None:
-    """Print the mildest form of each set of faults that breaks a goal."""
+    """Print the mildest form of each of some ways to break a goal."""
     with (
         open_to_fly(run, tell) as campaign,
         _evaluator(campaign, engine, workers) as (evaluator, settings),
     ):
         mission, seed = campaign.mission, campaign.store.settings.mission_seed
         with own_engine(evaluator, campaign.code, seed, settings) as own:
-            least = mildest(campaign, evaluator, own.record, goal)
-        found = tuple(each.weakness for each in least)
+            least = mildest(campaign, evaluator, own.record, found)
+        forms = tuple(each.weakness for each in least)
         if n_seeds is not None:
-            seeds = following(seed, n_seeds)
-            found = in_seeds(mission, found, evaluator.evaluate_many, seeds)
+            forms = in_seeds(mission, forms, evaluator.evaluate_many, following(seed, n_seeds))
+    told = [*zip(found, least, forms, strict=True)]
     if is_json:
-        told = zip(least, found, strict=True)
-        print_json([replace(each, weakness=weakness).as_json() for each, weakness in told])
+        print_json(
+            [
+                {"number": way.number, **replace(each, weakness=form).as_json()}
+                for way, each, form in told
+            ]
+        )
         return
-    print_list(mission, campaign.pool, ways(found), "The mildest form that was found")
-    for number, each in enumerate(least, 1):
-        click.echo(f"{number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
+    shown = [replace(way, by=(form,)) for way, _, form in told]
+    print_list(mission, campaign.pool, shown, "The mildest form that was found")
+    for way, each, _ in told:
+        click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
 
 
 @contextmanager
