@@ -156,8 +156,7 @@ def _flown(
         linked = chain(mission, flight, twin)
         verdicts = tuple(each for each in linked.verdicts if each.goal == goal)
         said.append(sentence(fault, replace(linked, verdicts=verdicts)))
-        if len(faults) > 1:
-            others[place] = twin
+        others[place] = twin
     return Flown(title, faults, flight, others), tuple(said)
 
 
