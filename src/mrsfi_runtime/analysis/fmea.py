@@ -6,7 +6,7 @@ from functools import cache, lru_cache
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis import markdown, tables
-from mrsfi_runtime.analysis.weaknesses import Way
+from mrsfi_runtime.analysis.weaknesses import Way, goal_in_words
 from mrsfi_runtime.causes.chain import chains
 from mrsfi_runtime.causes.sentence import local_effect
 from mrsfi_runtime.causes.weakness import MEASURES
@@ -61,7 +61,7 @@ def failure_modes(
 
     def mode(way: Way) -> FailureMode:
         shown, place = way.shown, mission.goal_ids.index(way.goal)
-        goal, faults = mission.goals[place], named_faults(mission, pool, shown.witness)
+        faults = named_faults(mission, pool, shown.witness)
         effect, ticks = flown(shown.witness)
         return FailureMode(
             number=way.number,
@@ -69,7 +69,7 @@ def failure_modes(
             item="; ".join(dict.fromkeys(each.target for each in faults)),
             failure_mode="; ".join(map(_mode, faults)),
             local_effect=effect,
-            end_effect=f"{goal.name} ({goal.id})",
+            end_effect=goal_in_words(mission, way.goal),
             measures=", ".join(each.column.kind for each in way.by),
             detected="no" if shown.is_masked else "yes",
             severity="missed" if shown.column.kind == "missed" else "violated",

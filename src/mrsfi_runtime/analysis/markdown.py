@@ -9,6 +9,7 @@ from mrsfi_runtime.analysis.tables import front_table, harm_table, in_words, lis
 from mrsfi_runtime.analysis.weaknesses import (
     LISTED,
     MATRIX,
+    goal_in_words,
     least,
     listed,
     matrix,
@@ -187,9 +188,8 @@ def _weaknesses(
         "`weaknesses/` has each by its number, as a fault specification."
     )
     yield table(("", *LISTED), listed(mission, pool, summary.ways))
-    names = {goal.id: goal.name for goal in mission.goals}
     for way in least(summary.ways):
-        yield f"### {plain(names[way.goal])} ({way.goal}), broken by weakness {way.number}"
+        yield f"### {plain(goal_in_words(mission, way.goal))}, broken by weakness {way.number}"
         yield f"Broken by {verdict(way)}. {_COUNTS}"
         outcome = summary.outcome(way)
         faults = named_faults(mission, pool, way.shown.witness)

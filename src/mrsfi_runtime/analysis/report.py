@@ -22,7 +22,7 @@ from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.story import Story, places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
-from mrsfi_runtime.analysis.weaknesses import Way, least, verdict
+from mrsfi_runtime.analysis.weaknesses import Way, goal_in_words, least, verdict
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
@@ -150,11 +150,10 @@ def _fly(
 ) -> Iterator[_OnPage]:
     """Fly what is the least that breaks each goal, and yield what there is to be shown of it."""
     shown = least(summary.ways)
-    names = {goal.id: goal.name for goal in mission.goals}
     n_flights = sum(1 + len(way.faults) for way in shown)
     for way in shown:
         faults = named_faults(mission, pool, way.shown.witness)
-        title = f"{names[way.goal]} ({way.goal})"
+        title = goal_in_words(mission, way.goal)
         flown, sentences = flown_of(mission, way.goal, title, faults, record)
         figures: Sequence[Illustration] = ()
         if not isinstance(flown, str):

@@ -130,6 +130,12 @@ def listed(mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Iterator[
             first = ("", "and", *[""] * (len(MEASURES) + 1))
 
 
+def goal_in_words(mission: Mission, goal: str) -> str:
+    """Return the name of a goal before its ID."""
+    name = mission.goals[mission.goal_ids.index(goal)].name
+    return f"{name} ({goal})"
+
+
 def verdict(way: Way) -> str:
     """Return in words how firmly a way breaks its goal, and who sees it."""
     shown = way.shown

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from random import Random
 from types import MappingProxyType
 
-from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.probing import Probing
 from mrsfi_runtime.causes.weakness import Broken, Known, Yardstick
 from mrsfi_runtime.model.faults import Specification
@@ -19,7 +18,6 @@ from mrsfi_runtime.search import algorithms
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.loop import AlgorithmFactory, GenerationSummary
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import varied_specification
 
 
 class Cover:
@@ -37,10 +35,9 @@ class Cover:
     def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
         self._space = space
         self._most, self._until = settings.evaluations, settings.until
-        self._n_faults = settings.faults
         self._rng = Random(settings.seed)
         self.known = Known(space.gate.mission)
-        self._probing = Probing(space, self.known, self._drawn, self._rng)
+        self._probing = Probing(space, self.known, settings.faults, self._rng)
         self._yardstick: Yardstick | None = None
         self._n_asked = 0
         self._n_generations = 0
@@ -87,12 +84,6 @@ class Cover:
     def random_state(self) -> str:
         """Return the state of the random generator as JSON text."""
         return json.dumps(self._rng.getstate())
-
-    def _drawn(self, column: Column) -> Specification:
-        def is_allowed(faults: frozenset[str]) -> bool:
-            return not self.known.has_part_of(column, faults)
-
-        return varied_specification(self._space, self._n_faults, self._rng, is_allowed)
 
 
 def covered(

@@ -31,7 +31,6 @@ from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.flights import RecordedFlight
 from mrsfi_runtime.record.settings import COVERING, following
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import varied_specification
 
 N_SEEDS = 5
 """Mission seeds, the campaign's first among them, in which a weakness is looked at."""
@@ -234,22 +233,19 @@ def _probing(
     space: SearchSpace, store: CampaignStore, known: Known, yardstick: Yardstick, most: int
 ) -> Probing:
     """Return what asks for flights: first what explains a column of which nothing is known."""
-    settings = store.settings
-    rng = Random(settings.seed)
     left = {column: deque[int](maxlen=_N_EVALUATIONS) for column in known.sets}
     for each in store.flown(1):
         for column in yardstick.broken(each.outcome):
             left[column].append(each.index)
 
-    def drawn(column: Column) -> Specification:
-        if left[column] and not known.sets[column]:
-            return store.evaluation(left[column].pop()).specification
-        return varied_specification(
-            space, settings.faults, rng, lambda faults: not known.has_part_of(column, faults)
-        )
+    def unexplained(column: Column) -> Specification | None:
+        if known.sets[column] or not left[column]:
+            return None
+        return store.evaluation(left[column].pop()).specification
 
-    n_alone = int(_SHARE_ALONE * most / len(space.candidates))
-    return Probing(space, known, drawn, rng, max(1, min(N_ALONE, n_alone)))
+    n_alone = max(1, min(N_ALONE, int(_SHARE_ALONE * most / len(space.candidates))))
+    rng = Random(store.settings.seed)
+    return Probing(space, known, store.settings.faults, rng, n_alone, unexplained)
 
 
 class _Flights:

@@ -18,15 +18,12 @@ from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.weakness import Broken, Known, form
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.specifications import varied_fault
+from mrsfi_runtime.search.specifications import varied_fault, varied_specification
 
 N_ALONE = 10
 """Forms in which each fault is flown alone before several are flown together."""
 
 _N_TRIES = 100  # draws of what is known already, until there seems to be nothing else
-
-Draw: TypeAlias = Callable[[Column], Specification]
-"""Draws a specification without a set that is known to break a column; empty if there is none."""
 
 _Probe: TypeAlias = Generator[Specification, Broken, None]
 
@@ -39,16 +36,27 @@ class Probing:
 
     Parameters
     ----------
+    n_faults
+        Faults of a random specification, at most.
     n_alone
         How many such first turns there are.
+    given
+        What a column is to be probed with in place of a random specification, if anything.
     """
 
     def __init__(
-        self, space: SearchSpace, known: Known, draw: Draw, rng: Random, n_alone: int = N_ALONE
+        self,
+        space: SearchSpace,
+        known: Known,
+        n_faults: int,
+        rng: Random,
+        n_alone: int = N_ALONE,
+        given: Callable[[Column], Specification | None] = lambda _: None,
     ) -> None:
         self._space = space
         self._known = known
-        self._draw = draw
+        self._n_faults = n_faults
+        self._given = given
         self._rng = rng
         self._n_first = n_alone
         self._n_turns = 0
@@ -99,9 +107,18 @@ class Probing:
         self._wishes[column] = wish or ()
         return None
 
+    def _drawn(self, column: Column) -> Specification:
+        """Draw a specification without a set that is known to break a column; maybe none."""
+        return varied_specification(
+            self._space,
+            self._n_faults,
+            self._rng,
+            lambda faults: not self._known.has_part_of(column, faults),
+        )
+
     def _probe(self, column: Column) -> _Probe:
         while True:
-            drawn = self._draw(column)
+            drawn = self._given(column) or self._drawn(column)
             if column not in (yield drawn):
                 self._known.n_kept[column] += 1
             else:
