@@ -78,8 +78,8 @@ def test_in_more_mission_seeds_it_says_in_how_many_each_holds(place, told):
     assert all(one["seeds"]["of"] == 3 for one in again)
     assert min(held) >= 1  # the campaign's own
     assert max(held) == 3
-    once = [one | {"seeds": {"held": 1, "of": 1}} for one in again]
-    assert once == told
+    of_one = {"seeds": {"held": 1, "of": 1}, "label": "of this weather"}
+    assert [one | of_one for one in again] == told
 
 
 def test_it_ends_with_a_matrix_and_a_list_of_all_of_them(place, told, monkeypatch):
