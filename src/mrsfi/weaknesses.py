@@ -7,15 +7,19 @@ from types import MappingProxyType
 from typing import TypeVar
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
+from mrsfi.engines import own_engine
 from mrsfi_runtime.analysis import fault_tree, fmea
-from mrsfi_runtime.analysis.weaknesses import Way
 from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
+from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known, faults_of
 from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.files import whole_file
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.encoding import fault_texts
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.search.space import SearchSpace
@@ -72,15 +76,22 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
 def harvest(
     campaign: FlyableCampaign,
     evaluator: Evaluator,
+    settings: EngineSettings,
     on_flown: Callable[[Known, int, int], None] = lambda *_: None,
 ) -> Harvest:
     """Find all the ways in which goals break, as far as the campaign does not know them yet.
 
-    What is flown is recorded. ``on_flown`` is told what is known, how many flights were taken until
-    now, and how many it may take.
+    What is flown is recorded; the settings are those of what flies. ``on_flown`` is told what is
+    known, how many flights were taken until now, and how many it may take.
     """
     space = SearchSpace.of(campaign.mission, campaign.pool)
-    return find_out(space, campaign.store, evaluator.evaluate_many, on_flown)
+    seed = campaign.store.settings.mission_seed
+
+    def record(specification: Specification) -> Recording:
+        with own_engine(evaluator, campaign.code, seed, settings) as engine:
+            return engine.record(specification)
+
+    return find_out(space, campaign.store, evaluator.evaluate_many, record, on_flown)
 
 
 def mildest(
@@ -88,7 +99,7 @@ def mildest(
     evaluator: Evaluator,
     record: fmea.Record,
     found: Sequence[Way],
-    n_seeds: int = 3,
+    n_seeds: int = shrinking.N_SEEDS,
 ) -> tuple[shrinking.Mildest, ...]:
     """Find the mildest form of each of some ways to break a goal, by its gravest measure.
 
@@ -105,7 +116,7 @@ def mildest(
     """
     known = harvested(campaign).known
     space = SearchSpace.of(campaign.mission, campaign.pool)
-    deviation = shrinking.Deviation(space, campaign.pool, record(()))
+    deviation = shrinking.Deviation(space, record(()))
     shown = [way.shown for way in found]
     seeds = following(campaign.store.settings.mission_seed, n_seeds)
     return shrinking.mildest(deviation, known, shown, evaluator.evaluate_many, seeds)

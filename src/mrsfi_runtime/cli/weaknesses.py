@@ -24,9 +24,9 @@ from mrsfi.weaknesses import (
     write_fault_trees,
     write_fmea,
 )
-from mrsfi_runtime.analysis.weaknesses import LISTED, MATRIX, Way, listed, matrix, said, ways
-from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, in_seeds
+from mrsfi_runtime.analysis.weaknesses import LISTED, MATRIX, listed, matrix, not_found, said
+from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.weakness import Known, Weakness, in_seeds
 from mrsfi_runtime.cli.console import counted, print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
 from mrsfi_runtime.cli.tables import plain_table
@@ -37,7 +37,6 @@ from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-from mrsfi_runtime.record.measure import NONE
 from mrsfi_runtime.record.settings import following
 
 _MOST_UNTRIED = 10
@@ -67,7 +66,7 @@ def weaknesses(
         if goal is not None and goal not in mission.goal_ids:
             raise UsageError(f"--goal: found '{goal}'; {expected(goal, mission.goal_ids)}")
         known = harvested(campaign)
-        found = [way for way in ways(known.weaknesses) if goal in {None, way.goal}]
+        found = [way for way in known.ways if goal in {None, way.goal}]
         never = () if is_json else untried(campaign)
         _write(campaign, found, engine, **files)
     told = mission.goal_ids if goal is None else (goal,)
@@ -97,10 +96,7 @@ def weaknesses(
     if found:
         print_ways(mission, pool, found)
         print_list(mission, pool, found, "How, in one of the forms that do")
-    print_table(
-        "At most so many random specifications without any of these break it, too (95 % sure)",
-        plain_table(("goal",), MEASURES, _bounds(known.known, told)),
-    )
+    click.echo("\n".join(not_found(known.known, each) for each in told) + "\n")
     n_faults = len(pool)
     click.echo(
         f"Of {n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs, never flown: "
@@ -114,13 +110,13 @@ def harvest_now(run: Path, engine: EngineOptions, workers: WorkerOptions, *, is_
     with (
         only_writer(CampaignFolder(run)),
         open_to_fly(run, tell) as campaign,
-        _evaluator(campaign, engine, workers) as (evaluator, _),
+        _evaluator(campaign, engine, workers) as (evaluator, settings),
     ):
-        show_harvest(campaign, evaluator)
+        show_harvest(campaign, evaluator, settings)
     weaknesses(run, None, None, engine=engine, workers=workers, is_bounds=False, is_json=is_json)
 
 
-def show_harvest(campaign: FlyableCampaign, evaluator: Evaluator) -> bool:
+def show_harvest(campaign: FlyableCampaign, evaluator: Evaluator, settings: EngineSettings) -> bool:
     """Find all the ways in which goals break, and tell; return whether anything was flown."""
     n_before = len(campaign.store.flights())
     told = -math.inf
@@ -131,7 +127,7 @@ def show_harvest(campaign: FlyableCampaign, evaluator: Evaluator) -> bool:
             told = monotonic()
             tell(f"harvest  {n_flown} of at most {n_most} flights  {_found(known.weaknesses())}")
 
-    found = harvest(campaign, evaluator, tell_of)
+    found = harvest(campaign, evaluator, settings, tell_of)
     is_new = len(campaign.store.flights()) > n_before
     if is_new:
         tell(f"harvest  {counted(found.n_flights, 'flights')}  {_found(found.weaknesses)}")
@@ -142,21 +138,6 @@ def _found(weaknesses: Iterable[Weakness]) -> str:
     found = {(each.column.goal, each.faults) for each in weaknesses}
     goals = {goal for goal, _ in found}
     return f"{counted(len(found), 'ways')} to break {counted(len(goals), 'goals')}"
-
-
-def _bounds(known: Known, goals: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each goal: the bound by each measure, after how many draws."""
-    for goal in goals:
-        columns = [Column(goal, measure) for measure in MEASURES]
-        yield (
-            goal,
-            *(
-                f"{100 * known.bound(each):.1f}% (0 of {known.n_kept[each]})"
-                if known.n_kept[each]
-                else NONE
-                for each in columns
-            ),
-        )
 
 
 def _in_seeds(

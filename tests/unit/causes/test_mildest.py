@@ -10,7 +10,7 @@ from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
-from tests.support.search import outcome_of, paper_space, pool_of
+from tests.support.search import outcome_of, paper_space
 
 SPACE = paper_space()
 KEPT, BROKEN = outcome_of(*[0] * 6), outcome_of(1, 0, 0, 0, 0, 0)
@@ -18,7 +18,7 @@ TRUE = {
     "robots": [{"x": 0.0, "y": 100.0, "z": 1.0}] * 3,
     "sensors": [{"rate": 40.0}] * len(SPACE.gate.mission.sensors),
 }
-DEVIATION = Deviation(SPACE, pool_of(), {"world": [TRUE]})
+DEVIATION = Deviation(SPACE, {"world": [TRUE]})
 G1 = Column("g1", "true")
 BLOCK, LESS, PLACE, RATE, RANDOM, STOP = "f2", "f4", "f11", "f12", "f21", "f26"
 
@@ -76,7 +76,8 @@ def test_what_breaks_for_long_enough_is_told_by_its_ticks():
     found = shrunk(alone(lambda each: each.finish - each.start >= 9), (whole(STOP),))
 
     assert re.fullmatch(
-        r"f26: g1 breaks in 10 ticks; up to 9 ticks never, in \d+ tries", found.sentence
+        r"f26: g1 breaks when at work for 10 ticks; up to 9 ticks never, in \d+ tries",
+        found.sentence,
     )
 
 
