@@ -21,7 +21,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """
     empty = {".png": b"", ".svg": b""}
     here = nullcontext(SimpleNamespace(draw=drawing.draw_here))
-    monkeypatch.setattr(drawing, "_drawn", lambda _: empty)
+    monkeypatch.setattr(drawing, "drawn", lambda _: empty)
     for room in (evolve, reporting):
         monkeypatch.setattr(room, "DrawingProcesses", lambda *_: here)
 

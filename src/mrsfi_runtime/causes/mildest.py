@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, combinations, starmap
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.causes.weakness import (
@@ -32,6 +32,9 @@ from mrsfi_runtime.search.space import SearchSpace
 
 N_SEEDS = 3
 """Mission seeds, the campaign's first among them, in which a form has to break the goal."""
+
+N_STEPS = 14
+"""Steps of values, and of windows, of a map."""
 
 _N_STARTS = 5  # forms that were flown already, of which one is sought that holds in all seeds
 _FINE = 16  # what differs by no more than this part need not be told apart
@@ -154,6 +157,39 @@ def mildest(
     """
     flown = _Flown(deviation.space, known, evaluate, seeds)
     return tuple(_mildest(deviation, known, each, flown) for each in found)
+
+
+class Tried(NamedTuple):
+    """A point of a map: how far values are off, the ticks at work, whether the goal breaks."""
+
+    off: float
+    ticks: int
+    is_broken: bool
+
+
+def tried_map(
+    deviation: Deviation, weakness: Weakness, evaluate: EvaluateIn, seed: int
+) -> tuple[Tried, ...]:
+    """Fly the witness of a weakness as far off, and for as long, as it is and in shares of that.
+
+    ``off`` is the farthest value of the faults, in shares of its range; 0 of faults without values.
+    """
+    steps = [step / N_STEPS for step in range(1, N_STEPS + 1)]
+    forms = [
+        tuple(deviation.milder(timed, off=off, after=after) for timed in weakness.witness)
+        for off in steps
+        for after in steps
+    ]
+    fault_free, *flown = evaluate([(), *forms], seed)
+    yardstick = yardstick_of(deviation.space.gate.mission, fault_free, seed)
+    return tuple(
+        Tried(
+            max(map(deviation.share, tried)),
+            fault_ticks(tried, deviation.space.duration),
+            weakness.column in broken_by(yardstick, each),
+        )
+        for tried, each in zip(forms, flown, strict=True)
+    )
 
 
 class _Flown:

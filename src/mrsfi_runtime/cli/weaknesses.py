@@ -7,22 +7,25 @@ from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from time import monotonic
+from typing import Any
 
 import click
 from rich.table import Table
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_campaign, open_to_fly
-from mrsfi.engines import opened, own_engine
+from mrsfi.engines import own_engine
 from mrsfi.weaknesses import (
     FAULT_TREES,
     FMEA,
-    format_of,
+    MAPS,
     harvest,
     harvested,
     mildest,
+    require_format,
     untried,
     write_fault_trees,
     write_fmea,
+    write_map,
 )
 from mrsfi_runtime.analysis.weaknesses import LISTED, MATRIX, listed, matrix, not_found, said
 from mrsfi_runtime.causes.ways import Way
@@ -31,7 +34,7 @@ from mrsfi_runtime.cli.console import counted, print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
-from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool
@@ -56,7 +59,7 @@ def weaknesses(
     is_bounds: bool,
     is_mildest: bool = False,
     is_json: bool,
-    **files: Path | None,
+    **files: Any,
 ) -> None:
     """Print the weaknesses of a campaign, of one goal or all."""
     if is_bounds and not is_json:
@@ -68,7 +71,7 @@ def weaknesses(
         known = harvested(campaign)
         found = [way for way in known.ways if goal in {None, way.goal}]
         never = () if is_json else untried(campaign)
-        _write(campaign, found, engine, **files)
+        _write(campaign, found, engine, workers, **files)
     told = mission.goal_ids if goal is None else (goal,)
     if is_bounds:
         print_json(
@@ -168,13 +171,9 @@ def _tell_mildest(
     is_json: bool,
 ) -> None:
     """Print the mildest form of each of some ways to break a goal."""
-    with (
-        open_to_fly(run, tell) as campaign,
-        _evaluator(campaign, engine, workers) as (evaluator, settings),
-    ):
+    with _flying(run, engine, workers) as (campaign, evaluator, own):
         mission, seed = campaign.mission, campaign.store.settings.mission_seed
-        with own_engine(evaluator, campaign.code, seed, settings) as own:
-            least = mildest(campaign, evaluator, own.record, found)
+        least = mildest(campaign, evaluator, own.record, found)
         forms = tuple(each.weakness for each in least)
         if n_seeds is not None:
             forms = in_seeds(mission, forms, evaluator.evaluate_many, following(seed, n_seeds))
@@ -191,6 +190,20 @@ def _tell_mildest(
     print_list(mission, campaign.pool, shown, "The mildest form that was found")
     for way, each, _ in told:
         click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
+
+
+@contextmanager
+def _flying(
+    run: Path, engine: EngineOptions, workers: WorkerOptions
+) -> Iterator[tuple[FlyableCampaign, Evaluator, Engine]]:
+    """Yield a campaign, what evaluates specifications of it, and what records one."""
+    with (
+        open_to_fly(run, tell) as campaign,
+        _evaluator(campaign, engine, workers) as (evaluator, settings),
+    ):
+        seed = campaign.store.settings.mission_seed
+        with own_engine(evaluator, campaign.code, seed, settings) as own:
+            yield campaign, evaluator, own
 
 
 @contextmanager
@@ -245,22 +258,28 @@ def _write(
     campaign: OpenCampaign,
     found: Sequence[Way],
     engine: EngineOptions,
+    workers: WorkerOptions,
+    drawn: tuple[int, Path] | None = None,
     fmea: Path | None = None,
     fault_tree: Path | None = None,
 ) -> None:
     """Write the files that are wanted of weaknesses, and tell of each."""
-    for path, known in ((fmea, FMEA), (fault_tree, FAULT_TREES)):
-        if path is not None:
-            format_of(path, known)
-    if fmea is not None:
-        with open_to_fly(campaign.folder.path, tell) as flown:
-            recorded = flown.store.manifest.engine
-            settings = engine.settings(recorded if recorded.is_foreign else None, AUTO)
-            seed = flown.store.settings.mission_seed
-            settings = settings.tried(flown.code, seed, tell, waits=False)
-            with opened(flown.code, seed, settings, tell) as flown_by:
-                write_fmea(flown, found, flown_by.record, fmea)
+    number, map_path = drawn or (0, None)
+    files = {fmea: FMEA, fault_tree: FAULT_TREES, map_path: MAPS}
+    wanted = [path for path in files if path is not None]
+    for path in wanted:
+        require_format(path, files[path])
+    drawn_of = [way for way in found if way.number == number]
+    if drawn is not None and not drawn_of:
+        numbers = ", ".join(str(way.number) for way in found) or "none, because nothing breaks"
+        raise UsageError(f"--map: found {number}; expected one of {numbers}")
     if fault_tree is not None:
         write_fault_trees(campaign, found, fault_tree)
-    for path in filter(None, (fmea, fault_tree)):
+    if fmea is not None or map_path is not None:
+        with _flying(campaign.folder.path, engine, workers) as (flown, evaluator, own):
+            if fmea is not None:
+                write_fmea(flown, found, own.record, fmea)
+            if map_path is not None:
+                write_map(flown, evaluator, own.record, drawn_of[0], map_path)
+    for path in wanted:
         tell(f"written    {path}")

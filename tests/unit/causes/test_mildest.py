@@ -5,7 +5,7 @@ import re
 import pytest
 
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.mildest import Deviation, mildest
+from mrsfi_runtime.causes.mildest import N_STEPS, Deviation, mildest, tried_map
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.errors import EvaluationError
@@ -164,3 +164,20 @@ def test_what_fails_breaks_nothing_but_without_faults_it_is_an_error():
     assert found.weakness.witness == (whole(STOP),)
     with pytest.raises(EvaluationError, match="without faults, in mission seed 2: it failed"):
         mildest(DEVIATION, known, known.weaknesses(), failing, (1, 2))
+
+
+def test_a_map_has_every_step_of_value_and_window_and_what_breaks():
+    def breaks(drawn, _seed):
+        return drawn[0].values[0] >= 45.0 and drawn[0].finish >= 499
+
+    known = Known(SPACE.gate.mission)
+    known.learn((whole(LESS, 90.0),), frozenset([G1]))
+    (weakness,) = known.weaknesses()
+
+    tried = tried_map(DEVIATION, weakness, Stand(breaks), 1)
+
+    assert {(each.off, each.ticks) for each in tried if each.is_broken} == {
+        (each.off, each.ticks) for each in tried if each.off >= 0.45 and each.ticks >= 500
+    }
+    assert len({each.off for each in tried}) == len({each.ticks for each in tried}) == N_STEPS
+    assert max(tried) == (0.9, SPACE.duration, True)
