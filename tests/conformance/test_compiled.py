@@ -5,16 +5,14 @@ import sys
 from itertools import islice
 
 import pytest
-from numba import from_dtype, njit
 from numba.core.errors import TypingError
 
-from mrsfi_runtime.engine.compiled.layout import state_type
-from mrsfi_runtime.engine.compiled.likeness import Checked
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.mission import load_code
+from tests.conformance.regions import compiled
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.edits import EDITS, NUMBA_REFUSES, REFUSED, write_team
@@ -48,8 +46,7 @@ from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.mission import load_code
 with EngineSettings("compiled").open(load_code(Path(sys.argv[1])), 1) as engine:
     engine.evaluate(())
-(name,) = (name for name in sys.modules if name.startswith("mrsfi_compiled_"))
-print(sum(sys.modules[name].fly_many.stats.cache_misses.values()))
+    print(int(engine.is_new))
 """
 
 
@@ -232,7 +229,7 @@ def test_what_python_refuses_is_not_compiled(tmp_path, body):
     with pytest.raises((AttributeError, TypeError)):
         check(state)
     with pytest.raises(TypingError, match="is not in Python what it is here"):
-        njit(pipeline_class=Checked)(check).compile((from_dtype(state_type(state)),))
+        compiled(check).compile("(int64,)")
 
 
 def test_threads_and_chunks_change_nothing():
@@ -255,9 +252,9 @@ def campaign(code, drawn):
 
 
 ONE_KEY = """
-from mrsfi_runtime.engine.compiled import compiling
-stub_of = compiling.stub_of
-compiling.stub_of = lambda *given: stub_of(*given)._replace(key="one")
+from mrsfi_runtime.engine.compiled import compiled_flight
+key_of = compiled_flight.key_of
+compiled_flight.key_of = lambda *given: key_of(*given[:-1])
 """
 
 

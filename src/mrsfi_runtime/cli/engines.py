@@ -205,11 +205,8 @@ class WorkerOptions:
             )
 
     def tried(self, code: "MissionCode", seed: int, engine: EngineSettings) -> EngineSettings:
-        """Return settings with which a mission flies, as ``EngineSettings.tried`` does.
-
-        Workers of a cluster wait for the compiler, those of this machine do not.
-        """
-        return engine.tried(code, seed, tell, waits=self.dask is not None)
+        """Return settings with which a mission flies, as ``EngineSettings.tried`` does."""
+        return engine.tried(code, seed, tell)
 
     def evaluator(
         self,

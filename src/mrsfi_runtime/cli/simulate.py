@@ -60,7 +60,7 @@ def simulate(  # noqa: PLR0913 - one parameter per option
         _serve(folders.name, code, settings)
         return
     if settings.name == AUTO:
-        settings = settings.tried(code, seed, tell, waits=False)
+        settings = settings.tried(code, seed, tell)
     with opened(code, seed, settings, tell) as flown_by:
         if each_fault is not None:
             window = _window(each_fault)

@@ -104,6 +104,6 @@ def _digest(entry: Path) -> str:
 def _make_room(new: Path) -> None:
     """Remove the oldest compiled missions but for one less than are kept; who uses one has it."""
     if not new.exists():
-        known = [(path.stat().st_mtime, path.parent) for path in new.parent.glob("*/flight.py")]
+        known = [(path.stat().st_mtime, path.parent) for path in new.parent.glob("*/code")]
         for _, entry in sorted(known, reverse=True)[N_KEPT - 1 :]:
             shutil.rmtree(entry, ignore_errors=True)

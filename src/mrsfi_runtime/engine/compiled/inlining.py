@@ -50,8 +50,11 @@ class _Library(JITCodeLibrary):
         """Yield the libraries that this links."""
         return iter(self._linking_libraries)
 
-    def _get_module_for_linking(self) -> Any:
+    def whole(self) -> Any:
         """Return the code with that of all functions that it calls, however deep."""
+        return self._get_module_for_linking()
+
+    def _get_module_for_linking(self) -> Any:
         if self._shared_module is None:
             module = self.linked().clone()
             for library in _closure(self)[1:]:
@@ -88,9 +91,3 @@ jitable = register_jitable(
     boundscheck=True, forceinline=True, no_cfunc_wrapper=True, pipeline_class=Inlined
 )
 """Lets compiled code call a function, which stays as it is."""
-
-
-def bind(compiled: Any) -> None:
-    """Tell machine code, as numba returns it, where the environments of functions inlined are."""
-    for environment in compiled._find_referenced_environments():  # noqa: SLF001 - no other way
-        compiled.library.codegen.set_env(environment.env_name, environment)

@@ -1,0 +1,120 @@
+"""Compiles the kernel's flight, and regions of a team, to object files; this alone takes numba."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+from numba import types
+from numba.core import compiler
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.registry import cpu_target
+
+from mrsfi_runtime.engine.compiled.batch_flight import Flights, fly_many
+from mrsfi_runtime.engine.compiled.compilation_errors import explain
+from mrsfi_runtime.engine.compiled.inlining import Inlined, jitable
+from mrsfi_runtime.engine.compiled.machine_code import MachineCode
+from mrsfi_runtime.engine.compiled.reach import CompilationError, Reached, is_kernel, names_of
+from mrsfi_runtime.engine.compiled.regions import EFFECT, Region
+from mrsfi_runtime.engine.compiled.views import View, arguments_of
+
+_FLIGHT = (View(Flights), types.int64, types.int64)
+_REGISTERED: dict[FunctionType, str] = {}
+
+
+def compiled_kernel() -> MachineCode:
+    """Compile the kernel's flight."""
+    register(_reached_by(fly_many)[1:])
+    found: MachineCode = _compiled(fly_many, _FLIGHT)
+    return found
+
+
+def compiled_region(directory: Path, region: Region, reached: Reached) -> MachineCode:
+    """Compile a region of a mission, or raise which line of it does not compile."""
+    register(reached.functions)
+    try:
+        found: MachineCode = _compiled(_called(region), arguments_of(region.role))
+    except OSError:
+        raise
+    except Exception as error:
+        raise explain(directory, region, error) from error
+    return found
+
+
+def register(functions: Iterable[FunctionType]) -> None:
+    """Let compiled code call functions, unless they read other values than when first compiled."""
+    for function in functions:
+        is_ours = function.__module__.startswith("mrsfi_runtime.")
+        text = "" if is_ours else Reached([function], is_deep=False).text
+        if function not in _REGISTERED:
+            _REGISTERED[function] = text
+            jitable(function)
+        if _REGISTERED[function] != text:
+            code = function.__code__
+            raise CompilationError(
+                f"{code.co_filename}:{code.co_firstlineno}: what '{function.__name__}' reads has "
+                "changed since this process compiled it; begin another process"
+            )
+
+
+def _called(region: Region) -> Callable[..., Any]:
+    """Return what the kernel calls: every region returns an integer."""
+    function = region.function
+
+    def apply(ci: Any, inbox: Any, fault: Any) -> int:
+        function(ci, inbox, fault)
+        return 0
+
+    def check(view: Any) -> int:
+        return 1 if function(view) else 0
+
+    def act(view: Any) -> int:
+        function(view)
+        return 0
+
+    known: dict[str, Callable[..., Any]] = {EFFECT: apply, "check": check}
+    return known.get(region.role, act)
+
+
+def _reached_by(first: Any) -> list[FunctionType]:
+    """Return a function of the kernel and all those that it reaches."""
+    found: list[FunctionType] = [first]
+    for function in found:
+        names = set(names_of(function.__code__))
+        read = [function.__globals__[name] for name in names & function.__globals__.keys()]
+        for module in [each for each in read if isinstance(each, ModuleType)]:
+            read += [vars(module)[name] for name in names & vars(module).keys()]
+        found += [each for each in dict.fromkeys(filter(is_kernel, read)) if each not in found]
+    return found
+
+
+@global_compiler_lock  # type: ignore[untyped-decorator]
+def _compiled(function: Callable[..., Any], arguments: tuple[Any, ...]) -> MachineCode:
+    """Return the machine code of a function that takes such arguments, and returns an integer."""
+    flags: Any = compiler.Flags()
+    flags.nrt = flags.boundscheck = flags.no_compile = True
+    flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+    typing, target = cpu_target.typing_context, cpu_target.target_context
+    typing.refresh()
+    target.refresh()
+    result = compiler.compile_extra(
+        typing, target, function, arguments, types.int64, flags, {}, pipeline_class=Inlined
+    )
+    name = result.fndesc.llvm_func_name
+    return _optimised(target.codegen(), result.library.whole(), name)
+
+
+def _optimised(codegen: Any, module: Any, name: str) -> MachineCode:
+    """Return the machine code of a module of which one function is called from elsewhere."""
+    for each in (*module.functions, *module.global_variables):
+        if not each.is_declaration:
+            each.linkage = "external" if each.name == name else "internal"
+    cheap = {"loop_vectorize": False, "slp_vectorize": False, "opt": 0, "cost": "cheap"}
+    for options in (cheap, {}):
+        passes, builder = codegen._module_pass_manager(**options)  # noqa: SLF001 - numba's own
+        passes.add_global_dead_code_eliminate_pass()
+        passes.run(module, builder)
+    module.verify()
+    binary = codegen._tm.emit_object(module)  # noqa: SLF001
+    taken = (each.name for each in module.functions if each.is_declaration)
+    return MachineCode(name, binary, tuple(n for n in taken if not n.startswith("llvm.")))

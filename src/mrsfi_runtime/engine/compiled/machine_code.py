@@ -1,0 +1,109 @@
+"""Machine code: kept in the cache, each function under a key, and loaded without numba."""
+
+import ctypes
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding as llvm
+
+import mrsfi_runtime
+from mrsfi_runtime.engine.compiled.cache import cache_folder, empty, is_sound, sealing, temporary
+
+FILE = "code"
+_SOURCES = ("kernel", "model", "engine/compiled", "engine/recording.py")
+_FROM_C = frozenset(("ceil", "floor", "trunc", "rint", "fmod", "memcpy", "memmove", "memset"))
+_LOADED: dict[bytes, tuple[Any, int]] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class MachineCode:
+    """An object file, the name of the function in it, and of those that it takes from elsewhere."""
+
+    name: str
+    binary: bytes
+    taken: tuple[str, ...] = ()
+
+    def address(self) -> int:
+        """Return where the function lies, for as long as this process runs."""
+        if self.binary not in _LOADED:
+            if not _FROM_C.issuperset(self.taken):
+                import mrsfi_runtime.engine.compiled.compiler  # noqa: F401, PLC0415 - lists, say
+            engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+            engine.add_object_file(llvm.ObjectFileRef.from_data(self.binary))
+            engine.finalize_object()
+            _LOADED[self.binary] = engine, engine.get_function_address(self.name)
+        return _LOADED[self.binary][1]
+
+
+@cache
+def _machine() -> Any:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), jit=True
+    )
+
+
+@cache
+def kernel_key() -> str:
+    """Return a key of all that decides how the kernel compiles: its text, compiler, machine."""
+    root = Path(str(mrsfi_runtime.__file__)).parent
+    known = (path for name in _SOURCES for path in (root / name).rglob("*.py"))
+    files = sorted({*known, *(root / name for name in _SOURCES if name.endswith(".py"))})
+    parts = [path.read_text(encoding="utf-8") for path in files]
+    parts += [sys.version, *(version(name) for name in ("numba", "llvmlite", "numpy"))]
+    parts += [llvm.get_process_triple(), llvm.get_host_cpu_name()]
+    parts += [llvm.get_host_cpu_features().flatten()]
+    return key_of(*parts)
+
+
+def key_of(*parts: str) -> str:
+    """Return a key that no other texts have."""
+    return sha256("\0".join(parts).encode()).hexdigest()[:24]
+
+
+def kept(key: str, compile_: Callable[[], MachineCode]) -> tuple[MachineCode, bool]:
+    """Return what the cache keeps under a key, compiled if need be, and whether it was."""
+    folder = cache_folder()
+    try:
+        return _kept_in(folder / key, compile_)
+    except OSError as error:  # a full disk, say
+        return _kept_in(temporary(folder, str(error)) / key, compile_)
+
+
+def forget(key: str) -> None:
+    """Compile anew when it is asked for next."""
+    with sealing(cache_folder() / key):
+        empty(cache_folder() / key)
+
+
+def _kept_in(entry: Path, compile_: Callable[[], MachineCode]) -> tuple[MachineCode, bool]:
+    with sealing(entry):
+        file = entry / FILE
+        if file.is_file() and is_sound(entry):
+            file.touch()
+            head, _, binary = file.read_bytes().partition(b"\n")
+            name, taken = json.loads(head)
+            return MachineCode(name, binary, tuple(taken)), False
+        code = compile_()
+        head = json.dumps([code.name, code.taken]).encode()
+        file.write_bytes(head + b"\n" + code.binary)
+        return code, True
+
+
+FLIGHT = ctypes.CFUNCTYPE(
+    ctypes.c_int32,
+    ctypes.POINTER(ctypes.c_int64),
+    ctypes.POINTER(ctypes.c_void_p),
+    ctypes.c_void_p,
+    ctypes.c_int64,
+    ctypes.c_int64,
+)
+"""How compiled code is called: where the result goes, and an error; then what flies."""
