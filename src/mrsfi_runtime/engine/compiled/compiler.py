@@ -9,6 +9,7 @@ from numba import types
 from numba.core import compiler
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
+from numba.core.runtime.nrt import rtsys
 
 from mrsfi_runtime.engine.compiled.batch_flight import Flights, fly_many
 from mrsfi_runtime.engine.compiled.compilation_errors import explain
@@ -19,6 +20,8 @@ from mrsfi_runtime.engine.compiled.regions import EFFECT, Region
 from mrsfi_runtime.engine.compiled.views import View, arguments_of
 
 _FLIGHT = (View(Flights), types.int64, types.int64)
+_TYPING, _TARGET = cpu_target.typing_context, cpu_target.target_context
+rtsys.initialize(_TARGET)  # makes known what compiled code takes from numba
 _REGISTERED: dict[FunctionType, str] = {}
 
 
@@ -94,27 +97,30 @@ def _compiled(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Machi
     flags: Any = compiler.Flags()
     flags.nrt = flags.boundscheck = flags.no_compile = True
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
-    typing, target = cpu_target.typing_context, cpu_target.target_context
-    typing.refresh()
-    target.refresh()
+    _TYPING.refresh()
+    _TARGET.refresh()
     result = compiler.compile_extra(
-        typing, target, function, arguments, types.int64, flags, {}, pipeline_class=Inlined
+        _TYPING, _TARGET, function, arguments, types.int64, flags, {}, pipeline_class=Inlined
     )
     name = result.fndesc.llvm_func_name
-    return _optimised(target.codegen(), result.library.whole(), name)
+    return _optimised(_TARGET.codegen(), result.library.whole(), name)
 
 
 def _optimised(codegen: Any, module: Any, name: str) -> MachineCode:
-    """Return the machine code of a module of which one function is called from elsewhere."""
+    """Return the machine code of a module of which one function is called from elsewhere.
+
+    Loops are short as a rule: more optimisation takes longer, and makes flights slower.
+    """
     for each in (*module.functions, *module.global_variables):
         if not each.is_declaration:
             each.linkage = "external" if each.name == name else "internal"
-    cheap = {"loop_vectorize": False, "slp_vectorize": False, "opt": 0, "cost": "cheap"}
-    for options in (cheap, {}):
-        passes, builder = codegen._module_pass_manager(**options)  # noqa: SLF001 - numba's own
-        passes.add_global_dead_code_eliminate_pass()
-        passes.run(module, builder)
+    passes, builder = codegen._module_pass_manager(  # noqa: SLF001 - numba's own
+        opt=2, loop_vectorize=False, slp_vectorize=False
+    )
+    passes.add_global_dead_code_eliminate_pass()
+    passes.run(module, builder)
     module.verify()
     binary = codegen._tm.emit_object(module)  # noqa: SLF001
-    taken = (each.name for each in module.functions if each.is_declaration)
+    known = (*module.functions, *module.global_variables)
+    taken = [each.name for each in known if each.is_declaration]
     return MachineCode(name, binary, tuple(n for n in taken if not n.startswith("llvm.")))

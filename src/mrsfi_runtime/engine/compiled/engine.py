@@ -191,8 +191,8 @@ class CompiledEngine(Engine):
             except WorkerLost:
                 raise
             except EvaluationError:  # the reference engine tells what and where
-                failed.append(frame.at)
-                first = frame.at + 1
+                failed.append(max(frame.at, first))
+                first = failed[-1] + 1
             else:
                 first = last
         return everyone if frame.has_written_to_tables else failed

@@ -1,8 +1,8 @@
 """Compiles functions that are only ever part of another one, without machine code of their own.
 
-Numba optimises every function with all that it calls, and writes machine code for it. Of functions
-that are inlined without exception, nobody needs either: here they are kept as they were lowered,
-and optimised once, where they end up. That takes some two fifths of compilation away.
+Numba optimises every function with all that it calls, and writes machine code for it. Here they
+are kept as they were lowered, and optimised once, where they end up. That takes some two fifths of
+compilation away.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from mrsfi_runtime.engine.compiled.likeness import Checked
 
 
 class Inlined(Checked):
-    """Numba's pipeline, for ``pipeline_class`` of functions that are always inlined."""
+    """Numba's pipeline, for ``pipeline_class`` of functions that others call."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)  # type: ignore[no-untyped-call]
@@ -87,7 +87,5 @@ class _NoEnvironments:
         """Leave it to ``bind``."""
 
 
-jitable = register_jitable(
-    boundscheck=True, forceinline=True, no_cfunc_wrapper=True, pipeline_class=Inlined
-)
+jitable = register_jitable(boundscheck=True, no_cfunc_wrapper=True, pipeline_class=Inlined)
 """Lets compiled code call a function, which stays as it is."""

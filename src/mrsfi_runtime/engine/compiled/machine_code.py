@@ -3,7 +3,7 @@
 import ctypes
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
@@ -15,10 +15,10 @@ import llvmlite.binding as llvm
 
 import mrsfi_runtime
 from mrsfi_runtime.engine.compiled.cache import cache_folder, empty, is_sound, sealing, temporary
+from mrsfi_runtime.engine.compiled.reach import CompilationError
 
 FILE = "code"
 _SOURCES = ("kernel", "model", "engine/compiled", "engine/recording.py")
-_FROM_C = frozenset(("ceil", "floor", "trunc", "rint", "fmod", "memcpy", "memmove", "memset"))
 _LOADED: dict[bytes, tuple[Any, int]] = {}
 
 
@@ -33,13 +33,19 @@ class MachineCode:
     def address(self) -> int:
         """Return where the function lies, for as long as this process runs."""
         if self.binary not in _LOADED:
-            if not _FROM_C.issuperset(self.taken):
-                import mrsfi_runtime.engine.compiled.compiler  # noqa: F401, PLC0415 - lists, say
+            if _missing(self.taken):  # lists, say
+                import mrsfi_runtime.engine.compiled.compiler  # noqa: F401, PLC0415 - slow
+            if _missing(self.taken):
+                raise CompilationError(f"compiled code lacks {' and '.join(_missing(self.taken))}")
             engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
             engine.add_object_file(llvm.ObjectFileRef.from_data(self.binary))
             engine.finalize_object()
             _LOADED[self.binary] = engine, engine.get_function_address(self.name)
         return _LOADED[self.binary][1]
+
+
+def _missing(names: Sequence[str]) -> list[str]:
+    return [name for name in names if not llvm.address_of_symbol(name)]
 
 
 @cache

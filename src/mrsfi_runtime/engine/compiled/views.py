@@ -24,6 +24,7 @@ from mrsfi_runtime.engine.compiled.regions import EFFECT
 from mrsfi_runtime.kernel.state import State
 
 _WORD = ir.IntType(64)
+_LENGTHS = [ir.Constant(_WORD, 0), ir.Constant(_WORD, 2**40)]
 
 
 class View(types.Type):
@@ -79,6 +80,7 @@ def _get(context: Any, builder: Any, view: View, directory: Any, name: str) -> A
         size = context.get_constant(types.intp, entry.layout.itemsize)
         data = builder.inttoptr(address, context.get_data_type(kind.dtype).as_pointer())
         length = _word(builder, directory, 2 * entry.place + 1)
+        length.set_metadata("range", builder.module.add_metadata(_LENGTHS))
         populate_array(array, data, [length], [size], size, meminfo=None)
         return array._getvalue()  # noqa: SLF001 - as numba's own code does
     if entry.kind == "record":
