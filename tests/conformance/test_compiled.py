@@ -53,7 +53,7 @@ with EngineSettings("compiled").open(load_code(Path(sys.argv[1])), 1) as engine:
 @slow
 def test_of_two_processes_one_compiles_a_mission_and_the_other_waits(tmp_path, monkeypatch):
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
-    command = [sys.executable, "-c", FLY, str(ROOT / "generated" / "tight_margins")]
+    command = [sys.executable, "-c", FLY, str(ROOT / "generated" / "tight_energy")]
     processes = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
 
     printed = [process.communicate(timeout=240)[0] for process in processes]

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from numba.core.codegen import JITCodeLibrary
+from numba.core.runtime.nrt import rtsys
 from numba.extending import register_jitable
 
 from mrsfi_runtime.engine.compiled.likeness import Checked
@@ -57,7 +58,7 @@ class _Library(JITCodeLibrary):
     def _get_module_for_linking(self) -> Any:
         if self._shared_module is None:
             module = self.linked().clone()
-            for library in _closure(self)[1:]:
+            for library in sorted(_closure(self)[1:], key=_rank):
                 module.link_in(_code(library), preserve=True)
             for function in module.functions:
                 if not function.is_declaration and function.linkage.name == "external":
@@ -74,6 +75,11 @@ def _closure(first: _Library) -> list[Any]:
             if each not in found:
                 found.append(each)
     return found
+
+
+def _rank(library: Any) -> int:
+    """Return when to link: of numba's own code only what is called by then is taken."""
+    return 2 if library is rtsys.library else not isinstance(library, _Library)
 
 
 def _code(library: Any) -> Any:
