@@ -15,6 +15,7 @@ from mrsfi_runtime.mission import load_code
 from tests.conformance.regions import compiled
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, indented, write_body
+from tests.support.edited import edited as edited_code
 from tests.support.edits import EDITS, NUMBA_REFUSES, REFUSED, write_team
 from tests.support.models.shapes import small_mission
 from tests.support.trace import traced
@@ -86,6 +87,25 @@ def test_a_region_may_use_lists_sorting_and_nested_loops(tmp_path):
 
     with COMPILED.open(code, SEED) as engine:
         assert traced(engine, ()) == traced(ReferenceEngine(code, SEED), ())
+
+
+@pytest.mark.parametrize(
+    ("region", "body"),
+    [
+        ("g1.check", "return not goal_tasks.stay_within_mission_area.violated(ci, G1)"),
+        ("g4.check", "return goal_tasks.gather_samples.violated(ci, G5) == (ci.mission.tick > 9)"),
+        ("g3.react", "goal_tasks.avoid_collision.react(ci, G1)\ngoal_tasks.stay.react(ci, G2)"),
+        ("g5.progress", "for g in (G4, G5):\n    goal_tasks.gather_samples.progress(ci, g)"),
+    ],
+)
+def test_a_region_may_call_what_any_task_says_for_any_goal(tmp_path, region, body):
+    code = load_code(edited_code(tmp_path, region, indented(body)))
+    drawn = [(), *specifications(code, 2)]
+
+    with COMPILED.open(code, SEED) as engine:
+        assert list(engine.evaluate_many(drawn)) == list(
+            ReferenceEngine(code, SEED).evaluate_many(drawn)
+        )
 
 
 @slow

@@ -124,7 +124,7 @@ def test_a_new_mission_takes_the_place_of_the_oldest_only_where_the_cache_is_ful
         os.utime(path, (k + 1, k + 1))
 
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
-    code = MachineCode("fly", b"machine code", ("floor",))
+    code = MachineCode(("fly",), b"machine code", ("floor",))
 
     assert kept("last", lambda: code) == (code, True)
     assert kept("last", lambda: pytest.fail("compiled twice")) == (code, False)

@@ -37,19 +37,21 @@ class CompiledFlight:
         self._keys = [
             key_of(kernel_key(), each.role, reached.text) for each, reached in self._regions
         ]
-        self._n_calls = len(ROLES) * len(code.mission.goals) + 1
+        self._n_calls = len(ROLES) * len(code.mission.goals) + 1 + len(ROLES)
         self.key = key_of(kernel_key(), *self._keys)
         self._compile()
 
     def _compile(self) -> None:
         kernel, self.is_new = kept(kernel_key(), _compiled_kernel)
+        flight, *by_task = kernel.addresses()
+        self._fly: Any = FLIGHT(flight)
         self.calls: Words = np.zeros(self._n_calls, np.int64)
+        self.calls[-len(by_task) :] = by_task
         for (region, reached), key in zip(self._regions, self._keys, strict=True):
             compile_ = partial(_compiled_region, self._directory, region, reached)
             found, is_new = kept(key, compile_)
-            self.calls[region.place] = found.address()
+            self.calls[region.place] = found.addresses()[0]
             self.is_new |= is_new
-        self._fly: Any = FLIGHT(kernel.address())
 
     def forget(self) -> None:
         """Compile its regions anew, or the kernel if there are none."""

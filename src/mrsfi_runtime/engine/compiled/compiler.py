@@ -1,6 +1,7 @@
 """Compiles the kernel's flight, and regions of a team, to object files; this alone takes numba."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
@@ -11,15 +12,18 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 from numba.core.runtime.nrt import rtsys
 
+from mrsfi_runtime.engine.compiled import views
 from mrsfi_runtime.engine.compiled.batch_flight import Flights, fly_many
 from mrsfi_runtime.engine.compiled.compilation_errors import explain
+from mrsfi_runtime.engine.compiled.directories import CALLS
+from mrsfi_runtime.engine.compiled.dispatch import BY_TASK
 from mrsfi_runtime.engine.compiled.inlining import Inlined, jitable
 from mrsfi_runtime.engine.compiled.machine_code import MachineCode
 from mrsfi_runtime.engine.compiled.reach import CompilationError, Reached, is_kernel, names_of
-from mrsfi_runtime.engine.compiled.regions import EFFECT, Region
-from mrsfi_runtime.engine.compiled.views import View, arguments_of
+from mrsfi_runtime.engine.compiled.regions import EFFECT, ROLES, Region
+from mrsfi_runtime.kernel.goal_tasks.reference import FUNCTIONS
 
-_FLIGHT = (View(Flights), types.int64, types.int64)
+_FLIGHT = (views.View(Flights), types.int64, types.int64)
 _TYPING, _TARGET = cpu_target.typing_context, cpu_target.target_context
 rtsys.initialize(_TARGET)  # makes known what compiled code takes from numba
 _REGISTERED: dict[FunctionType, str] = {}
@@ -27,8 +31,10 @@ _REGISTERED: dict[FunctionType, str] = {}
 
 def compiled_kernel() -> MachineCode:
     """Compile the kernel's flight."""
-    register(_reached_by(fly_many)[1:])
-    found: MachineCode = _compiled(fly_many, _FLIGHT)
+    functions = (fly_many, *BY_TASK)
+    register(each for one in functions for each in _reached_by(one)[1:])
+    arguments = (_FLIGHT, *(views.BY_TASK for _ in BY_TASK))
+    found: MachineCode = _compiled(zip(functions, arguments, strict=True))
     return found
 
 
@@ -36,7 +42,8 @@ def compiled_region(directory: Path, region: Region, reached: Reached) -> Machin
     """Compile a region of a mission, or raise which line of it does not compile."""
     register(reached.functions)
     try:
-        found: MachineCode = _compiled(_called(region), arguments_of(region.role))
+        with _by_address():
+            found: MachineCode = _compiled([(_called(region), views.arguments_of(region.role))])
     except OSError:
         raise
     except Exception as error:
@@ -79,6 +86,52 @@ def _called(region: Region) -> Callable[..., Any]:
     return known.get(region.role, act)
 
 
+@contextmanager
+def _by_address() -> Iterator[None]:
+    """Have regions call what a task says where the kernel has it: much of it compiles long."""
+    register(_STAND_INS)
+    register(_STAND_INS.values())
+    _TYPING.refresh()
+    typed = _TYPING._lookup_global  # noqa: SLF001 - numba has no other name for it
+    known = {each: typed(each) for each in _STAND_INS}
+    try:
+        for function, stand_in in _STAND_INS.items():
+            _know(function, typed(stand_in))
+        yield
+    finally:
+        for function, kind in known.items():
+            _know(function, kind)
+
+
+def _know(function: FunctionType, kind: Any) -> None:
+    """Let numba take a function for something."""
+    _TYPING._remove_global(function)  # noqa: SLF001 - likewise
+    _TYPING.insert_global(function, kind)
+
+
+def _stand_in(role: str, task: int) -> Any:
+    """Return what calls by address what a task says."""
+    place = 1 + ROLES.index(role)
+
+    def check(view: Any, g: int) -> bool:
+        address = getattr(view, CALLS)[3 * len(view.goals) + place]
+        return bool(views.call_by_task(address, view, g, task))
+
+    def act(view: Any, g: int) -> None:
+        views.call_by_task(getattr(view, CALLS)[3 * len(view.goals) + place], view, g, task)
+
+    return check if role == "check" else act
+
+
+_STAND_INS: dict[Any, Any] = {
+    function: _stand_in(role, task)
+    for role, functions in FUNCTIONS.items()
+    for task, function in enumerate(functions)
+    if function is not None
+}
+"""Of what generated regions call, in regions of a team."""
+
+
 def _reached_by(first: Any) -> list[FunctionType]:
     """Return a function of the kernel and all those that it reaches."""
     found: list[FunctionType] = [first]
@@ -92,28 +145,35 @@ def _reached_by(first: Any) -> list[FunctionType]:
 
 
 @global_compiler_lock  # type: ignore[untyped-decorator]
-def _compiled(function: Callable[..., Any], arguments: tuple[Any, ...]) -> MachineCode:
-    """Return the machine code of a function that takes such arguments, and returns an integer."""
+def _compiled(functions: Iterable[tuple[Callable[..., Any], tuple[Any, ...]]]) -> MachineCode:
+    """Return the machine code of functions, by their arguments; each returns an integer."""
     flags: Any = compiler.Flags()
     flags.nrt = flags.boundscheck = flags.no_compile = True
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
     _TYPING.refresh()
     _TARGET.refresh()
-    result = compiler.compile_extra(
-        _TYPING, _TARGET, function, arguments, types.int64, flags, {}, pipeline_class=Inlined
-    )
-    name = result.fndesc.llvm_func_name
-    return _optimised(_TARGET.codegen(), result.library.whole(), name)
+    names, modules = [], []
+    for function, arguments in functions:
+        result = compiler.compile_extra(
+            _TYPING, _TARGET, function, arguments, types.int64, flags, {}, pipeline_class=Inlined
+        )
+        names.append(result.fndesc.llvm_func_name)
+        modules.append(result.library.whole())
+        modules[-1].get_function(names[-1]).linkage = "external"
+    module, *others = modules
+    for each in others:
+        module.link_in(each)
+    return _optimised(_TARGET.codegen(), module, names)
 
 
-def _optimised(codegen: Any, module: Any, name: str) -> MachineCode:
-    """Return the machine code of a module of which one function is called from elsewhere.
+def _optimised(codegen: Any, module: Any, names: Sequence[str]) -> MachineCode:
+    """Return the machine code of a module of which some functions are called from elsewhere.
 
     Loops are short as a rule: more optimisation takes longer, and makes flights slower.
     """
     for each in (*module.functions, *module.global_variables):
         if not each.is_declaration:
-            each.linkage = "external" if each.name == name else "internal"
+            each.linkage = "external" if each.name in names else "internal"
     passes, builder = codegen._module_pass_manager(  # noqa: SLF001 - numba's own
         opt=2, loop_vectorize=False, slp_vectorize=False
     )
@@ -123,4 +183,4 @@ def _optimised(codegen: Any, module: Any, name: str) -> MachineCode:
     binary = codegen._tm.emit_object(module)  # noqa: SLF001
     known = (*module.functions, *module.global_variables)
     taken = [each.name for each in known if each.is_declaration]
-    return MachineCode(name, binary, tuple(n for n in taken if not n.startswith("llvm.")))
+    return MachineCode(tuple(names), binary, tuple(n for n in taken if not n.startswith("llvm.")))

@@ -14,9 +14,6 @@ _N_CONSTANT = OWN.fields["memory"][1] // 8  # type: ignore[index]
 _N_MISSION, _N_MAP = (record_type(kind).itemsize // 8 for kind in (MissionState, MapState))
 _ODD = -7046029254386353131
 
-ROLES = ("progress", "check", "react")
-"""What a goal does, in the order of its calls; those of a team's own effects come last of all."""
-
 
 @kernel
 def progress(view: Any) -> None:
@@ -26,7 +23,7 @@ def progress(view: Any) -> None:
         if calls[3 * g]:
             call(calls[3 * g], view)
         else:
-            reference.progress(view, g)
+            reference.progress(view, g, view.goals[g].task)
 
 
 @kernel
@@ -35,7 +32,10 @@ def check(view: Any, violated: Any) -> None:
     calls = getattr(view, CALLS)
     for g in range(len(view.goals)):
         address = calls[3 * g + 1]
-        violated[g] = call(address, view) if address else reference.violated(view, g)
+        if address:
+            violated[g] = call(address, view)
+        else:
+            violated[g] = reference.violated(view, g, view.goals[g].task)
 
 
 @kernel
@@ -46,7 +46,31 @@ def react(ci: Any) -> None:
         if calls[3 * g + 2]:
             call(calls[3 * g + 2], ci)
         else:
-            reference.react(ci, g)
+            reference.react(ci, g, ci.goals[g].task)
+
+
+@kernel
+def progress_by_task(view: Any, g: int, task: int) -> int:
+    """Note what a goal has to remember, as a task says: what regions call by address."""
+    reference.progress(view, g, task)
+    return 0
+
+
+@kernel
+def check_by_task(view: Any, g: int, task: int) -> int:
+    """Return whether a goal is violated, as a task says; by address, likewise."""
+    return 1 if reference.violated(view, g, task) else 0
+
+
+@kernel
+def react_by_task(ci: Any, g: int, task: int) -> int:
+    """Command the members of a goal, as a task says; by address, likewise."""
+    reference.react(ci, g, task)
+    return 0
+
+
+BY_TASK = (progress_by_task, check_by_task, react_by_task)
+"""They stand behind the calls of all goals and those of a team's effects."""
 
 
 @kernel

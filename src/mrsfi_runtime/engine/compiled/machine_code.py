@@ -19,19 +19,19 @@ from mrsfi_runtime.engine.compiled.reach import CompilationError
 
 FILE = "code"
 _SOURCES = ("kernel", "model", "engine/compiled", "engine/recording.py")
-_LOADED: dict[bytes, tuple[Any, int]] = {}
+_LOADED: dict[bytes, tuple[Any, list[int]]] = {}
 
 
 @dataclass(frozen=True, slots=True)
 class MachineCode:
-    """An object file, the name of the function in it, and of those that it takes from elsewhere."""
+    """An object file, the names of functions in it, and of what it takes from elsewhere."""
 
-    name: str
+    names: tuple[str, ...]
     binary: bytes
     taken: tuple[str, ...] = ()
 
-    def address(self) -> int:
-        """Return where the function lies, for as long as this process runs."""
+    def addresses(self) -> list[int]:
+        """Return where the functions lie, for as long as this process runs."""
         if self.binary not in _LOADED:
             if _missing(self.taken):  # lists, say
                 import mrsfi_runtime.engine.compiled.compiler  # noqa: F401, PLC0415 - slow
@@ -40,7 +40,10 @@ class MachineCode:
             engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
             engine.add_object_file(llvm.ObjectFileRef.from_data(self.binary))
             engine.finalize_object()
-            _LOADED[self.binary] = engine, engine.get_function_address(self.name)
+            found = [engine.get_function_address(name) for name in self.names]
+            if not all(found):
+                raise CompilationError(f"compiled code lacks one of {self.names}")
+            _LOADED[self.binary] = engine, found
         return _LOADED[self.binary][1]
 
 
@@ -96,10 +99,10 @@ def _kept_in(entry: Path, compile_: Callable[[], MachineCode]) -> tuple[MachineC
         if file.is_file() and is_sound(entry):
             file.touch()
             head, _, binary = file.read_bytes().partition(b"\n")
-            name, taken = json.loads(head)
-            return MachineCode(name, binary, tuple(taken)), False
+            names, taken = map(tuple, json.loads(head))
+            return MachineCode(names, binary, taken), False
         code = compile_()
-        head = json.dumps([code.name, code.taken]).encode()
+        head = json.dumps([code.names, code.taken]).encode()
         file.write_bytes(head + b"\n" + code.binary)
         return code, True
 

@@ -116,6 +116,7 @@ def seen_as(kind: type) -> Any:
 
 
 _STATE = View(State)
+BY_TASK = (_STATE, types.int64, types.int64)
 
 
 def arguments_of(role: str) -> tuple[Any, ...]:
@@ -144,6 +145,10 @@ def _call(_context: Any, address: Any, view: Any) -> Any:
     return _called(address, view)
 
 
+def _call_by_task(_context: Any, address: Any, view: Any, g: Any, task: Any) -> Any:
+    return _called(address, view, g, task)
+
+
 def _call_effect(_context: Any, address: Any, ci: Any, inbox: Any, fault: Any) -> Any:
     return _called(address, ci, inbox, fault)
 
@@ -159,6 +164,9 @@ def _word_of(_context: Any, record: Any, place: Any) -> Any:
 
 call: Any = intrinsic(_call)
 """Calls a region of a goal by its address, with a state."""
+
+call_by_task: Any = intrinsic(_call_by_task)
+"""Calls what a task says by its address, with a state, a goal and the task."""
 
 call_effect: Any = intrinsic(_call_effect)
 """Calls the effects of a team's own by their address."""

@@ -1,4 +1,4 @@
-"""What goals do for which a team wrote nothing: each as its task says."""
+"""What goals do for which a team wrote nothing: as a task says, by its number."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -52,9 +52,8 @@ FUNCTIONS: Mapping[str, tuple[Callable[..., Any] | None, ...]] = MappingProxyTyp
 
 
 @kernel
-def progress(view: State, g: int) -> None:
+def progress(view: State, g: int, task: int) -> None:
     """Note what a goal has to remember."""
-    task = view.goals[g].task
     if task == GATHER_SAMPLES:
         gather_samples.progress(view, g)
     elif task == TRACK:
@@ -64,9 +63,8 @@ def progress(view: State, g: int) -> None:
 
 
 @kernel
-def violated(view: State, g: int) -> bool:  # noqa: C901, PLR0911 - a case for each task
+def violated(view: State, g: int, task: int) -> bool:  # noqa: C901, PLR0911 - a case for each task
     """Return whether a goal is violated in a state."""
-    task = view.goals[g].task
     if task == AVOID_COLLISION:
         return avoid_collision.violated(view, g)
     if task == STAY_WITHIN_MISSION_AREA:
@@ -87,9 +85,8 @@ def violated(view: State, g: int) -> bool:  # noqa: C901, PLR0911 - a case for e
 
 
 @kernel
-def react(ci: State, g: int) -> None:
+def react(ci: State, g: int, task: int) -> None:
     """Command the members of a goal."""
-    task = ci.goals[g].task
     if task == AVOID_COLLISION:
         avoid_collision.react(ci, g)
     elif task == STAY_WITHIN_MISSION_AREA:
