@@ -204,10 +204,6 @@ class WorkerOptions:
                 "workers that were started for it; leave --workers out"
             )
 
-    def tried(self, code: "MissionCode", seed: int, engine: EngineSettings) -> EngineSettings:
-        """Return settings with which a mission flies, as ``EngineSettings.tried`` does."""
-        return engine.tried(code, seed, tell)
-
     def evaluator(
         self,
         code: "MissionCode",

@@ -1,5 +1,6 @@
 """What goals do for which a team wrote nothing: as a task says, by its number."""
 
+import sys
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
@@ -17,31 +18,21 @@ from mrsfi_runtime.kernel.goal_tasks import (
     visit,
 )
 from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
-from mrsfi_runtime.kernel.goal_tasks.table import TASKS
+from mrsfi_runtime.kernel.goal_tasks.table import (
+    AVOID_COLLISION,
+    ENERGY,
+    PATROL,
+    SAMPLES,
+    STAY,
+    STAY_WITHIN,
+    TASKS,
+    TRACK,
+    VISIT,
+)
 from mrsfi_runtime.kernel.guidance import roam_together
 from mrsfi_runtime.kernel.state import State
 
-AVOID_COLLISION = TASKS.index(avoid_collision.AvoidCollision)
-STAY_WITHIN_MISSION_AREA = TASKS.index(stay_within_mission_area.StayWithinMissionArea)
-SUFFICIENT_ENERGY = TASKS.index(sufficient_energy.SufficientEnergy)
-GATHER_SAMPLES = TASKS.index(gather_samples.GatherSamples)
-PATROL = TASKS.index(patrol.Patrol)
-VISIT = TASKS.index(visit.Visit)
-TRACK = TASKS.index(track.Track)
-STAY = TASKS.index(stay.Stay)
-
-_MODULES: tuple[Any, ...] = (
-    avoid_collision,
-    stay_within_mission_area,
-    sufficient_energy,
-    gather_samples,
-    patrol,
-    visit,
-    track,
-    stay,
-    fixed_distance_between_robots,
-)
-
+_MODULES = [sys.modules[task.__module__] for task in TASKS]
 FUNCTIONS: Mapping[str, tuple[Callable[..., Any] | None, ...]] = MappingProxyType(
     {
         role: tuple(getattr(module, name, None) for module in _MODULES)
@@ -54,7 +45,7 @@ FUNCTIONS: Mapping[str, tuple[Callable[..., Any] | None, ...]] = MappingProxyTyp
 @kernel
 def progress(view: State, g: int, task: int) -> None:
     """Note what a goal has to remember."""
-    if task == GATHER_SAMPLES:
+    if task == SAMPLES:
         gather_samples.progress(view, g)
     elif task == TRACK:
         track.progress(view, g)
@@ -67,11 +58,11 @@ def violated(view: State, g: int, task: int) -> bool:  # noqa: C901, PLR0911 - a
     """Return whether a goal is violated in a state."""
     if task == AVOID_COLLISION:
         return avoid_collision.violated(view, g)
-    if task == STAY_WITHIN_MISSION_AREA:
+    if task == STAY_WITHIN:
         return stay_within_mission_area.violated(view, g)
-    if task == SUFFICIENT_ENERGY:
+    if task == ENERGY:
         return sufficient_energy.violated(view, g)
-    if task == GATHER_SAMPLES:
+    if task == SAMPLES:
         return gather_samples.violated(view, g)
     if task == PATROL:
         return patrol.violated(view, g)
@@ -89,11 +80,11 @@ def react(ci: State, g: int, task: int) -> None:
     """Command the members of a goal."""
     if task == AVOID_COLLISION:
         avoid_collision.react(ci, g)
-    elif task == STAY_WITHIN_MISSION_AREA:
+    elif task == STAY_WITHIN:
         stay_within_mission_area.react(ci, g)
-    elif task == SUFFICIENT_ENERGY:
+    elif task == ENERGY:
         sufficient_energy.react(ci, g)
-    elif task == GATHER_SAMPLES:
+    elif task == SAMPLES:
         gather_samples.react(ci, g)
     elif task in (PATROL, STAY):
         roam_together(ci, ci.goals[g])
