@@ -1,6 +1,6 @@
 """Compiles the kernel's flight, and regions of a team, to object files; this alone takes numba."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -152,35 +152,37 @@ def _compiled(functions: Iterable[tuple[Callable[..., Any], tuple[Any, ...]]]) -
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
     _TYPING.refresh()
     _TARGET.refresh()
-    names, modules = [], []
+    names = []
+    module: Any = None
     for function, arguments in functions:
         result = compiler.compile_extra(
             _TYPING, _TARGET, function, arguments, types.int64, flags, {}, pipeline_class=Inlined
         )
         names.append(result.fndesc.llvm_func_name)
-        modules.append(result.library.whole())
-        modules[-1].get_function(names[-1]).linkage = "external"
-    module, *others = modules
-    for each in others:
-        module.link_in(each)
-    return _optimised(_TARGET.codegen(), module, names)
+        found = _optimised(_TARGET.codegen(), result.library.whole(), names[-1])
+        if module is None:
+            module = found
+        else:
+            module.link_in(found)
+    binary = _TARGET.codegen()._tm.emit_object(module)  # noqa: SLF001 - numba's own
+    known = (*module.functions, *module.global_variables)
+    taken = [each.name for each in known if each.is_declaration]
+    return MachineCode(tuple(names), binary, tuple(n for n in taken if not n.startswith("llvm.")))
 
 
-def _optimised(codegen: Any, module: Any, names: Sequence[str]) -> MachineCode:
-    """Return the machine code of a module of which some functions are called from elsewhere.
+def _optimised(codegen: Any, module: Any, name: str) -> Any:
+    """Return a module of which one function is called from elsewhere, optimised.
 
-    Loops are short as a rule: more optimisation takes longer, and makes flights slower.
+    Loops are short as a rule: more optimisation takes longer, and makes flights slower. So does a
+    second function in the same module, because what both call is not inlined.
     """
     for each in (*module.functions, *module.global_variables):
         if not each.is_declaration:
-            each.linkage = "external" if each.name in names else "internal"
-    passes, builder = codegen._module_pass_manager(  # noqa: SLF001 - numba's own
+            each.linkage = "external" if each.name == name else "internal"
+    passes, builder = codegen._module_pass_manager(  # noqa: SLF001
         opt=2, loop_vectorize=False, slp_vectorize=False
     )
     passes.add_global_dead_code_eliminate_pass()
     passes.run(module, builder)
     module.verify()
-    binary = codegen._tm.emit_object(module)  # noqa: SLF001
-    known = (*module.functions, *module.global_variables)
-    taken = [each.name for each in known if each.is_declaration]
-    return MachineCode(tuple(names), binary, tuple(n for n in taken if not n.startswith("llvm.")))
+    return module
