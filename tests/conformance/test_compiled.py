@@ -1,5 +1,6 @@
 """The compiled engine finds what the reference engine finds, bit for bit."""
 
+import re
 import subprocess
 import sys
 from itertools import islice
@@ -55,11 +56,16 @@ with EngineSettings("compiled").open(load_code(Path(sys.argv[1])), 1) as engine:
 def test_of_two_processes_one_compiles_a_mission_and_the_other_waits(tmp_path, monkeypatch):
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
     command = [sys.executable, "-c", FLY, str(ROOT / "generated" / "tight_energy")]
-    processes = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    pipe = subprocess.PIPE
+    processes = [subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) for _ in range(2)]
 
-    printed = [process.communicate(timeout=240)[0] for process in processes]
+    printed, told = zip(*(each.communicate(timeout=240) for each in processes), strict=True)
 
     assert sorted(printed) == ["0\n", "1\n"]
+    assert re.search(
+        r"compiling the kernel, once .*\ncompiled the kernel in \d+\.\d s\n", max(told)
+    )
+    assert min(told) == ""
 
 
 REGION = "g0.check"

@@ -9,7 +9,7 @@ import pytest
 
 from mrsfi_runtime.engine.compiled import cache
 from mrsfi_runtime.engine.compiled.cache import N_KEPT, cache_folder, is_sound, sealing
-from mrsfi_runtime.engine.compiled.machine_code import FILE, MachineCode, kept
+from mrsfi_runtime.engine.compiled.machine_code import FILE, MachineCode, forget, kept
 from mrsfi_runtime.errors import EvaluationError
 
 
@@ -111,6 +111,20 @@ def test_a_folder_that_is_not_to_be_trusted_is_told_once_and_replaced(
 
     assert found == Path(os.environ["MRSFI_CACHE"]) == Path(made)
     assert [why in record.message for record in caplog.records] == [True]
+
+
+@pytest.mark.parametrize("content", [b"", b"[[], []]", b"machine code of others"])
+def test_machine_code_that_was_cut_or_exchanged_is_compiled_anew(tmp_path, monkeypatch, content):
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
+    code = MachineCode(("fly",), b"machine\ncode", ("floor",))
+    assert kept("one", lambda: code) == (code, True)
+
+    (tmp_path / "one" / FILE).write_bytes(content)
+
+    assert kept("one", lambda: code) == (code, True)
+    assert kept("one", lambda: pytest.fail("compiled twice")) == (code, False)
+    forget("one")
+    assert kept("one", lambda: code) == (code, True)
 
 
 @pytest.mark.parametrize("n_before", [0, 1, N_KEPT // 2 + 3, N_KEPT - 1, N_KEPT, N_KEPT + 5])
