@@ -68,6 +68,9 @@ def test_a_default_that_was_exchanged_in_memory_is_none(monkeypatch):
         ("G1 = 0\n", "G1 = 3\n"),
         ("violated[G1] = 1 if", "violated[G1] = 0 if"),
         ("    react_g1(ci)\n", "    react_g1(ci)\n    react_g1(ci)\n"),
+        ("    react_g6(ci)\n", ""),
+        ("    react_g6(ci)\n", "    react_g7(ci)\n"),
+        ("    violated[G6] = 1 if check_g6(view) else 0\n", ""),
     ],
 )
 def test_functions_that_do_not_call_the_goals_in_their_order_are_refused(tmp_path, text, other):

@@ -81,8 +81,11 @@ def apply(ci: Any, inbox: Any, fault: Any) -> None:
     factor, which is odd.
     """
     calls = getattr(ci, CALLS)
+    address = calls[3 * len(ci.goals)]
+    if address == 0:
+        return
     before = fixed(ci, inbox, fault)
-    call_effect(calls[3 * len(ci.goals)], ci, inbox, fault)
+    call_effect(address, ci, inbox, fault)
     if fixed(ci, inbox, fault) != before:
         raise ValueError
 

@@ -37,8 +37,9 @@ def own_regions(code: MissionCode) -> list[Region]:
         if role == "check":
             goals = {name.removeprefix("check_"): g for g, (name, _) in enumerate(called)}
         listed = [goals.get(name.removeprefix(f"{role}_"), -1) for name, _ in called]
-        missing = {g for g in set(range(len(tasks))) - set(listed) if _default(role, tasks[g])}
-        if listed != sorted(set(listed)) or -1 in listed or missing or len(goals) != len(tasks):
+        is_needed = [role != "progress" or _default(role, task) is not None for task in tasks]
+        needed = {g for g, each in enumerate(is_needed) if each}
+        if listed != sorted(set(listed)) or not needed <= set(listed) <= set(range(len(tasks))):
             raise _odd(code, role)
         for g, (_, function) in zip(listed, called, strict=True):
             if not _is_default(function, role, g, tasks[g]):
@@ -56,7 +57,9 @@ def _default(role: str, task: int) -> Any:
 def _called(code: MissionCode, role: str) -> list[tuple[str, Callable[..., Any]]]:
     """Return the functions of goals that a function of a mission calls, in their order."""
     function: Any = getattr(code.functions, role)
-    names = function.__code__.co_names if isinstance(function, FunctionType) else ()
+    if not isinstance(function, FunctionType):
+        raise _odd(code, role)
+    names = function.__code__.co_names
     if role == "check":
         numbers, names = names[1::2], names[::2]
         body = [
@@ -66,9 +69,9 @@ def _called(code: MissionCode, role: str) -> list[tuple[str, Callable[..., Any]]
         is_written = _is_written(function, "def f(view, violated):", body)
         is_written &= [function.__globals__.get(g) for g in numbers] == list(range(len(numbers)))
     else:
-        view = function.__code__.co_varnames[0]
+        view = (*function.__code__.co_varnames, "view")[0]
         is_written = _is_written(function, f"def f({view}):", [f"{name}({view})" for name in names])
-    if not is_written:
+    if not is_written or not function.__globals__.keys() >= set(names):
         raise _odd(code, role)
     return [(name, function.__globals__[name]) for name in names]
 
