@@ -54,6 +54,7 @@ def mrsfi_process(
         command_line(*arguments),
         check=False,
         cwd=cwd,
+        env=dict(os.environ),  # without what libraries set behind Python's back, such as COLUMNS
         capture_output=True,
         encoding="utf-8",
         timeout=timeout,
