@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.cli import contents, mrsfi, mrsfi_json
 from tests.support.edited import write_body
-from tests.support.tree import ROOT
+from tests.support.tree import ROOT, UNDRAWN
 from tests.tiers import slow
 
 SCRIPT = ROOT / "examples" / "warehouse" / "warehouse.py"
@@ -34,7 +34,7 @@ CARRIED = """    if ci.robots[CARRIER_1].x > 1000.0:
     return goal_tasks.avoid_collision.violated(ci, COLLIDE)
 """
 
-pytestmark = slow
+pytestmark = [slow, pytest.mark.turn(2)]
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,11 @@ def flown(tmp_path_factory):
     folder = tmp_path_factory.mktemp("warehouse")
     done = subprocess.run(
         [sys.executable, str(SCRIPT), str(folder)],
-        env={"PYTHONPATH": str(ROOT), "MRSFI_CACHE": os.environ["MRSFI_CACHE"], "PATH": ""},
+        env={
+            "PYTHONPATH": f"{ROOT}:{UNDRAWN}",
+            "MRSFI_CACHE": os.environ["MRSFI_CACHE"],
+            "PATH": "",
+        },
         capture_output=True,
         text=True,
         check=False,
