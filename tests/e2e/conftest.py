@@ -24,7 +24,7 @@ Ended: TypeAlias = subprocess.CompletedProcess[str]
 def undrawn() -> Iterator[None]:
     """Leave figures empty where nobody looks at them: drawing takes longer than most tests here.
 
-    Processes of their own draw them, but with ``UNDRAWN`` on their path.
+    Processes of their own draw them, unless ``UNDRAWN`` is on their path.
     """
     empty = {".png": b"", ".svg": b""}
     here = nullcontext(SimpleNamespace(draw=drawing.draw_here))
@@ -47,7 +47,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
     def make(folder: Path) -> None:
         words = ("evolve", MISSION, "--case", "b", *SMALL, "--out", "runs/small")
-        mrsfi_process(*words, cwd=workspace(folder))
+        mrsfi_process(*words, cwd=workspace(folder), draws=True)
 
     return made_once(tmp_path_factory, "flown", make) / "runs" / "small"
 
@@ -61,8 +61,8 @@ def ended(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Ended]:
 
     def make(folder: Path) -> None:
         write_rendezvous(folder / "place")
-        evolve = searched(folder / "place")
-        done = mrsfi_process(*evolve, "--workers", "1", "--out", "runs/it", cwd=folder / "place")
+        words = (*searched(folder / "place"), "--workers", "1", "--out", "runs/it")
+        done = mrsfi_process(*words, cwd=folder / "place", draws=True)
         told = json.dumps((done.args, done.returncode, done.stdout, done.stderr))
         (folder / "told.json").write_text(told, encoding="utf-8")
 
