@@ -20,11 +20,12 @@ from tests.support.shared import made_once
 Ended: TypeAlias = subprocess.CompletedProcess[str]
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def undrawn() -> Iterator[None]:
     """Leave figures empty where nobody looks at them: drawing takes longer than most tests here.
 
-    Processes of their own draw them, unless ``UNDRAWN`` is on their path.
+    Only while a module runs, as workers go to and fro between the rooms. Processes of their own
+    draw figures, unless ``UNDRAWN`` is on their path.
     """
     empty = {".png": b"", ".svg": b""}
     here = nullcontext(SimpleNamespace(draw=drawing.draw_here))
