@@ -16,6 +16,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 BASE := $(VENV)/.installed
 DEV := $(VENV)/.installed-dev
+DOCS := $(VENV)/.installed-docs
+INTEROP := $(VENV)/.installed-interop
 SETUP := pyproject.toml constraints.txt
 PYTEST := $(BIN)/python -m pytest --numprocesses auto
 OURS := --dist worksteal --ignore=tests/interop --ignore=tests/release
@@ -88,8 +90,7 @@ test-night: $(DEV) generate ## run make test-all with all seeds, then make inter
 	$(PYTEST) $(OURS) --tier night
 	$(MAKE) interop release
 
-interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, pfta, Chromium
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples,interop]"
+interop: $(INTEROP) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, pfta, Chromium
 	$(PYTEST) --dist loadfile --no-loadscope-reorder --tier $(TIER) tests/interop
 
 release: $(DEV) ## build sdist and wheel into dist/, and run the tutorial from the wheel in clean environments
@@ -109,8 +110,7 @@ check: $(DEV) ## check formatting, lint, types, imports and that generated code 
 	done
 	$(BIN)/python -m m2t.classes generated/metamodel --check
 
-site: $(BASE) ## build the documentation as a site into site/; a link that leads nowhere is an error
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+site: $(DOCS) ## build the documentation as a site into site/; a link that leads nowhere is an error
 	$(BIN)/mkdocs build
 
 clean: ## remove .venv, caches and build products; campaigns in runs/ stay
@@ -125,6 +125,14 @@ $(BASE): $(SETUP) | $(VENV)/.created
 $(DEV): $(SETUP) | $(VENV)/.created
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev,fast]"
 	@touch $(BASE) $@
+
+$(DOCS): $(BASE)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+	@touch $@
+
+$(INTEROP): $(DEV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples,interop]"
+	@touch $@
 
 $(VENV)/.created:
 	@python=; set -- $(pythons); \

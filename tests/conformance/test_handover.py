@@ -107,6 +107,7 @@ def test_it_may_be_built_after_any_flight(monkeypatch, n_workers):
 
 
 @slow
+@pytest.mark.turn(1)
 @pytest.mark.parametrize(
     ("body", "reason"),
     [

@@ -152,6 +152,7 @@ def test_stale_code_is_refused_until_it_is_generated_anew(uuv):
 
 
 @slow
+@pytest.mark.turn(2)
 def test_a_search_by_script_finds_what_the_command_finds(uuv, flown, place):
     settings = {"population": 4, "generations": 2}
     generations = []

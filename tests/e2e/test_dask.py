@@ -31,6 +31,7 @@ def whole(place: Path) -> Any:
 
 
 @slow
+@pytest.mark.turn(0)
 def test_a_worker_killed_in_mid_campaign_changes_nothing(place, tmp_path, whole):
     out = place / "runs" / "killed"
 

@@ -13,11 +13,16 @@ import pytest
 
 from tests.support.cli import disturbed, edit, interrupted, mrsfi, mrsfi_json
 from tests.support.processes import children
-from tests.support.rendezvous import NAME, PLANTED, harmless, write_planted, write_rendezvous
+from tests.support.rendezvous import (
+    N_SEARCHED,
+    NAME,
+    PLANTED,
+    harmless,
+    searched,
+    write_planted,
+    write_rendezvous,
+)
 from tests.tiers import seeds, slow
-
-N_SEARCHED = 130
-"""Evaluations of the search."""
 
 ONE = ("--workers", "1")
 
@@ -27,22 +32,6 @@ def place(tmp_path):
     """Folder with models and generated code of the mission, and none of campaigns."""
     write_rendezvous(tmp_path)
     return tmp_path
-
-
-def searched(place):
-    """Return what searches what is planted, and enough that may be flown after it."""
-    return write_planted(place, [*PLANTED, *harmless(N_SEARCHED - len(PLANTED))])
-
-
-@pytest.fixture(scope="module")
-def ended(tmp_path_factory):
-    """Folder of a campaign that has looked for weaknesses, and what the command printed."""
-    folder = tmp_path_factory.mktemp("ended")
-    write_rendezvous(folder)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.delenv("COLUMNS", raising=False)  # as for the tests themselves
-        done = mrsfi(*searched(folder), *ONE, "--out", "runs/it", cwd=folder)
-    return folder / "runs" / "it", done
 
 
 @pytest.fixture

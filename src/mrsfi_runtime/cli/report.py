@@ -87,7 +87,12 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
 def _print_least(campaign: OpenCampaign, summary: Summary) -> None:
     """Print what is the least that breaks each goal, in its mildest form, and how that comes."""
     shown = least(summary.ways)
-    print_list(campaign.mission, campaign.pool, shown, "The least that breaks each goal, in its mildest form")
+    print_list(
+        campaign.mission,
+        campaign.pool,
+        shown,
+        "The least that breaks each goal, in its mildest form",
+    )
     for way in shown:
         if way.mildest is not None:
             click.echo(f"{way.number} {way.mildest.sentence}\n")
