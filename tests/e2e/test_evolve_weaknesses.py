@@ -76,7 +76,10 @@ def test_it_ends_with_what_weaknesses_lists(ended):
     told = mrsfi_json("weaknesses", run, cwd=run.parent)
 
     found = found_in(run)
-    assert [{k: v for k, v in each.items() if k != "sentences"} for each in found] == told
+    assert [{k: each[k] for k in told[0]} for each in found] == told
+    least = [each["mildest"] for each in found if each["mildest"]]
+    assert all(each["sentence"] in done.stdout for each in least)
+    assert {each["goal"] for each in least} == {"g1", "g2", "g3"}
     sets = {(each["goal"], each["measure"], *each["faults"]) for each in told}
     assert sets >= {
         *((goal, kind, "stop_a") for goal in ("g1", "g3") for kind in ("believed", "true")),

@@ -99,7 +99,7 @@ def first(campaign: Path) -> tuple[dict[str, Any], Recording]:
     told = next(each for each in found["found"] if each["sentences"])
     faults = tuple(
         TimedFault(each["fault"], each["start"], each["finish"], tuple(each["values"]))
-        for each in told["witness"]
+        for each in told["mildest"]["witness"]
     )
     return told, ReferenceEngine(load_code(campaign / "generated"), 1).record(faults)
 
