@@ -44,7 +44,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report regressions quick test test-all test-night interop release check docs site clean
+.PHONY: help install generate validate simulate evolve report regressions quick test test-all test-night interop release check site clean
 
 help: ## print this list
 	@echo "Targets:"
@@ -109,15 +109,6 @@ check: $(DEV) ## check formatting, lint, types, imports and that generated code 
 	  $(BIN)/mrsfi generate "$$models" --check || exit $$?; \
 	done
 	$(BIN)/python -m m2t.classes generated/metamodel --check
-
-docs: $(BASE) ## regenerate docs/fault-effects/: what each fault of a pool does, alone
-	@mkdir -p docs/fault-effects
-	$(BIN)/mrsfi simulate uuv_sampling --each-fault 100:900 --seeds 40 \
-	  --markdown docs/fault-effects/uuv_sampling.md
-	$(BIN)/mrsfi simulate tight_margins --each-fault 60:180 --seeds 40 \
-	  --markdown docs/fault-effects/tight_margins.md
-	$(BIN)/mrsfi simulate tight_energy --each-fault 60:340 --seeds 40 \
-	  --markdown docs/fault-effects/tight_energy.md
 
 site: $(DOCS) ## build the documentation as a site into site/; a link that leads nowhere is an error
 	$(BIN)/mkdocs build

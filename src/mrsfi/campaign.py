@@ -16,9 +16,9 @@ from mrsfi.flight import Flight, fly
 from mrsfi.regressions import keep
 from mrsfi.weaknesses import harvested
 from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.weaknesses import Way, ways
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
+from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.measure import Measure
@@ -81,7 +81,8 @@ class Campaign:
     @property
     def ways(self) -> tuple[Way, ...]:
         """The same by goal and set of faults, numbered as ``keep`` takes them."""
-        return ways(self.weaknesses)
+        with open_campaign(self.folder) as campaign:
+            return harvested(campaign).ways
 
     @property
     def digest(self) -> str:

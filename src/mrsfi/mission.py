@@ -307,7 +307,7 @@ class Mission:
         ):
             search(campaign, many, progress)
             if explain and flown_by.has_simulation:  # nobody else's is asked again
-                harvest(campaign, many)
+                harvest(campaign, many, flown_by)
         return Campaign(path)
 
     def compare(

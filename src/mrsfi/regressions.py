@@ -12,7 +12,7 @@ from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi.project import project
 from mrsfi.weaknesses import harvested
 from mrsfi_runtime.analysis.report import specification_rows
-from mrsfi_runtime.analysis.weaknesses import verdict, ways
+from mrsfi_runtime.analysis.weaknesses import verdict
 from mrsfi_runtime.causes.cause import find_cause
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.counts import Flights
@@ -117,7 +117,7 @@ def keep(
     path = campaign.folder.path
     campaign.store.require_flyable()  # counts of other rules are no limits of today's
     known = harvested(campaign)
-    found = ways(known.weaknesses)
+    found = known.ways
     if not 1 <= number <= len(found):
         has = f"1 … {len(found)}" if found else "a campaign that has weaknesses; it has none"
         raise UsageError(f"{path}: found --weakness {number}; expected {has}")

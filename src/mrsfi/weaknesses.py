@@ -1,21 +1,27 @@
 """What breaks the goals of a mission at the least, as a campaign has found out, and files of it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
-from typing import TypeVar
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
+from mrsfi.engines import own_engine
 from mrsfi_runtime.analysis import fault_tree, fmea
-from mrsfi_runtime.analysis.weaknesses import Way
+from mrsfi_runtime.analysis.drawing import Drawing, drawn
+from mrsfi_runtime.analysis.tables import as_csv
+from mrsfi_runtime.analysis.weaknesses import goal_in_words
 from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
+from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known, faults_of
 from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.files import whole_file
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.encoding import fault_texts
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.search.space import SearchSpace
@@ -24,17 +30,16 @@ FMEA = MappingProxyType({".csv": fmea.as_csv, ".md": fmea.as_markdown})
 FAULT_TREES = MappingProxyType(
     {".xml": fault_tree.as_open_psa, ".txt": fault_tree.as_pfta, ".pft": fault_tree.as_pfta}
 )
+MAPS = (".csv", ".png", ".svg")
 """What files are written as, by what their names end in."""
 
-T = TypeVar("T")
 
-
-def format_of(path: Path, known: Mapping[str, T]) -> T:
-    """Return what a file is to be written as; a name that ends otherwise is a ``UsageError``."""
+def require_format(path: Path, known: Collection[str]) -> str:
+    """Return by its ending what a file is to be written as; another one is a ``UsageError``."""
     if path.suffix not in known:
         wanted = f"a name that ends in {' or '.join(known)}"
         raise UsageError(f"{path}: found the ending '{path.suffix}'; expected {wanted}")
-    return known[path.suffix]
+    return path.suffix
 
 
 def harvested(campaign: OpenCampaign) -> Harvest:
@@ -72,15 +77,22 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
 def harvest(
     campaign: FlyableCampaign,
     evaluator: Evaluator,
+    settings: EngineSettings,
     on_flown: Callable[[Known, int, int], None] = lambda *_: None,
 ) -> Harvest:
     """Find all the ways in which goals break, as far as the campaign does not know them yet.
 
-    What is flown is recorded. ``on_flown`` is told what is known, how many flights were taken until
-    now, and how many it may take.
+    What is flown is recorded; the settings are those of what flies. ``on_flown`` is told what is
+    known, how many flights were taken until now, and how many it may take.
     """
     space = SearchSpace.of(campaign.mission, campaign.pool)
-    return find_out(space, campaign.store, evaluator.evaluate_many, on_flown)
+    seed = campaign.store.settings.mission_seed
+
+    def record(specification: Specification) -> Recording:
+        with own_engine(evaluator, campaign.code, seed, settings) as engine:
+            return engine.record(specification)
+
+    return find_out(space, campaign.store, evaluator.evaluate_many, record, on_flown)
 
 
 def mildest(
@@ -88,7 +100,7 @@ def mildest(
     evaluator: Evaluator,
     record: fmea.Record,
     found: Sequence[Way],
-    n_seeds: int = 3,
+    n_seeds: int = shrinking.N_SEEDS,
 ) -> tuple[shrinking.Mildest, ...]:
     """Find the mildest form of each of some ways to break a goal, by its gravest measure.
 
@@ -103,12 +115,39 @@ def mildest(
     n_seeds
         Mission seeds, from the campaign's on, in which a form has to break the goal.
     """
-    known = harvested(campaign).known
-    space = SearchSpace.of(campaign.mission, campaign.pool)
-    deviation = shrinking.Deviation(space, campaign.pool, record(()))
+    known, deviation = harvested(campaign).known, _deviation(campaign, record)
     shown = [way.shown for way in found]
     seeds = following(campaign.store.settings.mission_seed, n_seeds)
     return shrinking.mildest(deviation, known, shown, evaluator.evaluate_many, seeds)
+
+
+def _deviation(campaign: OpenCampaign, record: fmea.Record) -> shrinking.Deviation:
+    space = SearchSpace.of(campaign.mission, campaign.pool)
+    return shrinking.Deviation(space, record(()))
+
+
+def write_map(
+    campaign: FlyableCampaign,
+    evaluator: Evaluator,
+    record: fmea.Record,
+    way: Way,
+    path: Path,
+) -> None:
+    """Fly milder forms of a way to break a goal, and write which do; errors as in ``write_fmea``.
+
+    All are flown in the campaign's mission seed, and judged by the gravest measure.
+    """
+    kind = require_format(path, MAPS)
+    deviation, seed = _deviation(campaign, record), campaign.store.settings.mission_seed
+    tried = shrinking.tried_map(deviation, way.shown, evaluator.evaluate_many, seed)
+    if kind == ".csv":
+        content = as_csv([shrinking.Tried._fields, *tried])
+    else:
+        goal = goal_in_words(campaign.mission, way.goal)
+        title = f"{goal}, broken by {' and '.join(way.faults)}"
+        content = drawn(Drawing("tried_map", (title, tried)))[kind]
+    with whole_file(path) as file:
+        file.write(content)
 
 
 def write_fmea(
@@ -118,7 +157,7 @@ def write_fmea(
 
     What cannot be written, or ends otherwise than those of ``FMEA``, is a ``UsageError``.
     """
-    write = format_of(path, FMEA)
+    write = FMEA[require_format(path, FMEA)]
     modes = fmea.failure_modes(campaign.mission, campaign.pool, found, record)
     with whole_file(path) as file:
         file.write(write(campaign.mission, modes))
@@ -126,6 +165,6 @@ def write_fmea(
 
 def write_fault_trees(campaign: OpenCampaign, found: Sequence[Way], path: Path) -> None:
     """Write the fault tree of each goal; errors as in ``write_fmea``, by ``FAULT_TREES``."""
-    write = format_of(path, FAULT_TREES)
+    write = FAULT_TREES[require_format(path, FAULT_TREES)]
     with whole_file(path) as file:
         file.write(write(campaign.mission, campaign.pool, found))

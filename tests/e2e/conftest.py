@@ -30,7 +30,7 @@ def undrawn() -> Iterator[None]:
     empty = {".png": b"", ".svg": b""}
     here = nullcontext(SimpleNamespace(draw=drawing.draw_here))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(drawing, "_drawn", lambda _: empty)
+        patch.setattr(drawing, "drawn", lambda _: empty)
         for room in (evolve, reporting):
             patch.setattr(room, "DrawingProcesses", lambda *_: here)
         yield

@@ -42,10 +42,3 @@ def test_a_bag_that_cannot_be_written_is_named(place):
     done = mrsfi("simulate", MISSION, "--mcap", "nowhere/b.mcap", cwd=place, expected=2)
 
     assert "nowhere/b.mcap: cannot be written: No such file" in done.stderr
-
-
-def test_what_flies_many_times_writes_no_bag(place):
-    words = ("simulate", MISSION, "--each-fault", "1:2", "--mcap", "b.mcap")
-
-    assert "--mcap" in mrsfi(*words, cwd=place, expected=2).stderr
-    assert not (place / "b.mcap").exists()

@@ -1,5 +1,7 @@
 """The least that breaks a goal, of a campaign that evolved and was harvested, is told."""
 
+import pytest
+
 from tests.support.cli import mrsfi, mrsfi_json
 from tests.support.rendezvous import DEADLINE
 
@@ -30,7 +32,7 @@ def test_a_robot_is_stopped_just_as_long_as_it_takes_to_be_late(found):
 
     (timed,) = stopped["witness"]
     assert slack <= timed["finish"] - timed["start"] + 1 <= slack + 4
-    assert stopped["sentence"].startswith("stop_b: g2 is missed in ")
+    assert stopped["sentence"].startswith("stop_b: g2 is missed when at work for ")
 
 
 def test_sentences_and_flights_are_printed_and_seeds_if_asked_for(found):
@@ -41,3 +43,37 @@ def test_sentences_and_flights_are_printed_and_seeds_if_asked_for(found):
     for one in least:
         assert f"{one['number']} {one['sentence']} ({one['flights']} flight" in said
     assert "5/5" in said
+
+
+def test_values_and_windows_that_break_a_goal_are_written_as_a_table_or_drawn(found, tmp_path):
+    (stopped,) = (
+        one
+        for one in mrsfi_json("weaknesses", "runs/it", "--goal", "g2", cwd=found)
+        if (one["faults"], one["measure"]) == (["stop_b"], "true")
+    )
+    number, table, picture = str(stopped["number"]), tmp_path / "map.csv", tmp_path / "map.png"
+
+    mrsfi(*MILDEST[:2], "--map", number, str(table), *MILDEST[3:], cwd=found)
+    mrsfi(*MILDEST[:2], "--map", number, str(picture), *MILDEST[3:], cwd=found)
+
+    header, *rows = (line.split(",") for line in table.read_text("utf-8").splitlines())
+    assert header == ["off", "ticks", "is_broken"]
+    slack = DEADLINE - 50
+    assert all(is_broken == str(int(ticks) > slack) for _, ticks, is_broken in rows)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("99", "map.csv"), "--map: found 99; expected one of 1, "),
+        (("1", "map.pdf"), "found the ending '.pdf'; expected a name that ends in .csv or .png"),
+    ],
+)
+def test_a_map_of_what_there_is_not_is_refused(found, tmp_path, words, said):
+    number, name = words
+
+    refused = mrsfi(*MILDEST[:2], "--map", number, str(tmp_path / name), cwd=found, expected=2)
+
+    assert said in refused.stderr
+    assert not [*tmp_path.iterdir()]

@@ -46,7 +46,7 @@ def draw_here(drawings: Drawings) -> Callable[[], None]:
 
     def finish() -> None:
         for drawing, stem in drawings:
-            _save(_drawn(drawing), stem)
+            _save(drawn(drawing), stem)
 
     return finish
 
@@ -56,7 +56,8 @@ def _save(files: FigureFiles, stem: Path) -> None:
         stem.with_suffix(suffix).write_bytes(content)
 
 
-def _drawn(drawing: Drawing) -> FigureFiles:
+def drawn(drawing: Drawing) -> FigureFiles:
+    """Draw a figure in this process."""
     from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - matplotlib takes its time
 
     module = import_module(f"{plots.__package__}.{drawing.module}")
@@ -110,7 +111,7 @@ class DrawingProcesses:
 
         def finish() -> None:
             for drawing, files, stem in begun:
-                _save(files.result() or _drawn(drawing), stem)
+                _save(files.result() or drawn(drawing), stem)
 
         return finish
 
@@ -163,7 +164,7 @@ def main() -> None:
         os.nice(10)  # what is searched meanwhile comes first
     try:
         while True:
-            files = _drawn(pickle.load(sys.stdin.buffer))
+            files = drawn(pickle.load(sys.stdin.buffer))
             pickle.dump(files, sys.stdout.buffer)
             sys.stdout.buffer.flush()
     except EOFError:

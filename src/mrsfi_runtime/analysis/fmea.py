@@ -6,9 +6,10 @@ from functools import cache, lru_cache
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis import markdown, tables
-from mrsfi_runtime.analysis.weaknesses import Way, goal_in_words
+from mrsfi_runtime.analysis.weaknesses import goal_in_words
 from mrsfi_runtime.causes.chain import chains
 from mrsfi_runtime.causes.sentence import local_effect
+from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.model.faults import FaultPool, Specification

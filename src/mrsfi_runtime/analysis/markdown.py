@@ -9,13 +9,13 @@ from mrsfi_runtime.analysis.tables import front_table, harm_table, in_words, lis
 from mrsfi_runtime.analysis.weaknesses import (
     LISTED,
     MATRIX,
+    broken_by,
     goal_in_words,
-    least,
     listed,
     matrix,
     said,
-    verdict,
 )
+from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import flown_by
@@ -185,12 +185,13 @@ def _weaknesses(
     yield (
         "The least sets of faults, by goal: the share of the forms tried that break it by each "
         "measure, in how many mission seeds the form that is shown does, and this form. "
-        "`weaknesses/` has each by its number, as a fault specification."
+        "`weaknesses/` has each by its number, as a fault specification; of what is the least that "
+        "breaks each goal also the mildest form that was found, which is told of below."
     )
     yield table(("", *LISTED), listed(mission, pool, summary.ways))
     for way in least(summary.ways):
         yield f"### {plain(goal_in_words(mission, way.goal))}, broken by weakness {way.number}"
-        yield f"Broken by {verdict(way)}. {_COUNTS}"
+        yield f"{broken_by(way)} {_COUNTS}"
         outcome = summary.outcome(way)
         faults = named_faults(mission, pool, way.shown.witness)
         yield table(goals, [violated(outcome, summary.measure.duration)])

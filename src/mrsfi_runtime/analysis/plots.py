@@ -23,6 +23,7 @@ from matplotlib.ticker import MaxNLocator
 
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
+from mrsfi_runtime.causes.mildest import Tried
 from mrsfi_runtime.record.measure import Measure
 
 INK, SOFT, GRID, PAPER = "#1f2933", "#66737f", "#e3e8ec", "#ffffff"
@@ -242,6 +243,26 @@ def fault_types(patterns: Sequence[TypePattern], title: str) -> Figure:
         axes.tick_params(axis="y", length=0, labelcolor=INK)
         axes.grid(visible=False, axis="y")
         legend_below(figure, handles=keys)
+    return figure
+
+
+def tried_map(title: str, tried: Sequence[Tried]) -> Figure:
+    """Draw which values and windows of faults break a goal."""
+    with drawing((7.2, 4.8)) as figure:
+        axes = figure.add_subplot()
+        axes.set_title(title)
+        for is_broken, colour, words in ((False, SAND, "kept"), (True, ORANGE, "broken")):
+            points = [each for each in tried if each.is_broken is is_broken]
+            axes.scatter(
+                [each.ticks for each in points],
+                [100 * each.off for each in points],
+                marker="s",
+                color=colour,
+                label=f"{words}, {len(points)}",
+            )
+        axes.set_xlabel("ticks at work")
+        axes.set_ylabel("values off, % of their range")
+        legend_below(figure)
     return figure
 
 

@@ -22,7 +22,8 @@ from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.story import Story, places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
-from mrsfi_runtime.analysis.weaknesses import Way, goal_in_words, least, verdict
+from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
+from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
@@ -161,7 +162,7 @@ def _fly(
             figures = tuple(_of_way(way.number, story))
         told = Told(
             title=title,
-            sentence=f"Broken by {verdict(way)}.",
+            sentence=broken_by(way),
             faults=faults,
             sentences=sentences,
             outcome=summary.outcome(way),
@@ -180,7 +181,8 @@ def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str
 
 
 def _witness(layout: CampaignFolder, way: Way) -> Path:
-    return layout.weaknesses / f"{way.number:02d}.xmi"
+    kind = "-mildest" if way.is_mildest else ""
+    return layout.weaknesses / f"{way.number:02d}{kind}.xmi"
 
 
 def _of_way(number: int, story: Story) -> Iterator[Illustration]:
@@ -228,9 +230,9 @@ def _write_critical(
 def _write_witnesses(
     layout: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
 ) -> None:
-    """Write the form of each way to break a goal."""
+    """Write the form of each way to break a goal, and the mildest one where it is known."""
     _emptied(layout.weaknesses, "[0-9][0-9]*.xmi")
-    for way in summary.ways:
+    for way in {*summary.ways, *least(summary.ways)}:
         name = f"weakness_{way.number}"
         _write_xmi(pool, way.shown.witness, _witness(layout, way), name, write)
 

@@ -18,8 +18,8 @@ from mrsfi_runtime.analysis.fronts import (
     score,
 )
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
-from mrsfi_runtime.analysis.weaknesses import Way, ways
 from mrsfi_runtime.causes.harvest import Harvest, known_by
+from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import faults_of
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
@@ -138,7 +138,7 @@ def summarise(
     tops = {each.index: each.specification for each in best}
     trend = find_trend(store.generations())
     known = known_by(SearchSpace.of(mission, pool), store)
-    found = () if known is None else ways(known.weaknesses)
+    found = () if known is None else known.ways
     summary = Summary(
         folder=folder,
         mission=store.manifest.mission or mission.name,

@@ -1,11 +1,10 @@
 """What breaks which goal at the least, as people and scripts read of it."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from itertools import groupby
-from typing import Any
 
-from mrsfi_runtime.causes.weakness import MEASURES, Weakness
+from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.measure import NONE
@@ -14,63 +13,10 @@ from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 MATRIX = "Share of forms that do; (%): only believed, *: unseen by the CI, joint: with others"
 """What ``matrix`` shows."""
 
+_BREAKS = {"believed": "in what is believed", "true": "in truth", "missed": "for good"}
+
 LISTED = ("goal", *MEASURES, "seeds", "fault", "type", "window", "target", "values")
 """Columns of ``listed``, after the number."""
-
-
-@dataclass(frozen=True, slots=True)
-class Way:
-    """A way to break a goal: a least set of faults that does, and by which measures.
-
-    Attributes
-    ----------
-    number
-        Its place in the list of them, from 1.
-    goal, faults
-        IDs of the goal and of the pool's faults.
-    by
-        A weakness for each measure by which they break it, in the order of ``MEASURES``.
-    """
-
-    number: int
-    goal: str
-    faults: tuple[str, ...]
-    by: tuple[Weakness, ...]
-
-    @property
-    def shown(self) -> Weakness:
-        """That of the gravest measure: missed before true, true before believed."""
-        return self.by[-1]
-
-    @property
-    def is_unseen(self) -> bool:
-        """Whether the goal truly breaks, and the collective intelligence does not believe it."""
-        return self.shown.is_masked and self.shown.column.kind != MEASURES[0]
-
-    def as_json(self) -> list[dict[str, Any]]:
-        """Return the weaknesses as plain values."""
-        return [{"number": self.number, **each.as_json()} for each in self.by]
-
-
-def ways(found: Iterable[Weakness]) -> tuple[Way, ...]:
-    """Return weaknesses, in the order in which they are known, as ways to break goals."""
-    grouped = groupby(found, key=lambda each: (each.column.goal, each.faults))
-    return tuple(
-        Way(number, goal, faults, tuple(each))
-        for number, ((goal, faults), each) in enumerate(grouped, 1)
-    )
-
-
-def least(found: Iterable[Way]) -> tuple[Way, ...]:
-    """Return a way for each goal: of fewest faults, in truth, in most weathers, by most forms."""
-
-    def size(each: Way) -> tuple[int, bool, int, float]:
-        shown = each.shown
-        n_lost = shown.n_seeds - shown.n_held
-        return len(each.faults), shown.column.kind == MEASURES[0], n_lost, -shown.share
-
-    by_goal = groupby(found, key=lambda each: each.goal)
-    return tuple(min(some, key=size) for _, some in by_goal)
 
 
 def said(goals: Sequence[str], found: Sequence[Way], n_flights: int) -> str:
@@ -113,6 +59,20 @@ def matrix(
             yield fault.id, fault.type, *told, names[fault.id].target
 
 
+def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
+    """Return in a sentence which faults of a pool are in none of all ways to break a goal."""
+    guilty = {fault for way in found for fault in way.faults}
+    rest = [fault.id for fault in pool if fault.id not in guilty]
+    faults = _counted(len(pool), "faults")
+    if not rest:
+        return f"Each of {faults} breaks a goal in some form, alone or together with others"
+    breaks = "breaks" if len(rest) == 1 else "break"
+    return (
+        f"{len(rest)} of {faults} {breaks} no goal in any form tried, alone or together: "
+        f"{', '.join(rest)}"
+    )
+
+
 def listed(mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Iterator[tuple[str, ...]]:
     """Yield a row for each fault of each way, in the form that breaks the goal."""
     for way in found:
@@ -130,6 +90,19 @@ def listed(mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Iterator[
             first = ("", "and", *[""] * (len(MEASURES) + 1))
 
 
+def not_found(known: Known, goal: str) -> str:
+    """Return in a sentence how seldom a goal may break in a way that is not known."""
+    columns = {Column(goal, measure): words for measure, words in _BREAKS.items()}
+    parts = (
+        f"{100 * known.bound(column):.1f} % {words} (0 of {known.n_kept[column]})"
+        for column, words in columns.items()
+    )
+    return (
+        f"{goal} breaks under at most so many random specifications without these: "
+        f"{', '.join(parts)}; 95 % sure"
+    )
+
+
 def goal_in_words(mission: Mission, goal: str) -> str:
     """Return the name of a goal before its ID."""
     name = mission.goals[mission.goal_ids.index(goal)].name
@@ -139,14 +112,21 @@ def goal_in_words(mission: Mission, goal: str) -> str:
 def verdict(way: Way) -> str:
     """Return in words how firmly a way breaks its goal, and who sees it."""
     shown = way.shown
-    kinds = {"believed": "only in what is believed", "true": "in truth", "missed": "for good"}
+    kind = shown.column.kind
     alone = "alone" if len(way.faults) == 1 else "together"
+    how = f"only {_BREAKS[kind]}" if kind == MEASURES[0] else _BREAKS[kind]
     seen = ", unseen by the CI" if way.is_unseen else ""
     return (
-        f"{' and '.join(way.faults)} {alone}, {kinds[shown.column.kind]}{seen}; "
+        f"{' and '.join(way.faults)} {alone}, {how}{seen}; "
         f"{100 * shown.share:.0f} % of {shown.n_tried} forms do, "
         f"this one in {shown.n_held} of {shown.n_seeds} mission seeds"
     )
+
+
+def broken_by(way: Way) -> str:
+    """Return in sentences by what a goal is broken, and from what on if that is known."""
+    least = f" {way.mildest.sentence}." if way.mildest else ""
+    return f"Broken by {verdict(way)}.{least}"
 
 
 def _share(way: Way) -> str:

@@ -3,28 +3,36 @@
 The evaluations of a search show that goals break, under many faults at a time. So each fault is
 flown alone, in varied forms; then random specifications are drawn and reduced, as by ``cover``. If
 nothing is known to break a goal by a measure, and evaluations do, these are reduced first. What is
-found is flown in more mission seeds. A search by ``cover`` has done all but the last.
+found is flown in more mission seeds; a search by ``cover`` has done all until here. The least that
+breaks each goal is shrunk to its mildest form, which takes flights beyond those of the harvest.
 """
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from random import Random
-from typing import Any, NamedTuple
+from typing import NamedTuple, Self
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
+from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
+from mrsfi_runtime.causes.mildest import Deviation, Mildest, mildest
 from mrsfi_runtime.causes.probing import N_ALONE, Probing
+from mrsfi_runtime.causes.ways import Way, least, ways
 from mrsfi_runtime.causes.weakness import (
     Known,
     Weakness,
     Yardstick,
     broken_by,
+    columns,
     flown_with,
     in_seeds,
     yardstick_of,
 )
 from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
+from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -54,11 +62,13 @@ class Harvest:
     weaknesses
         With the number of mission seeds in which they hold.
     n_flights
-        How many it took after the search.
+        How many it took after the search, beside those for mildest forms.
     outcomes
         What came of what was flown for it in the first mission seed, unless it failed.
     yardstick
         What goals are judged by there; ``None`` if nothing is known yet.
+    mildest
+        The mildest form of what is the least that breaks each goal.
     """
 
     known: Known
@@ -66,6 +76,12 @@ class Harvest:
     n_flights: int
     outcomes: Mapping[Specification, Outcome]
     yardstick: Yardstick | None
+    mildest: tuple[Mildest, ...] = ()
+
+    @property
+    def ways(self) -> tuple[Way, ...]:
+        """The weaknesses by goal and set of faults, numbered."""
+        return ways(self.weaknesses, self.mildest)
 
 
 def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
@@ -73,14 +89,14 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
 
     One that covers knows all but other mission seeds by itself.
     """
-    kept, flights = store.kept(_KEPT, _restored), store.flights()
+    mission, seed = space.gate.mission, store.settings.mission_seed
+    kept, flights = store.kept(_KEPT, partial(_Kept.of, mission)), store.flights()
     if (
         kept is None
         or kept.n_evaluations != store.n_evaluations
         or len(flights) < max(kept.n_flights, 1)
     ):
         return _covered(space, store) if store.settings.algorithm == COVERING else None
-    mission, seed = space.gate.mission, store.settings.mission_seed
     outcomes = _searched(store)
     outcomes |= {each.specification: each.outcome for each in flights if each.mission_seed == seed}
     known, flown = Known(mission), _unfailed(outcomes)
@@ -88,13 +104,14 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
     for specification, outcome in outcomes.items():
         known.learn(specification, yardstick.broken(outcome) if outcome else frozenset())
     known.restore(kept.weaknesses, kept.n_kept)
-    return Harvest(known, kept.weaknesses, kept.n_flights, flown, yardstick)
+    return Harvest(known, kept.weaknesses, kept.n_flights, flown, yardstick, kept.mildest)
 
 
 def harvest(
     space: SearchSpace,
     store: CampaignStore,
     evaluate_many: EvaluateIn,
+    record: Callable[[Specification], Recording],
     on_flown: Callable[[Known, int, int], None] = lambda *_: None,
 ) -> Harvest:
     """Find all the ways in which goals break, with flights that are recorded as they come.
@@ -107,6 +124,8 @@ def harvest(
         The campaign, whose search has ended.
     evaluate_many
         Flies.
+    record
+        Flies in the first mission seed, and returns every tick.
     on_flown
         Told what is known, how many flights were taken until now, and how many it may take.
 
@@ -133,9 +152,9 @@ def harvest(
         return found
 
     if before is not None:
-        known, yardstick, outcomes = before.known, before.yardstick, before.outcomes
+        known, yardstick = before.known, before.yardstick
     else:
-        known, outcomes = Known(mission), {}
+        known = Known(mission)
         (fault_free,) = flights([()], seeds[0])
         yardstick = yardstick_of(mission, fault_free, seeds[0])
         known.learn((), broken_by(yardstick, fault_free))
@@ -147,13 +166,34 @@ def harvest(
     left = max(0, most - flights.n_taken)
     n_others = min(N_SEEDS - 1, left // len(flown_with(weaknesses)))
     found = in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
-    outcomes = {**outcomes, **flights.outcomes(seeds[0])}
-    ended = Harvest(known, found, flights.n_taken, outcomes, yardstick)
-    store.keep(_KEPT, _text(ended, store.n_evaluations))
+    n_taken, mild = flights.n_taken, tuple[Mildest, ...]()
+    if some := [way.shown for way in least(ways(found))]:
+        deviation = Deviation(space, record(()))
+        mild = mildest(deviation, known, some, flights, seeds[:N_MILD])
+    store.keep(_KEPT, _text(store, n_taken, known, found, mild))
+    ended = known_by(space, store)
+    assert ended is not None
     return ended
 
 
-_KEPT = "harvest"  # what it is called in a record
+_KEPT = "weaknesses"  # what it is called in a record
+
+
+def _text(
+    store: CampaignStore,
+    n_flights: int,
+    known: Known,
+    found: Iterable[Weakness],
+    mild: Iterable[Mildest],
+) -> str:
+    return encoding.canonical(
+        {
+            "numbers": [store.n_evaluations, n_flights],
+            "kept": [[*column, n_kept] for column, n_kept in known.n_kept.items()],
+            "weaknesses": [each.as_json() for each in found],
+            "mildest": [each.as_json() for each in mild],
+        }
+    )
 
 
 class _Kept(NamedTuple):
@@ -163,40 +203,23 @@ class _Kept(NamedTuple):
     n_flights: int
     n_kept: Mapping[Column, int]
     weaknesses: tuple[Weakness, ...]
+    mildest: tuple[Mildest, ...]
 
-
-def _text(found: Harvest, n_evaluations: int) -> str:
-    return encoding.canonical(
-        {
-            "numbers": [n_evaluations, found.n_flights],
-            "kept": [[*column, n_kept] for column, n_kept in found.known.n_kept.items()],
-            "weaknesses": [_row(each) for each in found.weaknesses],
-        }
-    )
-
-
-def _row(each: Weakness) -> list[Any]:
-    counts = [each.n_tried, each.n_broken, int(each.is_masked), each.n_held, each.n_seeds]
-    return [*each.column, each.faults, encoding.specification_text(each.witness), counts]
-
-
-def _restored(text: str) -> _Kept:
-    """Return what a record says; a ValueError or TypeError if it makes no sense."""
-    content = encoding.object_from_text(text)
-    if content.keys() != {"numbers", "kept", "weaknesses"}:
-        raise ValueError(f"found {text[:60]}; expected what is known of weaknesses")
-    ((n_evaluations, n_flights),) = encoding.integers([content["numbers"]])
-    n_kept = {Column(str(goal), str(kind)): int(n) for goal, kind, n in content["kept"]}
-    found = []
-    for goal, kind, faults, witness, counts in content["weaknesses"]:
-        (rows,), ((n_tried, n_broken, masked, *seeds),) = (
-            encoding.lists([witness]),
-            encoding.integers([counts]),
-        )
-        column, form = Column(str(goal), str(kind)), encoding.specification(rows)
-        names = tuple(map(str, faults))
-        found.append(Weakness(column, names, form, n_tried, n_broken, bool(masked), *seeds))
-    return _Kept(n_evaluations, n_flights, n_kept, tuple(found))
+    @classmethod
+    def of(cls, mission: Mission, text: str) -> Self:
+        """Return what a record says; a ValueError or TypeError if it makes no sense."""
+        content = encoding.object_from_text(text)
+        try:
+            ((n_evaluations, n_flights),) = encoding.integers([content["numbers"]])
+            n_kept = {Column(goal, kind): int(n) for goal, kind, n in content["kept"]}
+            found = tuple(map(Weakness.from_json, content["weaknesses"]))
+            mild = tuple(map(Mildest.from_json, content["mildest"]))
+        except KeyError as error:
+            raise ValueError(f"found {text[:60]}; expected what is known of weaknesses") from error
+        told = {*n_kept, *(each.column for each in found)}
+        if unknown := told.difference(columns(mission)):
+            raise ValueError(f"found what breaks {min(unknown)}; expected a goal of the mission")
+        return cls(n_evaluations, n_flights, n_kept, found, mild)
 
 
 def _searched(store: CampaignStore) -> dict[Specification, Outcome | None]:
@@ -273,14 +296,6 @@ class _Flights:
             self._fly(missing, seed)
         self.n_taken += len(specifications)
         return [self._found[each, seed] for each in specifications]
-
-    def outcomes(self, seed: int) -> dict[Specification, Outcome]:
-        """Return what came of all in a mission seed, unless it failed."""
-        return {
-            specification: found
-            for (specification, one), found in self._found.items()
-            if one == seed and isinstance(found, Outcome)
-        }
 
     def _fly(self, specifications: Sequence[Specification], seed: int) -> None:
         """Fly and record, also what came before an interrupt."""

@@ -7,10 +7,10 @@ of it is the mildest form that was found.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, combinations, starmap
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.causes.weakness import (
@@ -26,9 +26,15 @@ from mrsfi_runtime.causes.weakness import (
 )
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
-from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault, fault_ticks
+from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks
 from mrsfi_runtime.model.targets import touched
 from mrsfi_runtime.search.space import SearchSpace
+
+N_SEEDS = 3
+"""Mission seeds, the campaign's first among them, in which a form has to break the goal."""
+
+N_STEPS = 14
+"""Steps of values, and of windows, of a map."""
 
 _N_STARTS = 5  # forms that were flown already, of which one is sought that holds in all seeds
 _FINE = 16  # what differs by no more than this part need not be told apart
@@ -67,13 +73,17 @@ class Mildest:
         more = {"sentence": self.sentence, "flights": self.n_flights}
         return self.weakness.as_json() | more
 
+    @classmethod
+    def from_json(cls, row: Mapping[str, Any]) -> Self:
+        """Return that of plain values; errors as of a weakness."""
+        return cls(Weakness.from_json(row), str(row["sentence"]), int(row["flights"]))
+
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
     """Measures forms by what is true without faults, as a recorded flight has it."""
 
     space: SearchSpace
-    pool: FaultPool
     recording: Recording
 
     def harmless(self, timed: TimedFault) -> tuple[float, ...]:
@@ -82,7 +92,7 @@ class Deviation:
         What stands in the place of a true value is harmless where it is that; every other one, a
         delay, a difference or a percentage, at 0.
         """
-        fault, world = self.pool[timed.fault], self.recording["world"]
+        fault, world = self.space.gate.pool[timed.fault], self.recording["world"]
         targets = touched(self.space.gate.mission, fault)
         if fault.kind.mode is not Mode.FIXED or not targets:
             return (0.0,) * len(timed.values)
@@ -121,7 +131,7 @@ class Deviation:
 
     def in_words(self, timed: TimedFault) -> str:
         """Return how far values are off: ``41 off``, ``3 energy units off``, ``DELAY 9 ticks``."""
-        kind = self.pool[timed.fault].kind
+        kind = self.space.gate.pool[timed.fault].kind
         if kind.mode is not Mode.FIXED:
             return kind.in_words(timed.values)
         apart = math.dist(timed.values[:2], self.harmless(timed)[:2])
@@ -147,6 +157,39 @@ def mildest(
     """
     flown = _Flown(deviation.space, known, evaluate, seeds)
     return tuple(_mildest(deviation, known, each, flown) for each in found)
+
+
+class Tried(NamedTuple):
+    """A point of a map: how far values are off, the ticks at work, whether the goal breaks."""
+
+    off: float
+    ticks: int
+    is_broken: bool
+
+
+def tried_map(
+    deviation: Deviation, weakness: Weakness, evaluate: EvaluateIn, seed: int
+) -> tuple[Tried, ...]:
+    """Fly the witness of a weakness as far off, and for as long, as it is and in shares of that.
+
+    ``off`` is the farthest value of the faults, in shares of its range; 0 of faults without values.
+    """
+    steps = [step / N_STEPS for step in range(1, N_STEPS + 1)]
+    forms = [
+        tuple(deviation.milder(timed, off=off, after=after) for timed in weakness.witness)
+        for off in steps
+        for after in steps
+    ]
+    fault_free, *flown = evaluate([(), *forms], seed)
+    yardstick = yardstick_of(deviation.space.gate.mission, fault_free, seed)
+    return tuple(
+        Tried(
+            max(map(deviation.share, tried)),
+            fault_ticks(tried, deviation.space.duration),
+            weakness.column in broken_by(yardstick, each),
+        )
+        for tried, each in zip(forms, flown, strict=True)
+    )
 
 
 class _Flown:
@@ -215,15 +258,17 @@ def _shrunk(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flow
 
 def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flown) -> Mildest:
     before, column = flown.n_flown, weakness.column
+    faults = frozenset(weakness.faults)
     shrunk = form(_shrunk(deviation, known, weakness, flown))
+    as_flown = {form(each): each for each in known.breaking(column, faults)}
     least = replace(
         weakness,
-        witness=shrunk,
+        witness=as_flown.get(shrunk, shrunk),
         is_masked=column._replace(kind="believed") not in flown.broken[0][shrunk],
         n_held=flown.n_held(column, shrunk),
         n_seeds=len(flown.broken),
     )
-    tried = flown.tried(column, frozenset(weakness.faults))
+    tried = flown.tried(column, faults)
     return Mildest(least, _sentence(deviation, least, tried), flown.n_flown - before)
 
 
@@ -247,7 +292,9 @@ def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specificatio
     def words(each: Specification) -> str:
         return deviation.in_words(each[0]) if is_off else ticks(each)
 
-    how = f"from {words(found)} for {ticks(found)}" if is_off else f"in {ticks(found)}"
+    how = (
+        f"from {words(found)} for {ticks(found)}" if is_off else f"when at work for {ticks(found)}"
+    )
     least = min(size(each) for each, is_broken in tried.items() if is_broken)
     kept = [each for each in tried if size(each) < least]
     less = "nothing less that was tried kept it"

@@ -10,6 +10,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from operator import itemgetter
 from typing import Any, Self, TypeAlias
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
@@ -18,6 +19,7 @@ from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.record import encoding
 
 MEASURES = ("believed", "true", "missed")
 """Counts of an outcome by which a goal may be broken; masked and phantom follow from two."""
@@ -258,6 +260,22 @@ class Weakness:
             "masked": self.is_masked,
             "label": self.label,
         }
+
+    @classmethod
+    def from_json(cls, row: Mapping[str, Any]) -> Self:
+        """Return that of plain values; a Value-, Type- or KeyError if they make no sense."""
+        wanted = itemgetter("fault", "start", "finish", "values")
+        n_tried, seeds = int(row["tried"]), row["seeds"]
+        return cls(
+            Column(str(row["goal"]), str(row["measure"])),
+            tuple(map(str, row["faults"])),
+            encoding.specification(map(wanted, row["witness"])),
+            n_tried,
+            round(float(row["share"]) * n_tried),
+            bool(row["masked"]),
+            int(seeds["held"]),
+            int(seeds["of"]),
+        )
 
 
 def flown_with(found: Iterable[Weakness]) -> tuple[Specification, ...]:

@@ -174,7 +174,7 @@ def _search(
             _run(campaign, evaluator)
             is_new = store.n_generations > n_generations
             if explains and settings.has_simulation:
-                is_new |= _harvest(campaign, evaluator)
+                is_new |= _harvest(campaign, evaluator, settings)
     except (KeyboardInterrupt, TransportError, WorkerLost):
         tell(f"what was found until now is kept; see it with: mrsfi report {path}")
         tell(f"go on with: mrsfi evolve --resume {path}")
@@ -192,10 +192,10 @@ def _run(campaign: FlyableCampaign, evaluator: Evaluator) -> None:
         search(campaign, evaluator, progress)
 
 
-def _harvest(campaign: FlyableCampaign, evaluator: Evaluator) -> bool:
+def _harvest(campaign: FlyableCampaign, evaluator: Evaluator, settings: EngineSettings) -> bool:
     """Find all the ways in which goals break; return whether anything was flown."""
     try:
-        return show_harvest(campaign, evaluator)
+        return show_harvest(campaign, evaluator, settings)
     except WorkerLost:
         raise
     except EvaluationError as error:

@@ -11,7 +11,8 @@ from mrsfi_runtime.analysis.drawing import Draw
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
-from mrsfi_runtime.analysis.weaknesses import least, said
+from mrsfi_runtime.analysis.weaknesses import said
+from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.tables import critical_tables, plain_table
 from mrsfi_runtime.cli.terminal import print_table
@@ -60,13 +61,9 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     folder, measure = campaign.folder, summary.measure
     mission, pool = campaign.mission, campaign.pool
     if summary.harvest is not None and summary.ways:
-        shown = least(summary.ways)
         click.echo(f"{said(mission.goal_ids, summary.ways, summary.harvest.n_flights)}\n")
         print_ways(mission, pool, summary.ways)
-        print_list(mission, pool, shown, "The least that breaks each goal")
-        for way in shown:
-            for sentence in summary.sentences.get(way.number, ()):
-                click.echo(f"{way.number} {way.goal}: {sentence}\n")
+        _print_least(campaign, summary)
     else:
         n_top, n_distinct = len(summary.top), summary.n_distinct
         title = f"The {n_top} most critical of {n_distinct} fault specifications"
@@ -85,6 +82,22 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     click.echo(f"campaign        {folder.path}")
     click.echo(f"evaluations     {summary.n_evaluations}, failed {summary.n_failures}")
     click.echo(f"digest          {summary.digest}")
+
+
+def _print_least(campaign: OpenCampaign, summary: Summary) -> None:
+    """Print what is the least that breaks each goal, in its mildest form, and how that comes."""
+    shown = least(summary.ways)
+    print_list(
+        campaign.mission,
+        campaign.pool,
+        shown,
+        "The least that breaks each goal, in its mildest form",
+    )
+    for way in shown:
+        if way.mildest is not None:
+            click.echo(f"{way.number} {way.mildest.sentence}\n")
+        for sentence in summary.sentences.get(way.number, ()):
+            click.echo(f"{way.number} {way.goal}: {sentence}\n")
 
 
 def _print_front(front: Front) -> None:

@@ -7,37 +7,47 @@ from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from time import monotonic
+from typing import Any
 
 import click
 from rich.table import Table
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_campaign, open_to_fly
-from mrsfi.engines import opened, own_engine
+from mrsfi.engines import own_engine
 from mrsfi.weaknesses import (
     FAULT_TREES,
     FMEA,
-    format_of,
+    MAPS,
     harvest,
     harvested,
     mildest,
+    require_format,
     untried,
     write_fault_trees,
     write_fmea,
+    write_map,
 )
-from mrsfi_runtime.analysis.weaknesses import LISTED, MATRIX, Way, listed, matrix, said, ways
-from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, in_seeds
+from mrsfi_runtime.analysis.weaknesses import (
+    LISTED,
+    MATRIX,
+    harmless,
+    listed,
+    matrix,
+    not_found,
+    said,
+)
+from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.weakness import Known, Weakness, in_seeds
 from mrsfi_runtime.cli.console import counted, print_json, tell
 from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
-from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-from mrsfi_runtime.record.measure import NONE
 from mrsfi_runtime.record.settings import following
 
 _MOST_UNTRIED = 10
@@ -57,7 +67,7 @@ def weaknesses(
     is_bounds: bool,
     is_mildest: bool = False,
     is_json: bool,
-    **files: Path | None,
+    **files: Any,
 ) -> None:
     """Print the weaknesses of a campaign, of one goal or all."""
     if is_bounds and not is_json:
@@ -67,9 +77,9 @@ def weaknesses(
         if goal is not None and goal not in mission.goal_ids:
             raise UsageError(f"--goal: found '{goal}'; {expected(goal, mission.goal_ids)}")
         known = harvested(campaign)
-        found = [way for way in ways(known.weaknesses) if goal in {None, way.goal}]
+        found = [way for way in known.ways if goal in {None, way.goal}]
         never = () if is_json else untried(campaign)
-        _write(campaign, found, engine, **files)
+        _write(campaign, found, engine, workers, **files)
     told = mission.goal_ids if goal is None else (goal,)
     if is_bounds:
         print_json(
@@ -97,10 +107,8 @@ def weaknesses(
     if found:
         print_ways(mission, pool, found)
         print_list(mission, pool, found, "How, in one of the forms that do")
-    print_table(
-        "At most so many random specifications without any of these break it, too (95 % sure)",
-        plain_table(("goal",), MEASURES, _bounds(known.known, told)),
-    )
+    click.echo("\n".join(not_found(known.known, each) for each in told) + "\n")
+    click.echo(harmless(pool, known.ways))
     n_faults = len(pool)
     click.echo(
         f"Of {n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs, never flown: "
@@ -114,13 +122,13 @@ def harvest_now(run: Path, engine: EngineOptions, workers: WorkerOptions, *, is_
     with (
         only_writer(CampaignFolder(run)),
         open_to_fly(run, tell) as campaign,
-        _evaluator(campaign, engine, workers) as (evaluator, _),
+        _evaluator(campaign, engine, workers) as (evaluator, settings),
     ):
-        show_harvest(campaign, evaluator)
+        show_harvest(campaign, evaluator, settings)
     weaknesses(run, None, None, engine=engine, workers=workers, is_bounds=False, is_json=is_json)
 
 
-def show_harvest(campaign: FlyableCampaign, evaluator: Evaluator) -> bool:
+def show_harvest(campaign: FlyableCampaign, evaluator: Evaluator, settings: EngineSettings) -> bool:
     """Find all the ways in which goals break, and tell; return whether anything was flown."""
     n_before = len(campaign.store.flights())
     told = -math.inf
@@ -131,7 +139,7 @@ def show_harvest(campaign: FlyableCampaign, evaluator: Evaluator) -> bool:
             told = monotonic()
             tell(f"harvest  {n_flown} of at most {n_most} flights  {_found(known.weaknesses())}")
 
-    found = harvest(campaign, evaluator, tell_of)
+    found = harvest(campaign, evaluator, settings, tell_of)
     is_new = len(campaign.store.flights()) > n_before
     if is_new:
         tell(f"harvest  {counted(found.n_flights, 'flights')}  {_found(found.weaknesses)}")
@@ -142,21 +150,6 @@ def _found(weaknesses: Iterable[Weakness]) -> str:
     found = {(each.column.goal, each.faults) for each in weaknesses}
     goals = {goal for goal, _ in found}
     return f"{counted(len(found), 'ways')} to break {counted(len(goals), 'goals')}"
-
-
-def _bounds(known: Known, goals: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each goal: the bound by each measure, after how many draws."""
-    for goal in goals:
-        columns = [Column(goal, measure) for measure in MEASURES]
-        yield (
-            goal,
-            *(
-                f"{100 * known.bound(each):.1f}% (0 of {known.n_kept[each]})"
-                if known.n_kept[each]
-                else NONE
-                for each in columns
-            ),
-        )
 
 
 def _in_seeds(
@@ -187,13 +180,9 @@ def _tell_mildest(
     is_json: bool,
 ) -> None:
     """Print the mildest form of each of some ways to break a goal."""
-    with (
-        open_to_fly(run, tell) as campaign,
-        _evaluator(campaign, engine, workers) as (evaluator, settings),
-    ):
+    with _flying(run, engine, workers) as (campaign, evaluator, own):
         mission, seed = campaign.mission, campaign.store.settings.mission_seed
-        with own_engine(evaluator, campaign.code, seed, settings) as own:
-            least = mildest(campaign, evaluator, own.record, found)
+        least = mildest(campaign, evaluator, own.record, found)
         forms = tuple(each.weakness for each in least)
         if n_seeds is not None:
             forms = in_seeds(mission, forms, evaluator.evaluate_many, following(seed, n_seeds))
@@ -210,6 +199,20 @@ def _tell_mildest(
     print_list(mission, campaign.pool, shown, "The mildest form that was found")
     for way, each, _ in told:
         click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
+
+
+@contextmanager
+def _flying(
+    run: Path, engine: EngineOptions, workers: WorkerOptions
+) -> Iterator[tuple[FlyableCampaign, Evaluator, Engine]]:
+    """Yield a campaign, what evaluates specifications of it, and what records one."""
+    with (
+        open_to_fly(run, tell) as campaign,
+        _evaluator(campaign, engine, workers) as (evaluator, settings),
+    ):
+        seed = campaign.store.settings.mission_seed
+        with own_engine(evaluator, campaign.code, seed, settings) as own:
+            yield campaign, evaluator, own
 
 
 @contextmanager
@@ -264,22 +267,28 @@ def _write(
     campaign: OpenCampaign,
     found: Sequence[Way],
     engine: EngineOptions,
+    workers: WorkerOptions,
+    drawn: tuple[int, Path] | None = None,
     fmea: Path | None = None,
     fault_tree: Path | None = None,
 ) -> None:
     """Write the files that are wanted of weaknesses, and tell of each."""
-    for path, known in ((fmea, FMEA), (fault_tree, FAULT_TREES)):
-        if path is not None:
-            format_of(path, known)
-    if fmea is not None:
-        with open_to_fly(campaign.folder.path, tell) as flown:
-            recorded = flown.store.manifest.engine
-            settings = engine.settings(recorded if recorded.is_foreign else None, AUTO)
-            seed = flown.store.settings.mission_seed
-            settings = settings.tried(flown.code, seed, tell, waits=False)
-            with opened(flown.code, seed, settings, tell) as flown_by:
-                write_fmea(flown, found, flown_by.record, fmea)
+    number, map_path = drawn or (0, None)
+    files = {fmea: FMEA, fault_tree: FAULT_TREES, map_path: MAPS}
+    wanted = [path for path in files if path is not None]
+    for path in wanted:
+        require_format(path, files[path])
+    drawn_of = [way for way in found if way.number == number]
+    if drawn is not None and not drawn_of:
+        numbers = ", ".join(str(way.number) for way in found) or "none, because nothing breaks"
+        raise UsageError(f"--map: found {number}; expected one of {numbers}")
     if fault_tree is not None:
         write_fault_trees(campaign, found, fault_tree)
-    for path in filter(None, (fmea, fault_tree)):
+    if fmea is not None or map_path is not None:
+        with _flying(campaign.folder.path, engine, workers) as (flown, evaluator, own):
+            if fmea is not None:
+                write_fmea(flown, found, own.record, fmea)
+            if map_path is not None:
+                write_map(flown, evaluator, own.record, drawn_of[0], map_path)
+    for path in wanted:
         tell(f"written    {path}")

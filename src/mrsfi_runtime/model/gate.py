@@ -109,10 +109,10 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
     def __init__(self, mission: Mission, pool: FaultPool) -> None:
         super().__init__()
         self.mission = mission
-        self._pool = pool
+        self.pool = pool
 
     def __missing__(self, fault_id: str) -> tuple[FaultType, int, tuple[Target | str, ...]]:
-        fault = self._pool[fault_id]
+        fault = self.pool[fault_id]
         keys: tuple[Target | str, ...] = (fault_id, *touched(self.mission, fault))
         parameters = fault.kind.parameters
         is_any = fault.kind.mode is not Mode.RANDOM and not any(p.is_integer for p in parameters)

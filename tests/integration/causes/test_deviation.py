@@ -14,11 +14,11 @@ CODE = paper_code(duration=60)
 @pytest.fixture(scope="module")
 def deviation():
     with EngineSettings().open(CODE, 1) as engine:
-        return Deviation(SearchSpace.of(CODE.mission, CODE.pool), CODE.pool, engine.record(()))
+        return Deviation(SearchSpace.of(CODE.mission, CODE.pool), engine.record(()))
 
 
 def harmless(deviation, fault, start=0):
-    own = deviation.pool[fault].values
+    own = CODE.pool[fault].values
     return deviation.harmless(TimedFault(fault, start, 59, own))
 
 

@@ -8,5 +8,5 @@ from mrsfi_runtime.analysis import drawing
 
 empty = {".png": b"", ".svg": b""}
 replaced: Any = drawing
-replaced._drawn = lambda _: empty
+replaced.drawn = lambda _: empty
 replaced.DrawingProcesses = lambda *_: nullcontext(SimpleNamespace(draw=drawing.draw_here))

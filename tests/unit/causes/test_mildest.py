@@ -5,12 +5,12 @@ import re
 import pytest
 
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.mildest import Deviation, mildest
+from mrsfi_runtime.causes.mildest import N_STEPS, Deviation, mildest, tried_map
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
-from tests.support.search import outcome_of, paper_space, pool_of
+from tests.support.search import outcome_of, paper_space
 
 SPACE = paper_space()
 KEPT, BROKEN = outcome_of(*[0] * 6), outcome_of(1, 0, 0, 0, 0, 0)
@@ -18,7 +18,7 @@ TRUE = {
     "robots": [{"x": 0.0, "y": 100.0, "z": 1.0}] * 3,
     "sensors": [{"rate": 40.0}] * len(SPACE.gate.mission.sensors),
 }
-DEVIATION = Deviation(SPACE, pool_of(), {"world": [TRUE]})
+DEVIATION = Deviation(SPACE, {"world": [TRUE]})
 G1 = Column("g1", "true")
 BLOCK, LESS, PLACE, RATE, RANDOM, STOP = "f2", "f4", "f11", "f12", "f21", "f26"
 
@@ -76,7 +76,8 @@ def test_what_breaks_for_long_enough_is_told_by_its_ticks():
     found = shrunk(alone(lambda each: each.finish - each.start >= 9), (whole(STOP),))
 
     assert re.fullmatch(
-        r"f26: g1 breaks in 10 ticks; up to 9 ticks never, in \d+ tries", found.sentence
+        r"f26: g1 breaks when at work for 10 ticks; up to 9 ticks never, in \d+ tries",
+        found.sentence,
     )
 
 
@@ -163,3 +164,20 @@ def test_what_fails_breaks_nothing_but_without_faults_it_is_an_error():
     assert found.weakness.witness == (whole(STOP),)
     with pytest.raises(EvaluationError, match="without faults, in mission seed 2: it failed"):
         mildest(DEVIATION, known, known.weaknesses(), failing, (1, 2))
+
+
+def test_a_map_has_every_step_of_value_and_window_and_what_breaks():
+    def breaks(drawn, _seed):
+        return drawn[0].values[0] >= 45.0 and drawn[0].finish >= 499
+
+    known = Known(SPACE.gate.mission)
+    known.learn((whole(LESS, 90.0),), frozenset([G1]))
+    (weakness,) = known.weaknesses()
+
+    tried = tried_map(DEVIATION, weakness, Stand(breaks), 1)
+
+    assert {(each.off, each.ticks) for each in tried if each.is_broken} == {
+        (each.off, each.ticks) for each in tried if each.off >= 0.45 and each.ticks >= 500
+    }
+    assert len({each.off for each in tried}) == len({each.ticks for each in tried}) == N_STEPS
+    assert max(tried) == (0.9, SPACE.duration, True)

@@ -30,6 +30,7 @@ Examples:
   mrsfi weaknesses runs/cover --goal g2
   mrsfi weaknesses runs/cover --seeds 5
   mrsfi weaknesses runs/cover --goal g2 --mildest
+  mrsfi weaknesses runs/cover --map 3 runs/map.png
   mrsfi weaknesses runs/cover --fmea runs/fmea.csv --fault-tree runs/trees.xml
   mrsfi weaknesses runs/cover --bounds --json
   mrsfi weaknesses runs/cover --json | jq '.[] | select(.masked)'
@@ -45,6 +46,13 @@ _FILE = click.Path(path_type=Path, dir_okay=False)
     "--seeds", "n_seeds", type=click.IntRange(1, 1000), metavar="N", help="Fly in N mission seeds."
 )
 @click.option("--mildest", "is_mildest", is_flag=True, help="Find the least that does it.")
+@click.option(
+    "--map",
+    "drawn",
+    type=(int, _FILE),
+    metavar="N FILE",
+    help="Draw which values and windows of number N do: .csv, .png, .svg.",
+)
 @click.option("--fmea", type=_FILE, metavar="FILE", help="Write failure modes: .csv or .md.")
 @click.option("--fault-tree", type=_FILE, metavar="FILE", help="Write .xml, or .txt for pfta.")
 @worker_options
