@@ -176,7 +176,8 @@ def test_it_flies_at_most_as_often_as_the_search_did(place, n_seeds):
     found = mrsfi_json(*evolve, *ONE, "--out", "out", cwd=place)
 
     assert found["n_evaluations"] == 40
-    assert 0 < found["weaknesses"]["n_flown"] == len(rows(place / "out")) <= 40 * n_seeds
+    n_recorded = len(rows(place / "out"))  # with the flights that sought mildest forms
+    assert 0 < found["weaknesses"]["n_flown"] <= min(40 * n_seeds, n_recorded)
 
 
 def test_too_few_flights_for_any_leave_the_ten_most_critical(place):
