@@ -13,7 +13,7 @@
 A test that belongs to the rest is marked ``@slow``. One that takes seeds takes ``seeds(…)``,
 and leaves all but the first few of them to the rest; one that is slow for each of its values
 takes ``in_turn(…)``, and what draws inside of a test asks ``is_due(…)``. One that takes more than
-ten seconds of work is marked ``@pytest.mark.turn(…)``, too. Of any other slow test with several
+five seconds of work is marked ``@pytest.mark.turn(…)``, too. Of any other slow test with several
 values, the first runs every day and the others have turns. Laws of hypothesis are
 multiplied by tier. Whose turn it is follows from the date of the commit, so that three days run
 all of it and one commit always the same.

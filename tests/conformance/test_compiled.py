@@ -265,7 +265,7 @@ compiling.stub_of = lambda *given: stub_of(*given)._replace(key="one")
 
 
 @slow
-@pytest.mark.turn(1)
+@pytest.mark.turn(2)
 def test_compiled_code_of_another_region_is_found_out_by_every_process_and_compiled_anew(
     tmp_path, monkeypatch
 ):

@@ -32,8 +32,8 @@ FEW = {
     "three robots": (shape(3, 2, ("Visit", "GatherSamples"), seed=5), 60, 20),
 }
 MANY = {
-    "eleven robots": (shape(11, 4, ("AvoidCollision", "Patrol", "Track"), seed=1), 40, 6),
     "fifty robots": (shape(50, 3, ("Stay",), seed=15), 20, 6),
+    "eleven robots": (shape(11, 4, ("AvoidCollision", "Patrol", "Track"), seed=1), 40, 6),
 }
 """Shape, the longest mission in ticks, and how many missions are drawn."""
 
@@ -146,7 +146,7 @@ def test_drawn_missions_of_few_robots_fly_alike(tmp_path_factory, name):
     assert all(coverage.changed[kind] for kind in FAULT_TYPES)
 
 
-@pytest.mark.parametrize("name", in_turn(MANY, 1))
+@pytest.mark.parametrize("name", in_turn(MANY, len(FEW)))
 def test_drawn_missions_of_many_robots_fly_alike(tmp_path_factory, name):
     """Draws 12 missions, and 120 specifications; most fault types and half the goals matter."""
     coverage = fly_alike(tmp_path_factory, *MANY[name])

@@ -226,6 +226,7 @@ def test_a_weakness_is_kept_and_checked(found, tmp_path):
 
 
 @slow
+@pytest.mark.turn(0)
 def test_algorithms_are_compared_as_by_command(uuv, place):
     given = ("--algorithms", "random,drift", "--seeds", "2", "--evaluations", "6")
     by_command = mrsfi_json(
@@ -256,6 +257,7 @@ def _pytest(place):
 
 
 @slow
+@pytest.mark.turn(2)
 def test_kept_weaknesses_are_tests_of_pytest(place):
     assert "1 passed" in _pytest(place).stdout
 

@@ -13,6 +13,8 @@ from tests.support.rendezvous import NAME as RENDEZVOUS
 from tests.support.rendezvous import write_rendezvous
 from tests.tiers import slow
 
+pytestmark = pytest.mark.turn(0)
+
 FAST = ("--engine", "reference")
 COMPILED = ("--engine", "compiled")
 """For the paper's mission, which other tests have compiled."""

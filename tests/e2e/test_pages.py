@@ -45,7 +45,7 @@ ELSEWHERE = {
 HOURS = ("docs/search.md", "docs/compare.md")
 SHORTER = {"compare": "--seeds 2 --evaluations 2 --engine reference", "evolve": "--evaluations 5"}
 KEPT = ("HOME", "LANG", "MRSFI_CACHE")
-DRAWN = 1
+DRAWN = 2
 """When README's figures are drawn, which takes as long as the rest of it; others' never are."""
 LEFT_OUT = re.compile(r"<!-- not run: ([^>]+) -->\n\n?```\w+\n")
 

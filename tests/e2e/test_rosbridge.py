@@ -27,6 +27,8 @@ from tests.support.processes import children, is_running
 from tests.support.rosbridge import process
 from tests.tiers import slow
 
+pytestmark = pytest.mark.turn(1)
+
 ROSBRIDGE = ("--engine", "rosbridge")
 TINY = ("--population", "4", "--generations", "1", "--workers", "1")
 REFERENCE = ("--engine", "reference")
@@ -103,7 +105,6 @@ def test_logs_traces_and_bags_are_the_same(place):
 
 
 @slow
-@pytest.mark.turn(1)
 def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_how(quick):
     digests = []
     for name, options in (("local", REFERENCE), ("bus", (*ROSBRIDGE, "--client", "twisted"))):
@@ -133,7 +134,6 @@ def test_a_campaign_with_bundles_finds_the_same_and_records_how(quick):
 
 
 @slow
-@pytest.mark.turn(2)
 def test_replications_share_one_server(quick, url):
     file = quick / "models" / QUICK / "case_a.toml"
     edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")

@@ -78,6 +78,7 @@ def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
 
 
 @slow
+@pytest.mark.turn(1)
 def test_kills_inside_a_write_leave_nothing_to_repair(place):
     undisturbed = begin(place / "written", place / "models" / MISSION, MANY)
     n_all = finished(WRITE, undisturbed)
