@@ -16,6 +16,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 BASE := $(VENV)/.installed
 DEV := $(VENV)/.installed-dev
+DOCS := $(VENV)/.installed-docs
+INTEROP := $(VENV)/.installed-interop
 SETUP := pyproject.toml constraints.txt
 PYTEST := $(BIN)/python -m pytest --numprocesses auto
 OURS := --dist worksteal --ignore=tests/interop --ignore=tests/release
@@ -42,7 +44,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help install generate validate simulate evolve report regressions quick test test-all test-night interop release check docs site clean
+.PHONY: help install generate validate simulate evolve report regressions quick test test-all test-night interop release check site clean
 
 help: ## print this list
 	@echo "Targets:"
@@ -88,8 +90,7 @@ test-night: $(DEV) generate ## run make test-all with all seeds, then make inter
 	$(PYTEST) $(OURS) --tier night
 	$(MAKE) interop release
 
-interop: $(DEV) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, pfta, Chromium
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples,interop]"
+interop: $(INTEROP) generate ## compare with the real Eclipse, Epsilon, roslibpy, roslib, MuJoCo, pfta, Chromium
 	$(PYTEST) --dist loadfile --no-loadscope-reorder --tier $(TIER) tests/interop
 
 release: $(DEV) ## build sdist and wheel into dist/, and run the tutorial from the wheel in clean environments
@@ -109,17 +110,7 @@ check: $(DEV) ## check formatting, lint, types, imports and that generated code 
 	done
 	$(BIN)/python -m m2t.classes generated/metamodel --check
 
-docs: $(BASE) ## regenerate docs/fault-effects/: what each fault of a pool does, alone
-	@mkdir -p docs/fault-effects
-	$(BIN)/mrsfi simulate uuv_sampling --each-fault 100:900 --seeds 40 \
-	  --markdown docs/fault-effects/uuv_sampling.md
-	$(BIN)/mrsfi simulate tight_margins --each-fault 60:180 --seeds 40 \
-	  --markdown docs/fault-effects/tight_margins.md
-	$(BIN)/mrsfi simulate tight_energy --each-fault 60:340 --seeds 40 \
-	  --markdown docs/fault-effects/tight_energy.md
-
-site: $(BASE) ## build the documentation as a site into site/; a link that leads nowhere is an error
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+site: $(DOCS) ## build the documentation as a site into site/; a link that leads nowhere is an error
 	$(BIN)/mkdocs build
 
 clean: ## remove .venv, caches and build products; campaigns in runs/ stay
@@ -134,6 +125,14 @@ $(BASE): $(SETUP) | $(VENV)/.created
 $(DEV): $(SETUP) | $(VENV)/.created
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev,fast]"
 	@touch $(BASE) $@
+
+$(DOCS): $(BASE)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+	@touch $@
+
+$(INTEROP): $(DEV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[browser,examples,interop]"
+	@touch $@
 
 $(VENV)/.created:
 	@python=; set -- $(pythons); \

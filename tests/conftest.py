@@ -17,6 +17,7 @@ from tests.timing import Timing
 
 # Hundreds of processes begin in the tests; each would compile every module that it imports.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+os.environ.pop("COLUMNS", None)  # tables are as wide as in any pipe, whoever runs the tests
 os.environ.setdefault("MRSFI_CACHE", str(ROOT / ".pytest_cache" / "mrsfi"))
 
 _LEFT = pytest.StashKey[Counter[str]]()
@@ -88,12 +89,6 @@ def pytest_terminal_summary(
         terminalreporter.section(f"{left.total():,} tests left to other days and make test-night")
     for file, n in left.most_common():
         terminalreporter.write_line(f"{n:8,}  {file}")
-
-
-@pytest.fixture(autouse=True)
-def width_of_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let tables be as wide as in any pipe: whoever runs the tests may have COLUMNS."""
-    monkeypatch.delenv("COLUMNS", raising=False)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -12,8 +12,9 @@
 
 A test that belongs to the rest is marked ``@slow``. One that takes seeds takes ``seeds(…)``,
 and leaves all but the first few of them to the rest; one that is slow for each of its values
-takes ``in_turn(…)``, and what draws inside of a test asks ``is_due(…)``. Of any other slow test
-with several values, the first runs every day and the others have turns. Laws of hypothesis are
+takes ``in_turn(…)``, and what draws inside of a test asks ``is_due(…)``. One that takes more than
+five seconds of work is marked ``@pytest.mark.turn(…)``, too. Of any other slow test with several
+values, the first runs every day and the others have turns. Laws of hypothesis are
 multiplied by tier. Whose turn it is follows from the date of the commit, so that three days run
 all of it and one commit always the same.
 """
@@ -93,7 +94,7 @@ class Tier:
         if _is_law(item):
             turns.append(crc32(item.nodeid.encode()))
         elif not turns and item.get_closest_marker("slow") is not None:
-            place = sum(_places(item))
+            place = sum({*_places(item)})  # pytest gives parameters of one product one place
             turns = [place] if place else []
         return self.takes_turns and bool(turns) and sum(turns) % N_TURNS != today
 

@@ -30,8 +30,10 @@ FMEA = MappingProxyType({".csv": fmea.as_csv, ".md": fmea.as_markdown})
 FAULT_TREES = MappingProxyType(
     {".xml": fault_tree.as_open_psa, ".txt": fault_tree.as_pfta, ".pft": fault_tree.as_pfta}
 )
-MAPS = (".csv", ".png", ".svg")
 """What files are written as, by what their names end in."""
+
+MAPS = (".csv", ".png", ".svg")
+"""What the name of a map may end in."""
 
 
 def require_format(path: Path, known: Collection[str]) -> str:

@@ -24,7 +24,7 @@ from tests.support.models.shapes import (
     shape,
     write,
 )
-from tests.tiers import in_turn, slow
+from tests.tiers import in_turn
 
 N_SPECIFICATIONS = 10
 FEW = {
@@ -32,8 +32,8 @@ FEW = {
     "three robots": (shape(3, 2, ("Visit", "GatherSamples"), seed=5), 60, 20),
 }
 MANY = {
-    "eleven robots": (shape(11, 4, ("AvoidCollision", "Patrol", "Track"), seed=1), 40, 6),
     "fifty robots": (shape(50, 3, ("Stay",), seed=15), 20, 6),
+    "eleven robots": (shape(11, 4, ("AvoidCollision", "Patrol", "Track"), seed=1), 40, 6),
 }
 """Shape, the longest mission in ticks, and how many missions are drawn."""
 
@@ -130,15 +130,6 @@ def fly_alike(folders, of, longest, n_missions):
     flies_alike()
     assert coverage.n_flights >= n_missions * (N_SPECIFICATIONS + len(FAULT_TYPES))
     return coverage
-
-
-@slow
-@pytest.mark.parametrize("name", ["three robots", "fifty robots"])
-def test_some_drawn_missions_fly_alike(tmp_path_factory, name):
-    """What they cover depends on the draw; each task and type has tests of its own."""
-    of, longest, _ = (FEW | MANY)[name]
-
-    fly_alike(tmp_path_factory, of, longest, n_missions=1)
 
 
 @pytest.mark.parametrize("name", in_turn(FEW))

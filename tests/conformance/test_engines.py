@@ -20,7 +20,7 @@ from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 from tests.support.bags import bagged
 from tests.support.trace import columns, traced
 from tests.support.world import code_of, paper_code, specifications
-from tests.tiers import slow
+from tests.tiers import in_turn, slow
 
 SEED = 5
 OTHERS = ("tight_margins", "tight_energy")
@@ -63,7 +63,7 @@ def test_values_at_their_limits_lead_to_the_same_bits(engine):
     assert traced(engine, specification) == expected
 
 
-@pytest.mark.parametrize("name", [pytest.param("compiled", marks=slow), "rosbridge"])
+@pytest.mark.parametrize("name", [*in_turn(["compiled"], 2), "rosbridge"])
 def test_a_mission_in_which_every_fault_matters_flies_alike(name):
     code = code_of("tight_margins")
     reference = ReferenceEngine(code, 1)

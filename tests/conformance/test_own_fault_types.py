@@ -208,6 +208,7 @@ SPECIFICATIONS = [
 
 
 @slow
+@pytest.mark.turn(1)
 def test_both_engines_agree_also_after_other_specifications(code):
     reference = ReferenceEngine(code, 3)
     expected = [reference.evaluate(specification) for specification in SPECIFICATIONS]

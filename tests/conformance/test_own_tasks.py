@@ -3,11 +3,12 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from m2t.generate import generate, stale
-from mrsfi_runtime.causes.chain import chains
-from mrsfi_runtime.causes.observed import known
+from mrsfi_runtime.causes.chain import Chain, Change, First, chain, chains
+from mrsfi_runtime.engine.recording import moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
@@ -98,10 +99,10 @@ def test_what_differs_in_memory_stands_in_the_chain_of_a_fault(generated, name):
     code = replace(load_code(generated), pool=POOL)
 
     with EngineSettings(name).open(code, 1) as engine:
-        (chain,) = chains(engine.record, code.mission, SPECIFICATION)
+        (found,) = chains(engine.record, code.mission, SPECIFICATION)
 
-    assert chain.belief.tick == 10
-    near = {change.quantity: change for change in chain.belief.changes if change.owner == "near"}
+    assert found.belief.tick == 10
+    near = {change.quantity: change for change in found.belief.changes if change.owner == "near"}
     assert [*near] == ["memory[0]", "memory[1]"]
     assert near["memory[0]"][2:] == ((1.0,), (0.0,))
     assert near["memory[1]"].found == (pytest.approx(math.dist((500.0, 500.0), (30.0, 0.0))),)
@@ -109,13 +110,13 @@ def test_what_differs_in_memory_stands_in_the_chain_of_a_fault(generated, name):
 
 def test_memory_alone_is_a_difference(generated):
     fill(generated)
-    code = load_code(generated)
-    view = initial_state(code.mission, 1)
-    before = known(view)
+    mission = load_code(generated).mission
+    flight, twin = (np.zeros(5, moment_type(initial_state(mission, 1))) for _ in range(2))
 
-    view.goals[1].memory[3] = 2.5
+    flight["belief"]["goals"]["memory"][2, 1, 3] = 2.5
 
-    assert known(view) != before == known(initial_state(code.mission, 1))
+    remembered = Change("near", "memory[3]", (2.5,), (0.0,))
+    assert chain(mission, flight, twin) == Chain(First(2, (remembered,)), None, None, ())
 
 
 def test_regions_that_nobody_filled_do_not_fly(generated):

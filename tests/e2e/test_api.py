@@ -152,6 +152,7 @@ def test_stale_code_is_refused_until_it_is_generated_anew(uuv):
 
 
 @slow
+@pytest.mark.turn(2)
 def test_a_search_by_script_finds_what_the_command_finds(uuv, flown, place):
     settings = {"population": 4, "generations": 2}
     generations = []
@@ -225,6 +226,7 @@ def test_a_weakness_is_kept_and_checked(found, tmp_path):
 
 
 @slow
+@pytest.mark.turn(0)
 def test_algorithms_are_compared_as_by_command(uuv, place):
     given = ("--algorithms", "random,drift", "--seeds", "2", "--evaluations", "6")
     by_command = mrsfi_json(
@@ -255,6 +257,7 @@ def _pytest(place):
 
 
 @slow
+@pytest.mark.turn(2)
 def test_kept_weaknesses_are_tests_of_pytest(place):
     assert "1 passed" in _pytest(place).stdout
 

@@ -8,6 +8,7 @@ from tests.tiers import slow
 
 
 @slow
+@pytest.mark.turn(2)
 def test_simulate_and_replay_write_the_bag_of_a_flight(flown, place, tmp_path):
     stop = f"models/{MISSION}/stop.xmi"
     stop_specification(place / stop, [(100, 200)])
@@ -41,10 +42,3 @@ def test_a_bag_that_cannot_be_written_is_named(place):
     done = mrsfi("simulate", MISSION, "--mcap", "nowhere/b.mcap", cwd=place, expected=2)
 
     assert "nowhere/b.mcap: cannot be written: No such file" in done.stderr
-
-
-def test_what_flies_many_times_writes_no_bag(place):
-    words = ("simulate", MISSION, "--each-fault", "1:2", "--mcap", "b.mcap")
-
-    assert "--mcap" in mrsfi(*words, cwd=place, expected=2).stderr
-    assert not (place / "b.mcap").exists()

@@ -12,6 +12,8 @@ import pytest
 from tests.support.cli import MISSION, command_line, contents, edit, mrsfi, mrsfi_json, workspace
 from tests.tiers import slow
 
+pytestmark = pytest.mark.turn(2)
+
 FEW = ("--evaluations", "6", "--workers", "1", "--engine", "reference")
 SMALL = ("compare", MISSION, "--case", "b", *FEW)
 PATIENCE = 120.0  # seconds after which a comparison counts as hanging

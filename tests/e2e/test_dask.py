@@ -11,6 +11,8 @@ from tests.support.cluster import require_dask, scheduler
 from tests.support.interrupted import MISSION, evaluations
 from tests.tiers import slow
 
+pytestmark = pytest.mark.turn(0)
+
 EVOLVE = ("evolve", MISSION, "--engine", "reference", "--population", "8", "--seed", "3")
 EVOLVE_SOME = (*EVOLVE, "--generations", "6")
 COMPARE = ("compare", MISSION, "--engine", "reference", "--seeds", "1", "--evaluations", "12")

@@ -129,6 +129,7 @@ def evolved_elsewhere(place, url):
 
 
 @slow
+@pytest.mark.turn(0)
 def test_somebody_elses_simulation_that_repeats_itself_is_explained_when_asked(ended, place, url):
     one = ("--evaluation", "0", "--json")
     with simulation(url, place):

@@ -24,7 +24,6 @@ TARGETS = (
     "interop",
     "release",
     "check",
-    "docs",
     "clean",
 )
 

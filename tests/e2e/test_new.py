@@ -13,6 +13,8 @@ from tests.support.edited import COLLECTIVE, indented, write_body
 from tests.support.tree import ROOT
 from tests.tiers import slow
 
+pytestmark = pytest.mark.turn(0)
+
 SHORT = ("--generations", "4", "--workers", "1", "--engine", "reference")
 
 

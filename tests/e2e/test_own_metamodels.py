@@ -127,6 +127,7 @@ def test_team_adds_parts_of_its_own(project):
 
 
 @slow
+@pytest.mark.turn(0)
 def test_team_writes_an_effect_of_its_own_in_two_files(project):
     content = meaning(mode="OWN", property="SPEED") + parameter("OFFSET", range="SPEED")
     add_fault_type(project / "metamodels" / FAULTS_FILE, "StuckSpeed", "RobotFault", content)

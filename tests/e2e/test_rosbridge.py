@@ -27,6 +27,8 @@ from tests.support.processes import children, is_running
 from tests.support.rosbridge import process
 from tests.tiers import slow
 
+pytestmark = pytest.mark.turn(1)
+
 ROSBRIDGE = ("--engine", "rosbridge")
 TINY = ("--population", "4", "--generations", "1", "--workers", "1")
 REFERENCE = ("--engine", "reference")

@@ -4,7 +4,6 @@ import pytest
 
 from mrsfi_runtime.model.outcome import TOLD
 from tests.support.cli import MISSION, command_line, edit, mrsfi, mrsfi_json, stop_specification
-from tests.tiers import slow
 
 
 def test_a_hand_written_specification_is_flown(place):
@@ -85,49 +84,6 @@ def test_stale_generated_code_is_not_flown(place):
     edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
 
     assert "mrsfi generate" in mrsfi("simulate", MISSION, cwd=place, expected=4).stderr
-
-
-@slow
-def test_each_fault_is_audited_alone_in_some_seeds_and_written_as_a_page(place):
-    window, n_seeds = ("--each-fault", "100:900"), ("--seeds", "2")
-
-    rows = mrsfi_json("simulate", MISSION, *window, *n_seeds, "--markdown", "page.md", cwd=place)
-
-    assert [row["fault"] for row in rows] == [f"f{n}" for n in range(1, 31)]
-    assert all(row["applied"] > 0 for row in rows)
-    for row in rows:
-        is_effective = any(any(row[count].values()) for count in ("believed", "true", "missed"))
-        assert is_effective != bool(row["reason"])
-        assert max(row["seeds"].values(), default=0) <= row["n_seeds"] == 2
-        assert row["seeds"] or sum(reason["seeds"] for reason in row["reasons"]) == 2
-        assert not (row["others"] and is_effective)
-    assert any(row["others"] for row in rows)
-    missed = {
-        f"{goal} {row['believed'][goal]}/{row['true'][goal]} missed from {since}"
-        for row in rows
-        for goal, since in row["missed_since"].items()
-        if since is not None
-    }
-    page = (place / "page.md").read_text(encoding="utf-8")
-    assert missed
-    assert all(words in page for words in missed)
-    assert page.count(" missed from ") == sum(
-        since is not None for row in rows for since in row["missed_since"].values()
-    )
-    assert page.startswith("# What each fault does alone\n")
-    first, why, _ = page.split("\n## ")
-    assert sum(line.startswith("| f") for line in first.splitlines()) == 1 + 30
-    for row in rows:
-        for reason in row["reasons"]:
-            assert (
-                f"| {row['fault']} | {row['type']} | {reason['seeds']} | {reason['reason']} |"
-                in why
-            )
-
-
-@pytest.mark.parametrize("option", [("--seeds", "2"), ("--markdown", "page.md")])
-def test_an_option_of_the_audit_needs_one(option, place):
-    assert "needs --each-fault" in mrsfi("simulate", MISSION, *option, cwd=place, expected=2).stderr
 
 
 def test_a_reader_that_goes_away_is_no_error(place):

@@ -95,6 +95,7 @@ def test_a_region_that_fails_is_an_error_of_every_command_before_anything_flies(
 
 
 @slow
+@pytest.mark.turn(0)
 def test_what_does_not_compile_is_named_in_generated_and_leaves_no_folder(place):
     _, line = _edited(place, "return {1: ci} == {}")
 

@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.cli import contents, mrsfi, mrsfi_json
 from tests.support.edited import write_body
-from tests.support.tree import ROOT
+from tests.support.tree import ROOT, UNDRAWN
 from tests.tiers import slow
 
 SCRIPT = ROOT / "examples" / "warehouse" / "warehouse.py"
@@ -34,7 +34,7 @@ CARRIED = """    if ci.robots[CARRIER_1].x > 1000.0:
     return goal_tasks.avoid_collision.violated(ci, COLLIDE)
 """
 
-pytestmark = slow
+pytestmark = [slow, pytest.mark.turn(2)]
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,11 @@ def flown(tmp_path_factory):
     folder = tmp_path_factory.mktemp("warehouse")
     done = subprocess.run(
         [sys.executable, str(SCRIPT), str(folder)],
-        env={"PYTHONPATH": str(ROOT), "MRSFI_CACHE": os.environ["MRSFI_CACHE"], "PATH": ""},
+        env={
+            "PYTHONPATH": f"{ROOT}:{UNDRAWN}",
+            "MRSFI_CACHE": os.environ["MRSFI_CACHE"],
+            "PATH": "",
+        },
         capture_output=True,
         text=True,
         check=False,
@@ -71,14 +75,15 @@ def test_it_is_written_flown_and_searched_by_an_unguarded_script(flown):
 def test_no_id_and_no_number_of_a_table_is_cut(place, monkeypatch):
     mrsfi("keep", CAMPAIGN, "--weakness", "1", cwd=place)
     goals = {goal["id"] for goal in mrsfi_json("simulate", NAME, cwd=place)["goals"]}
-    explained = mrsfi_json("explain", CAMPAIGN, cwd=place)["explanations"][0]
+    explain = ("explain", CAMPAIGN, "--engine", "compiled")
+    explained = mrsfi_json(*explain, cwd=place)["explanations"][0]
     cause = {str(fault[key]) for fault in explained["faults"] for key in ("id", "finish")}
     broken = mrsfi_json("weaknesses", CAMPAIGN, cwd=place)
     limits = mrsfi_json("check", NAME, cwd=place)[NAME][0]["max"]
     kept = {word for goal, most in limits.items() if most for word in (goal, str(most))}
     expected = {
         ("simulate", NAME): goals,
-        ("explain", CAMPAIGN): cause,
+        explain: cause,
         ("check", NAME): kept,
         ("report", CAMPAIGN): {fault for each in broken for fault in each["faults"]},
     }

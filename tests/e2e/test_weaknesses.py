@@ -91,13 +91,18 @@ def test_it_ends_with_a_matrix_and_a_list_of_all_of_them(place, told, monkeypatc
     assert "…" not in said.replace(" … ", "").replace("(…)", "")
     words = {*said.split()}
     assert {one["goal"] for one in told} <= words
-    assert {fault for one in told for fault in one["faults"]} <= words
+    guilty = {fault for one in told for fault in one["faults"]}
+    assert guilty <= words
+    assert guilty == {f"f{n}" for n in range(1, 31)}
+    assert "Each of 30 faults breaks a goal in some form, alone or together with others\n" in said
 
 
 def test_one_goal_alone_is_told_and_one_that_there_is_not_is_refused(place, told):
     of_goal = mrsfi_json("weaknesses", "runs/cover", "--goal", "within", cwd=place)
+    said = mrsfi("weaknesses", "runs/cover", "--goal", "within", cwd=place).stdout
     refused = mrsfi("weaknesses", "runs/cover", "--goal", "withn", cwd=place, expected=2)
 
+    assert "Each of 30 faults breaks a goal in some form" in said  # of any goal
     assert of_goal == [one for one in told if one["goal"] == "within"]
     assert "found 'withn'; expected one of" in refused.stderr
     assert "did you mean 'within'?" in refused.stderr

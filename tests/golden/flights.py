@@ -26,7 +26,7 @@ EFFECTS = ROOT / "tests" / "golden" / "effects.json"
 MISSIONS = ("uuv_sampling", "tight_margins")
 N_FLIGHTS = 4
 WINDOWS = {"uuv_sampling": (100, 900), "tight_margins": (60, 180), "tight_energy": (60, 340)}
-"""The pages of ``docs/fault-effects``: mission, and the window of each fault."""
+"""Missions, and the window in which each fault of their pools flies alone."""
 
 
 def flights() -> dict[str, dict[str, object]]:
@@ -65,7 +65,7 @@ def frozen_outcome(
 
 
 def effects() -> Iterator[tuple[str, str]]:
-    """Fly every fault of every page alone; yield mission and fault, and the outcome's digest."""
+    """Fly every fault of each pool alone; yield mission and fault, and the outcome's digest."""
     for mission, (start, finish) in WINDOWS.items():
         code = load_code(ROOT / "generated" / mission)
         engine = ReferenceEngine(code, 1)

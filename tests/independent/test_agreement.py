@@ -29,7 +29,7 @@ from tests.support.models.shapes import draw_mission, draw_pool, draw_specificat
 from tests.support.own_metamodels import add_fault_type, add_faults, meaning, parameter
 from tests.support.tree import ROOT
 from tests.support.world import specification
-from tests.tiers import in_turn, seeds, slow
+from tests.tiers import in_turn, slow
 
 HARBOUR = Path(__file__).parent / "harbour"
 """A mission with all tasks and odd robots, and a pool of all types with odd targets."""
@@ -62,8 +62,7 @@ def twins(request):
     return Twins(ROOT / "models" / request.param, ROOT / "generated" / request.param)
 
 
-@slow
-@pytest.mark.parametrize("seed", seeds(range(N_SPECIFICATIONS), 3))
+@pytest.mark.parametrize("seed", in_turn(range(N_SPECIFICATIONS)))
 @pytest.mark.parametrize("twins", MISSIONS, indirect=True)
 def test_random_specifications_fly_alike(twins, seed):
     twins.fly(specification(twins.code, seed), SEEDS[seed % len(SEEDS)])
@@ -74,8 +73,7 @@ def test_missions_without_faults_fly_alike(twins):
     twins.fly((), 1)
 
 
-@slow
-@pytest.mark.parametrize("twins", [SHORT[0], *in_turn(MISSIONS[1:])], indirect=True)
+@pytest.mark.parametrize("twins", in_turn(MISSIONS), indirect=True)
 def test_each_fault_alone_flies_alike(twins):
     n_ticks = twins.code.mission.duration
     for fault in twins.code.pool:
@@ -158,8 +156,7 @@ def test_the_simulation_quotes_the_pages_as_they_are():
     assert [each for each in sorted(sections) if f"## {each[1]}" not in texts[each[0]]] == []
 
 
-@slow
-@pytest.mark.parametrize("seed", seeds(range(5), 1))
+@pytest.mark.parametrize("seed", in_turn(range(5), 2))
 @pytest.mark.parametrize("name", SHAPES)
 def test_drawn_missions_fly_alike(tmp_path, name, seed):
     """Each under some drawn specifications, and each fault of its pool alone."""
@@ -176,8 +173,7 @@ def test_drawn_missions_fly_alike(tmp_path, name, seed):
         twins.fly((whole,), rng.getrandbits(40))
 
 
-@slow
-@pytest.mark.parametrize("n_robots", seeds([12, 25, 30, 24, 45, 70], 1))
+@pytest.mark.parametrize("n_robots", in_turn([12, 25, 30, 24, 45, 70]))
 @pytest.mark.parametrize("room", [15.0, 60.0])
 def test_crowds_fly_alike(tmp_path, n_robots, room):
     rng = Random(n_robots)

@@ -29,6 +29,7 @@ def counts(outcome):
 
 
 @slow
+@pytest.mark.turn(2)
 def test_no_outcome_depends_on_the_order_of_two_subtractions(monkeypatch):
     code = code_of("tight_energy")
     flown = specifications(code, 60)

@@ -56,6 +56,7 @@ for fly in (lambda: list(engine.evaluate_many([(), late])), lambda: engine.recor
 
 
 @slow
+@pytest.mark.turn(1)
 @pytest.mark.usefixtures("limited")
 def test_machine_code_that_gets_no_further_is_given_up(tmp_path):
     there = FOREVER.replace("is_wrong", "is_wrong and ci.obstacles[4].y == 0.0")
@@ -71,6 +72,7 @@ def test_machine_code_that_gets_no_further_is_given_up(tmp_path):
 
 
 @slow
+@pytest.mark.turn(2)
 @pytest.mark.usefixtures("limited")
 def test_a_region_that_gets_no_further_is_named_before_machine_code_is_relied_on(tmp_path):
     code = load_code(edited(tmp_path, "g1.check", FOREVER))

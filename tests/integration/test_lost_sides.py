@@ -112,6 +112,7 @@ def uninterrupted(path: Path) -> None:
 
 
 @slow
+@pytest.mark.turn(2)
 def test_a_campaign_whose_server_dies_keeps_what_it_found_and_resumes(tmp_path, note):
     whole, path = tmp_path / "whole", tmp_path / "killed"
     uninterrupted(whole)

@@ -1,4 +1,4 @@
-"""Digests since the world last changed: README's campaigns, and the effects pages."""
+"""Digests since the world last changed: README's campaigns, and each fault alone."""
 
 import json
 from dataclasses import replace
@@ -26,7 +26,7 @@ DIGESTS = {
 
 
 @slow
-def test_every_fault_of_the_effects_pages_does_alone_what_was_recorded():
+def test_every_fault_does_alone_what_was_recorded():
     assert dict(effects()) == json.loads(EFFECTS.read_text(encoding="utf-8"))
 
 

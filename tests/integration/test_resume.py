@@ -49,7 +49,9 @@ def whole(place: Path) -> Path:
 
 
 @slow
-@pytest.mark.parametrize(("n_workers", "n_kills"), [pytest.param(1, 20, marks=slow), (2, 3)])
+@pytest.mark.parametrize(
+    ("n_workers", "n_kills"), [(2, 3), pytest.param(1, 20, marks=pytest.mark.turn(2))]
+)
 def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
     place, whole, n_workers, n_kills
 ):
@@ -76,6 +78,7 @@ def test_a_campaign_killed_again_and_again_ends_as_one_that_never_was(
 
 
 @slow
+@pytest.mark.turn(1)
 def test_kills_inside_a_write_leave_nothing_to_repair(place):
     undisturbed = begin(place / "written", place / "models" / MISSION, MANY)
     n_all = finished(WRITE, undisturbed)

@@ -66,8 +66,8 @@ _RECORDED = " and ".join(
 """Which of them: those of models."""
 pytestmark = pytest.mark.early
 
-TURN = 0
-"""When they are run once more, to be recorded, and their models judged."""
+RECORDED, MUTATED = 0, 1
+"""When those tests are run once more, to be recorded, and their models judged; and when mutants."""
 
 _BROKEN_TWINS = [entry for entry in BROKEN if entry.constraint in TWINS]
 
@@ -75,7 +75,7 @@ _BROKEN_TWINS = [entry for entry in BROKEN if entry.constraint in TWINS]
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Recording | None]:
     """The tests that judge models, while they run, and where each of their models is recorded."""
-    if not is_due(TURN):
+    if not is_due(RECORDED):
         yield None
         return
     folder = tmp_path_factory.mktemp("recorded")
@@ -92,7 +92,7 @@ def models(
         "valid models": _valid(tmp_path_factory.mktemp("valid")),
         "broken models": _broken(tmp_path_factory.mktemp("broken")),
         "broken models in several files": _split(tmp_path_factory.mktemp("split")),
-        "mutated models": _mutated(tmp_path_factory.mktemp("mutated")),
+        "mutated models": _mutated(tmp_path_factory.mktemp("mutated")) if is_due(MUTATED) else [],
     }
     by_path = {model.path: model for model in judged([*chain(*made.values())])}
     return {
@@ -135,13 +135,14 @@ def test_both_find_the_same_in_missions_in_several_files(models, note):
     assert found == TWINS
 
 
+@pytest.mark.turn(MUTATED)
 def test_both_find_the_same_in_randomly_mutated_models(models, note):
     found = require_same_findings("mutated models", models["mutated models"], note)
 
     assert len(found) >= len(TWINS) * 0.85
 
 
-@pytest.mark.turn(TURN)
+@pytest.mark.turn(RECORDED)
 def test_both_find_the_same_in_every_model_of_the_test_suite(recorded_models, note):
     found = require_same_findings("models of the test suite", recorded_models, note)
 

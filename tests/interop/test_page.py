@@ -88,7 +88,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a fresh campaign of the paper's mission, explained."""
     place = workspace(tmp_path_factory.mktemp("page"))
     size = ("--population", "8", "--generations", "12", "--workers", "1")
-    mrsfi("evolve", MISSION, *size, "--engine", "reference", "--out", "runs/new", cwd=place)
+    mrsfi("evolve", MISSION, *size, "--engine", "compiled", "--out", "runs/new", cwd=place)
     return place / "runs" / "new"
 
 
@@ -99,7 +99,7 @@ def first(campaign: Path) -> tuple[dict[str, Any], Recording]:
     told = next(each for each in found["found"] if each["sentences"])
     faults = tuple(
         TimedFault(each["fault"], each["start"], each["finish"], tuple(each["values"]))
-        for each in told["witness"]
+        for each in told["mildest"]["witness"]
     )
     return told, ReferenceEngine(load_code(campaign / "generated"), 1).record(faults)
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from mrsfi_runtime.cli.main import main
 from tests.support.missing import skip
-from tests.support.tree import ROOT
+from tests.support.tree import ROOT, UNDRAWN
 
 MISSION = "uuv_sampling"
 SMALL = ("--population", "4", "--generations", "2", "--workers", "1")
@@ -47,13 +47,21 @@ def mrsfi(*arguments: str | Path, cwd: Path, expected: int = 0) -> subprocess.Co
 
 
 def mrsfi_process(
-    *arguments: str | Path, cwd: Path, expected: int = 0, timeout: float = 120.0
+    *arguments: str | Path,
+    cwd: Path,
+    expected: int = 0,
+    timeout: float = 120.0,
+    draws: bool = False,
 ) -> subprocess.CompletedProcess[str]:
-    """Run ``mrsfi`` in a process of its own, with the same requirements."""
+    """Run ``mrsfi`` in a process of its own, with the same requirements; figures may stay empty."""
+    path = [] if draws else [str(UNDRAWN)]
+    path += filter(None, [os.environ.get("PYTHONPATH")])
     done = subprocess.run(
         command_line(*arguments),
         check=False,
         cwd=cwd,
+        # That of Python: without what libraries set behind its back, such as COLUMNS.
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(path)},
         capture_output=True,
         encoding="utf-8",
         timeout=timeout,

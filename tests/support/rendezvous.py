@@ -81,6 +81,15 @@ def harmless(n: int) -> list[tuple[tuple[str, int, int], ...]]:
     return [(("stop_b", 75 + k // 20, 95 + k % 20),) for k in range(n)]
 
 
+N_SEARCHED = 130
+"""Evaluations of the search that finds all that is planted, and enough that may be flown after."""
+
+
+def searched(place: Path) -> tuple[str, ...]:
+    """Return what searches what is planted, among what is harmless."""
+    return write_planted(place, [*PLANTED, *harmless(N_SEARCHED - len(PLANTED))])
+
+
 def write_planted(
     place: Path, specifications: Sequence[object], **settings: object
 ) -> tuple[str, ...]:

@@ -98,3 +98,11 @@ def test_seeds_beyond_the_first_are_slow_and_have_turns():
         (("c",), ["slow", "turn"]),
     ]
     assert [param.marks[1].args for param in others] == [(0,), (1,)]
+
+
+def test_values_of_three_parameters_are_spread_over_all_days():
+    """As pytest numbers a product: each parameter has the place of the whole."""
+    items = [Item(kills, SimpleNamespace(indices=dict.fromkeys("abc", k))) for k in range(1, 7)]
+
+    for day in range(N_TURNS):
+        assert sum(not TIERS["rest"].leaves(item, day) for item in items) == 2

@@ -200,7 +200,11 @@ def _weaknesses(summary: Summary) -> dict[str, Any] | None:
     return {
         "n_flown": summary.harvest.n_flights,
         "found": [
-            each | {"sentences": list(summary.sentences.get(way.number, ()))}
+            each
+            | {
+                "sentences": list(summary.sentences.get(way.number, ())),
+                "mildest": way.mildest and way.mildest.as_json(),  # what the sentences tell of
+            }
             for way in summary.ways
             for each in way.as_json()
         ],

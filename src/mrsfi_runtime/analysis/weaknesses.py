@@ -59,6 +59,20 @@ def matrix(
             yield fault.id, fault.type, *told, names[fault.id].target
 
 
+def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
+    """Return in a sentence which faults of a pool are in none of all ways to break a goal."""
+    guilty = {fault for way in found for fault in way.faults}
+    rest = [fault.id for fault in pool if fault.id not in guilty]
+    faults = _counted(len(pool), "faults")
+    if not rest:
+        return f"Each of {faults} breaks a goal in some form, alone or together with others"
+    breaks = "breaks" if len(rest) == 1 else "break"
+    return (
+        f"{len(rest)} of {faults} {breaks} no goal in any form tried, alone or together: "
+        f"{', '.join(rest)}"
+    )
+
+
 def listed(mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Iterator[tuple[str, ...]]:
     """Yield a row for each fault of each way, in the form that breaks the goal."""
     for way in found:

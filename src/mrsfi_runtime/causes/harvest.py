@@ -166,7 +166,8 @@ def harvest(
     left = max(0, most - flights.n_taken)
     n_others = min(N_SEEDS - 1, left // len(flown_with(weaknesses)))
     found = in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
-    n_taken, mild = flights.n_taken, tuple[Mildest, ...]()
+    n_taken = flights.n_taken
+    mild: tuple[Mildest, ...] = ()
     if some := [way.shown for way in least(ways(found))]:
         deviation = Deviation(space, record(()))
         mild = mildest(deviation, known, some, flights, seeds[:N_MILD])

@@ -1,11 +1,8 @@
 """What is compared of two flights at a tick: what is known, and what is sent."""
 
-from collections.abc import Callable, Mapping
-from operator import attrgetter
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any, TypeAlias
-
-from mrsfi_runtime.kernel.state import State
+from typing import TypeAlias
 
 POSITION, HEADING, PROGRESS, MEMORY = "position", "heading", "progress", "memory"
 
@@ -38,36 +35,3 @@ SENT: Mapping[str, Quantities] = MappingProxyType(
 
 FORGED: Mapping[str, Quantities] = MappingProxyType({"sensors": {"activation": ("active",)}})
 """Those of the true state that do: a forged activation shows in these only, a tick later."""
-
-Read: TypeAlias = list[tuple[float, ...]]
-"""The fields of each record, list by list."""
-
-_Reader: TypeAlias = Callable[[Any], tuple[float, ...]]
-
-
-def _reader(quantities: Quantities) -> _Reader:
-    names = [name for fields in quantities.values() for name in fields if name != MEMORY]
-    get: Any = attrgetter(*names)
-    if MEMORY in quantities:
-        return lambda record: (*get(record), *record.memory)
-    return get if len(names) > 1 else lambda record: (get(record),)  # of one, no tuple
-
-
-_KNOWN, _SENT, _FORGED = (
-    {name: _reader(quantities) for name, quantities in lists.items()}
-    for lists in (KNOWN, SENT, FORGED)
-)
-
-
-def _read(state: State, columns: Mapping[str, _Reader]) -> Read:
-    return [get(record) for name, get in columns.items() for record in getattr(state, name)]
-
-
-def known(state: State) -> Read:
-    """Return what the simulation or the collective intelligence knows."""
-    return _read(state, _KNOWN)
-
-
-def sent(world: State, belief: State) -> Read:
-    """Return headings, speeds and activations as sent, then the true activations."""
-    return _read(belief, _SENT) + _read(world, _FORGED)

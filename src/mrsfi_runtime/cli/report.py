@@ -87,10 +87,16 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
 def _print_least(campaign: OpenCampaign, summary: Summary) -> None:
     """Print what is the least that breaks each goal, in its mildest form, and how that comes."""
     shown = least(summary.ways)
-    print_list(campaign.mission, campaign.pool, shown, "The least that breaks each goal")
+    print_list(
+        campaign.mission,
+        campaign.pool,
+        shown,
+        "The least that breaks each goal, in its mildest form",
+    )
     for way in shown:
-        threshold = [way.mildest.sentence] if way.mildest else []
-        for sentence in (*threshold, *summary.sentences.get(way.number, ())):
+        if way.mildest is not None:
+            click.echo(f"{way.number} {way.mildest.sentence}\n")
+        for sentence in summary.sentences.get(way.number, ()):
             click.echo(f"{way.number} {way.goal}: {sentence}\n")
 
 

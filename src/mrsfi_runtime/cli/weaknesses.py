@@ -27,7 +27,15 @@ from mrsfi.weaknesses import (
     write_fmea,
     write_map,
 )
-from mrsfi_runtime.analysis.weaknesses import LISTED, MATRIX, listed, matrix, not_found, said
+from mrsfi_runtime.analysis.weaknesses import (
+    LISTED,
+    MATRIX,
+    harmless,
+    listed,
+    matrix,
+    not_found,
+    said,
+)
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known, Weakness, in_seeds
 from mrsfi_runtime.cli.console import counted, print_json, tell
@@ -100,6 +108,7 @@ def weaknesses(
         print_ways(mission, pool, found)
         print_list(mission, pool, found, "How, in one of the forms that do")
     click.echo("\n".join(not_found(known.known, each) for each in told) + "\n")
+    click.echo(harmless(pool, known.ways))
     n_faults = len(pool)
     click.echo(
         f"Of {n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs, never flown: "

@@ -24,6 +24,7 @@ def files(stem):
 
 
 @slow
+@pytest.mark.turn(1)
 def test_other_processes_draw_the_same_bytes(here, tmp_path, monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 2)
     stems = [tmp_path / str(number) for number in range(12)]

@@ -20,8 +20,6 @@ Examples:
   mrsfi simulate uuv_sampling
   mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
   mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
-  mrsfi simulate uuv_sampling --each-fault 100:900
-  mrsfi simulate uuv_sampling --each-fault 100:900 --seeds 40 --markdown effects.md
   mrsfi simulate uuv_sampling --engine rosbridge
 
 \b
@@ -46,26 +44,6 @@ met.
     type=click.Path(path_type=Path, dir_okay=False),
     metavar="FILE",
     help="Fly under this fault specification.",
-)
-@click.option(
-    "--each-fault",
-    metavar="START:FINISH",
-    help="Fly with each fault of the pool alone, active in these ticks; what changes no goal "
-    "also with other values, unless over rosbridge. The engine is auto without --engine.",
-)
-@click.option(
-    "--markdown",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="With --each-fault: write the page to FILE.",
-)
-@click.option(
-    "--seeds",
-    "n_seeds",
-    type=click.IntRange(1),
-    default=1,
-    show_default=True,
-    help="With --each-fault: fly in so many mission seeds, from --seed on.",
 )
 @click.option(
     "--seed", type=click.IntRange(0), default=1, show_default=True, help="Seed of the weather."

@@ -1,0 +1,12 @@
+"""On PYTHONPATH, it lets a test's processes leave figures empty, where nobody looks at them."""
+
+from contextlib import nullcontext
+from types import SimpleNamespace
+from typing import Any
+
+from mrsfi_runtime.analysis import drawing
+
+empty = {".png": b"", ".svg": b""}
+replaced: Any = drawing
+replaced.drawn = lambda _: empty
+replaced.DrawingProcesses = lambda *_: nullcontext(SimpleNamespace(draw=drawing.draw_here))
