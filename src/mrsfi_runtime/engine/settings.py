@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Self
 
 from mrsfi_runtime.errors import EvaluationError, UsageError, expected
@@ -109,10 +108,6 @@ def _reference(code: "MissionCode", seed: int) -> "Engine":
 
 
 def _compiled_engine() -> "type[CompiledEngine]":
-    if find_spec("numba") is None:
-        raise UsageError(
-            "--engine compiled needs numba; install it with: pip install 'mrsfi[fast]'"
-        )
-    from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - optional
+    from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - likewise
 
     return CompiledEngine

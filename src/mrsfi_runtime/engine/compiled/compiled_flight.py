@@ -17,7 +17,9 @@ from mrsfi_runtime.engine.compiled.machine_code import (
     kept,
     kernel_key,
     key_of,
+    sources_key,
 )
+from mrsfi_runtime.engine.compiled.prebuilt import Library, prebuilt_kernel
 from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.engine.compiled.regions import ROLES, Region, own_regions
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
@@ -38,12 +40,12 @@ class CompiledFlight:
             key_of(kernel_key(), each.role, reached.text) for each, reached in self._regions
         ]
         self._n_calls = len(ROLES) * len(code.mission.goals) + 1 + len(ROLES)
-        self.key = key_of(kernel_key(), *self._keys)
+        self.key = key_of(sources_key(), *self._keys)
         self._compile()
 
     def _compile(self) -> None:
-        kernel, self.is_new = kept(kernel_key(), _compiled_kernel)
-        flight, *by_task = kernel.addresses()
+        compiled, self.is_new = kernel()
+        flight, *by_task = compiled.addresses()
         self._fly: Any = FLIGHT(flight)
         self.calls: Words = np.zeros(self._n_calls, np.int64)
         self.calls[-len(by_task) :] = by_task
@@ -54,8 +56,8 @@ class CompiledFlight:
             self.is_new |= is_new
 
     def forget(self) -> None:
-        """Compile its regions anew, or the kernel if there are none."""
-        for key in self._keys or [kernel_key()]:
+        """Compile its regions anew, or the kernel if there are none and none was prebuilt."""
+        for key in self._keys or ([] if prebuilt_kernel() else [kernel_key()]):
             forget(key)
         self._compile()
 
@@ -78,6 +80,12 @@ class CompiledFlight:
         status = self._fly(result, error, frame.directory.ctypes.data, first, last)
         if status:
             raise EvaluationError(f"{self._directory}: a compiled flight failed")
+
+
+def kernel() -> tuple[MachineCode | Library, bool]:
+    """Return the kernel: prebuilt, or of the cache, compiled if need be, and whether it was."""
+    prebuilt = prebuilt_kernel()
+    return (prebuilt, False) if prebuilt else kept(kernel_key(), _compiled_kernel)
 
 
 def _compiled_kernel() -> MachineCode:

@@ -29,12 +29,12 @@ rtsys.initialize(_TARGET)  # makes known what compiled code takes from numba
 _REGISTERED: dict[FunctionType, str] = {}
 
 
-def compiled_kernel() -> MachineCode:
-    """Compile the kernel's flight."""
+def compiled_kernel(machine: Any = None) -> MachineCode:
+    """Compile the kernel's flight, for this machine or another."""
     functions = (fly_many, *BY_TASK)
     register(each for one in functions for each in _reached_by(one)[1:])
     arguments = (_FLIGHT, *(views.BY_TASK for _ in BY_TASK))
-    found: MachineCode = _compiled(zip(functions, arguments, strict=True))
+    found: MachineCode = _compiled(zip(functions, arguments, strict=True), machine)
     return found
 
 
@@ -145,7 +145,9 @@ def _reached_by(first: Any) -> list[FunctionType]:
 
 
 @global_compiler_lock  # type: ignore[untyped-decorator]
-def _compiled(functions: Iterable[tuple[Callable[..., Any], tuple[Any, ...]]]) -> MachineCode:
+def _compiled(
+    functions: Iterable[tuple[Callable[..., Any], tuple[Any, ...]]], machine: Any = None
+) -> MachineCode:
     """Return the machine code of functions, by their arguments; each returns an integer."""
     flags: Any = compiler.Flags()
     flags.nrt = flags.boundscheck = flags.no_compile = True
@@ -164,7 +166,8 @@ def _compiled(functions: Iterable[tuple[Callable[..., Any], tuple[Any, ...]]]) -
             module = found
         else:
             module.link_in(found)
-    binary = _TARGET.codegen()._tm.emit_object(module)  # noqa: SLF001 - numba's own
+    machine = machine or _TARGET.codegen()._tm  # noqa: SLF001 - numba's own
+    binary = machine.emit_object(module)
     known = (*module.functions, *module.global_variables)
     taken = [each.name for each in known if each.is_declaration]
     return MachineCode(tuple(names), binary, tuple(n for n in taken if not n.startswith("llvm.")))

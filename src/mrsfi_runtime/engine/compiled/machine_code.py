@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
-
-import llvmlite.binding as llvm
 
 import mrsfi_runtime
 from mrsfi_runtime.engine.compiled.cache import cache_folder, empty, is_sound, sealing, temporary
 from mrsfi_runtime.engine.compiled.reach import CompilationError
+from mrsfi_runtime.errors import UsageError
 
 FILE = "code"
 _SOURCES = ("kernel", "model", "engine/compiled", "engine/recording.py")
@@ -37,6 +37,7 @@ class MachineCode:
                 import mrsfi_runtime.engine.compiled.compiler  # noqa: F401, PLC0415 - slow
             if _missing(self.taken):
                 raise CompilationError(f"compiled code lacks {' and '.join(_missing(self.taken))}")
+            llvm = _llvm()
             engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
             engine.add_object_file(llvm.ObjectFileRef.from_data(self.binary))
             engine.finalize_object()
@@ -48,29 +49,55 @@ class MachineCode:
 
 
 def _missing(names: Sequence[str]) -> list[str]:
-    return [name for name in names if not llvm.address_of_symbol(name)]
+    return [name for name in names if not _llvm().address_of_symbol(name)]
+
+
+def _llvm() -> Any:
+    """Return LLVM, which comes with numba."""
+    import llvmlite.binding  # noqa: PLC0415 - optional
+
+    return llvmlite.binding
+
+
+def _processor() -> tuple[str, str, str]:
+    """Return the target of this machine, its processor, and what that has."""
+    llvm = _llvm()
+    features = llvm.get_host_cpu_features().flatten()
+    return llvm.get_process_triple(), llvm.get_host_cpu_name(), features
 
 
 @cache
 def _machine() -> Any:
+    llvm = _llvm()
+    triple, cpu, features = _processor()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    return llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), jit=True
-    )
+    target = llvm.Target.from_triple(triple)
+    return target.create_target_machine(cpu=cpu, features=features, jit=True)
+
+
+@cache
+def sources_key() -> str:
+    """Return a key of the text of all that the kernel is compiled from."""
+    root = Path(str(mrsfi_runtime.__file__)).parent
+    known = (path for name in _SOURCES for path in (root / name).rglob("*.py"))
+    files = sorted({*known, *(root / name for name in _SOURCES if name.endswith(".py"))})
+    return key_of(*(path.read_text(encoding="utf-8") for path in files))
 
 
 @cache
 def kernel_key() -> str:
-    """Return a key of all that decides how the kernel compiles: its text, compiler, machine."""
-    root = Path(str(mrsfi_runtime.__file__)).parent
-    known = (path for name in _SOURCES for path in (root / name).rglob("*.py"))
-    files = sorted({*known, *(root / name for name in _SOURCES if name.endswith(".py"))})
-    parts = [path.read_text(encoding="utf-8") for path in files]
-    parts += [sys.version, *(version(name) for name in ("numba", "llvmlite", "numpy"))]
-    parts += [llvm.get_process_triple(), llvm.get_host_cpu_name()]
-    parts += [llvm.get_host_cpu_features().flatten()]
-    return key_of(*parts)
+    """Return a key of all that decides how the kernel compiles: its text, compiler, machine.
+
+    Raises
+    ------
+    UsageError
+        If there is no compiler.
+    """
+    if find_spec("numba") is None:
+        raise UsageError("to compile takes numba; install it with: pip install 'mrsfi[fast]'")
+    parts = [sys.version, *(version(name) for name in ("numba", "llvmlite", "numpy"))]
+    return key_of(sources_key(), *parts, *_processor())
 
 
 def key_of(*parts: str) -> str:
