@@ -103,6 +103,7 @@ release: $(DEV) ## build sdist and wheel into dist/, and run the tutorial from t
 	$(BIN)/python -m build --wheel --outdir dist build
 	$(BIN)/python -m twine check --strict dist/*
 	$(PYTEST) --tier $(TIER) tests/release
+	rm -rf build
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
 	$(BIN)/ruff format --check .
