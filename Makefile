@@ -19,6 +19,7 @@ DEV := $(VENV)/.installed-dev
 DOCS := $(VENV)/.installed-docs
 INTEROP := $(VENV)/.installed-interop
 SETUP := pyproject.toml constraints.txt
+PREBUILT := src/mrsfi_runtime/engine/compiled/prebuilt
 PYTEST := $(BIN)/python -m pytest --numprocesses auto
 OURS := --dist worksteal --ignore=tests/interop --ignore=tests/release
 
@@ -56,7 +57,8 @@ help: ## print this list
 	@echo "           that was interrupted, and goes on as it began. Empty leaves the default."
 	@echo "Example:   make evolve CASE=b SEED=7"
 
-install: $(BASE) ## make the virtual environment .venv and install mrsfi into it
+install: $(BASE) ## make the virtual environment .venv, install mrsfi into it and compile its kernel
+	$(BIN)/python -m mrsfi_runtime.engine.compiled
 
 generate: $(BASE) ## generate the middleware of MISSION from its models
 	$(BIN)/mrsfi generate $(mission)
@@ -94,10 +96,14 @@ interop: $(INTEROP) generate ## compare with the real Eclipse, Epsilon, roslibpy
 	$(PYTEST) --dist loadfile --no-loadscope-reorder --tier $(TIER) tests/interop
 
 release: $(DEV) ## build sdist and wheel into dist/, and run the tutorial from the wheel in clean environments
-	rm -rf dist
-	$(BIN)/python -m build --outdir dist .
+	rm -rf build dist
+	$(BIN)/python -m build --sdist --outdir dist .
+	mkdir build && tar --extract --file dist/*.tar.gz --directory build --strip-components 1
+	PYTHONPATH=build/src $(BIN)/python -m mrsfi_runtime.engine.compiled build/$(PREBUILT)
+	$(BIN)/python -m build --wheel --outdir dist build
 	$(BIN)/python -m twine check --strict dist/*
 	$(PYTEST) --tier $(TIER) tests/release
+	rm -rf build
 
 check: $(DEV) ## check formatting, lint, types, imports and that generated code is fresh
 	$(BIN)/ruff format --check .

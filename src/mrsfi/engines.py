@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, TypeAlias
 
-from mrsfi_runtime.engine.settings import AUTO, ROSBRIDGE, EngineSettings
+from mrsfi_runtime.engine.settings import ROSBRIDGE, EngineSettings
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.server_address import without_token
 
@@ -43,12 +43,8 @@ def opened(
     tell: Tell = silent,
     n_workers: int = 1,
 ) -> "Engine":
-    """Return an engine of this process; auto is compiled as soon as that is built, and says so."""
-    if engine.name != AUTO:
-        return engine.open(code, seed, n_workers)
-    from mrsfi_runtime.engine.handover import HandoverEngine  # noqa: PLC0415 - not for --help
-
-    return HandoverEngine(code, seed, n_workers, tell)
+    """Return an engine of this process; auto is compiled, or else says what does not compile."""
+    return engine.named(code, seed, tell).open(code, seed, n_workers)
 
 
 @contextmanager
@@ -84,7 +80,7 @@ def evaluator(
     dask
         Address of a cluster's scheduler, or ``local`` for one of this machine; without, no cluster.
     tell
-        Told when the compiled engine takes over, or why it does not.
+        Told what does not compile, where the reference engine flies for that.
     on_reached
         Told who evaluates, before the mission is handed out.
 
@@ -98,13 +94,9 @@ def evaluator(
     if dask is None:
         n_workers = workers or (1 if engine.url else _N_PROCESSORS)
         on_reached(f"{n_workers} workers")
-        if engine.name == AUTO:
-            with opened(code, seed, engine, tell, n_workers) as own:
-                yield own
-            return
         from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - not for --help
 
-        with WorkerPool(code, seed, n_workers, engine) as pool:
+        with WorkerPool(code, seed, n_workers, engine.named(code, seed, tell)) as pool:
             yield pool
         return
     from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional

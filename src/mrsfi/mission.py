@@ -298,7 +298,7 @@ class Mission:
         path = _path("out", out)
         require_searchable(self.code, chosen)
         asked, seed = _settings(engine), chosen.mission_seed
-        flown_by = asked.tried(self.code, seed, tell, waits=False)
+        flown_by = asked.tried(self.code, seed, tell)
         path = path or free_folder(self.name, Path(case).stem)
         with (
             begun(path, self.folders, chosen, case, asked),
@@ -354,7 +354,7 @@ class Mission:
         file = campaign_file(self.folders, case)
         settings = settings_of(file, self.code, algorithms, evaluations)
         seed = settings[algorithms[0]].mission_seed
-        flown_by = _settings(engine).tried(self.code, seed, silent, waits=False)
+        flown_by = _settings(engine).tried(self.code, seed, silent)
         with only_comparison(path, self.folders.models, self.folders.generated) as folder:
             code = load_code(folder.generated)
             with evaluator(code, seed, flown_by, workers) as many:

@@ -18,7 +18,7 @@ from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.sentence import sentences
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
+from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.files import changing, telling
 from mrsfi_runtime.mission import MissionCode
@@ -171,12 +171,13 @@ def _flown(
     """Yield what a witness has in all mission seeds but that of its campaign."""
     first, *others = regression.mission_seeds
     if others:
-        with open_to_fly(path) as campaign:
-            settings = _at_once(settings, campaign.code, first, silent)
-            with opened(campaign.code, first, settings) as engine:
-                for seed in others:
-                    outcome = engine.evaluate(specification, seed)
-                    yield regression.counts(campaign.mission.goal_ids, outcome)
+        with (
+            open_to_fly(path) as campaign,
+            opened(campaign.code, first, settings) as engine,
+        ):
+            for seed in others:
+                outcome = engine.evaluate(specification, seed)
+                yield regression.counts(campaign.mission.goal_ids, outcome)
 
 
 def write_limits(folders: MissionFolders, regressions: Sequence[Regression]) -> None:
@@ -228,7 +229,7 @@ def check_all(
     try:
         code = load_fresh(folders)
         seed = next((each.seeds[0] for each in fresh if each.seeds), 1)
-        engine = _at_once(engine, code, seed, tell)
+        engine = engine.tried(code, seed, tell) if engine.name == AUTO else engine
     except MrsfiError as error:
         yield from (replace(each, error=each.error or error) for each in fresh)
         return
@@ -242,14 +243,6 @@ def _seeds(regression: Regression, n_seeds: int | None) -> tuple[int, ...]:
     if n_seeds is None or not own:
         return own
     return tuple(dict.fromkeys((*own, *following(own[0], n_seeds))))[:n_seeds]
-
-
-def _at_once(engine: EngineSettings, code: MissionCode, seed: int, tell: Tell) -> EngineSettings:
-    """Return settings that fly without a wait: auto is compiled if that is built, or reference."""
-    if engine.name != AUTO:
-        return engine
-    engine = engine.tried(code, seed, tell, waits=False)
-    return replace(engine, name=REFERENCE) if engine.name == AUTO else engine
 
 
 def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: Tell) -> Checked:

@@ -11,7 +11,7 @@ from mrsfi_runtime.analysis.page.content import Record
 from mrsfi_runtime.analysis.report import write_report
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.settings import AUTO, COMPILED, EngineSettings
+from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import MrsfiError
 
 
@@ -55,7 +55,7 @@ def report(
 
 @contextmanager
 def _flying(campaign: OpenCampaign) -> Iterator[Record | str]:
-    """Yield what flies specifications again, compiled if they are already, or why nothing does."""
+    """Yield what flies specifications again, or why nothing does."""
     store = campaign.store
     if store.manifest.engine.is_foreign:
         yield "Flown on somebody else's simulation, which is not asked again."
@@ -70,8 +70,7 @@ def _flying(campaign: OpenCampaign) -> Iterator[Record | str]:
 
         @cache
         def engine() -> Engine:
-            found = EngineSettings(AUTO).tried(code, seed, lambda _: None, waits=False)
-            found = found if found.name == COMPILED else EngineSettings()
+            found = EngineSettings(AUTO).named(code, seed, lambda _: None)
             return opened.enter_context(found.open(code, seed))
 
         yield lambda specification: engine().record(specification)

@@ -4,25 +4,57 @@ import itertools
 import warnings
 from collections.abc import Iterator
 from copy import deepcopy
-from dataclasses import astuple
 from pathlib import Path
 from random import Random
 from typing import Any
 
 import numpy as np
-from numba import from_dtype, njit
+from numba import njit
 
-from mrsfi_runtime.engine.compiled.compiling import register
-from mrsfi_runtime.engine.compiled.layout import state_type, write_state
+from mrsfi_runtime.engine.compiled.compiler import register
+from mrsfi_runtime.engine.compiled.directories import entries
+from mrsfi_runtime.engine.compiled.layout import laid_out
 from mrsfi_runtime.engine.compiled.likeness import Checked
 from mrsfi_runtime.engine.compiled.reach import Reached
+from mrsfi_runtime.engine.compiled.views import seen_as
 from mrsfi_runtime.kernel.initial import initial_state
+from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.mission import load_code, load_module
 from tests.support.edited import COLLECTIVE
 from tests.support.tree import ROOT
 
 GENERATED = ROOT / "generated" / "uuv_sampling"
 _numbers = itertools.count()
+_state = seen_as(State)
+
+
+def compiled(region: Any) -> Any:
+    """Return a region as numba runs it, on the address of a state's directory."""
+    register(Reached([region]).functions)
+
+    @njit(boundscheck=True, pipeline_class=Checked)
+    def run(address):  # type: ignore[no-untyped-def]
+        return region(_state(address))
+
+    return run
+
+
+class LaidOut:
+    """A state as compiled code has it."""
+
+    def __init__(self, state: Any) -> None:
+        self._layout, self._words = laid_out(state)
+        self._directory = self._layout.directory(self._words, np.zeros(0, np.int64))
+
+    @property
+    def address(self) -> int:
+        """Where its directory is."""
+        return int(self._directory.ctypes.data)
+
+    def __getattr__(self, name: str) -> Any:
+        entry = entries(State)[name]
+        first, n = self._layout.places[entry.place]
+        return self._words[first : first + n * entry.layout.itemsize // 8].view(entry.layout)
 
 
 def outcomes(folder: Path, n_states: int = 40) -> Iterator[tuple[Any, Any]]:
@@ -33,19 +65,15 @@ def outcomes(folder: Path, n_states: int = 40) -> Iterator[tuple[Any, Any]]:
     """
     module = load_module(f"region_{next(_numbers)}", folder / COLLECTIVE)
     plain = module.check_g1
-    register(Reached([plain]))
-    compiled = njit(boundscheck=True, pipeline_class=Checked)(plain)
+    run = compiled(plain)
     rng = Random(4)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # numba's, of what it reflects or finds slow
+        run.compile("(int64,)")
         for _ in range(n_states):
             state = drawn_state(rng)
-            row = _ROW.copy()
-            row["mission"]["tick"] = state.mission.tick
-            row["robots"] = [astuple(robot) for robot in state.robots]
-            row["sensors"] = [astuple(sensor) for sensor in state.sensors]
-            compiled.compile((from_dtype(row.dtype),))
-            yield _outcome(plain, state, state), _outcome(compiled, row[0], row)
+            laid = LaidOut(state)
+            yield _outcome(plain, state, state), _outcome(run, laid.address, laid)
 
 
 def _outcome(function: Any, argument: Any, state: Any) -> Any:
@@ -58,10 +86,8 @@ def _outcome(function: Any, argument: Any, state: Any) -> Any:
 
 def _values(state: Any) -> Any:
     """Return what a region may write: commands, switches, goals and chances."""
-    if isinstance(state, np.ndarray):
-        state = state[0]
     records = [_numbers_of(state, name) for name in ("commands", "switches", "goals")]
-    return records, [int(chance) for chance in _part(state, "chances")]
+    return records, [int(chance) for chance in state.chances]
 
 
 def _numbers_of(state: Any, name: str) -> list[list[float]]:
@@ -69,7 +95,7 @@ def _numbers_of(state: Any, name: str) -> list[list[float]]:
     names = type(getattr(_FIRST, name)[0]).__slots__
     return [
         [number for field in names for number in np.atleast_1d(_part(record, field)).tolist()]
-        for record in _part(state, name)
+        for record in getattr(state, name)
     ]
 
 
@@ -90,5 +116,3 @@ def drawn_state(rng: Random) -> Any:
 
 
 _FIRST = initial_state(load_code(GENERATED).mission, 3)
-_ROW = np.zeros(1, state_type(_FIRST))
-write_state(_ROW[0], _FIRST)

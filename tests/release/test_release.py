@@ -159,3 +159,24 @@ def test_the_tutorial_runs_from_the_wheel_in_an_empty_folder(version, built, tmp
     assert "apart" in (place / "demo" / "found.xml").read_text(encoding="utf-8")
     code.write_bytes(before)
     assert terminal.run("mrsfi check > checked.txt; echo $?").output == ("0",)
+    _require_a_kernel_that_was_built_before(terminal)
+
+
+def _require_a_kernel_that_was_built_before(terminal):
+    assert terminal.run("pip show numba").code != 0
+    terminal.run("cd .. && mrsfi new plain && cd plain && mrsfi generate")
+    compiled, reference = (
+        terminal.run(f"mrsfi simulate plain --engine {name} --json")
+        for name in ("compiled", "reference")
+    )
+    assert compiled.output == reference.output
+    assert compiled.errors == ()
+
+    room = terminal.run("echo ../.venv/lib/python*/site-packages/mrsfi_runtime").output[0]
+    for file in ("kernel/motion.py", "engine/compiled/prebuilt/kernel.so"):
+        terminal.run(f"echo >> {room}/{file}")
+        refused = terminal.run("mrsfi simulate plain --engine compiled")
+        terminal.run(f"truncate --size -1 {room}/{file}")
+        assert "pip install 'mrsfi[fast]'" in "".join(refused.errors)
+        assert refused.code == 2
+    assert terminal.run("mrsfi simulate plain --engine compiled --json").output == reference.output

@@ -52,7 +52,7 @@ def compare_algorithms(  # noqa: PLR0913 - one for each option
     folders = find_mission(mission, generated)
     code = load_fresh(folders)
     settings = settings_of(campaign_file(folders, case), code, _names(algorithms), evaluations)
-    tried = workers.tried(code, next(iter(settings.values())).mission_seed, flown_by)
+    tried = flown_by.tried(code, next(iter(settings.values())).mission_seed, tell)
     path = project().runs / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
     with only_comparison(path, folders.models, folders.generated) as folder:
         comparison = _compared(folder, settings, seeds, tried, workers)

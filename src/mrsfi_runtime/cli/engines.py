@@ -204,13 +204,6 @@ class WorkerOptions:
                 "workers that were started for it; leave --workers out"
             )
 
-    def tried(self, code: "MissionCode", seed: int, engine: EngineSettings) -> EngineSettings:
-        """Return settings with which a mission flies, as ``EngineSettings.tried`` does.
-
-        Workers of a cluster wait for the compiler, those of this machine do not.
-        """
-        return engine.tried(code, seed, tell, waits=self.dask is not None)
-
     def evaluator(
         self,
         code: "MissionCode",

@@ -107,7 +107,7 @@ def evolve(
     if resume is None:
         asked = engine.settings(default=AUTO)
         workers.require_sense(asked)
-        path, writer, tried = _new_campaign(ratio, asked, workers, **given)
+        path, writer, tried = _new_campaign(ratio, asked, **given)
     else:
         path, writer = resume, resumed(resume, ctx)
     with writer, open_to_fly(path, tell) as campaign:
@@ -121,7 +121,6 @@ def evolve(
 def _new_campaign(
     ratio: str | None,
     engine: EngineSettings,
-    workers: WorkerOptions,
     mission: str | None,
     generated: Path | None,
     case: str | None,
@@ -137,7 +136,7 @@ def _new_campaign(
     code = load_fresh(folders)
     require_searchable(code, settings)
     _require_ratio(settings, code.mission, ratio)
-    tried = workers.tried(code, settings.mission_seed, engine)
+    tried = engine.tried(code, settings.mission_seed, tell)
     path = free_folder(folders.name, Path(case).stem) if out is None else out
     return path, begun(path, folders, settings, case, engine), tried
 
@@ -148,7 +147,7 @@ def _tried(
     """Return the engine that a campaign from before goes on with."""
     engine = options.settings(campaign.store.manifest.engine, AUTO)
     workers.require_sense(engine)
-    return workers.tried(campaign.code, campaign.store.settings.mission_seed, engine)
+    return engine.tried(campaign.code, campaign.store.settings.mission_seed, tell)
 
 
 def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | None) -> None:

@@ -110,7 +110,7 @@ def _explain_all(
     workers.require_sense(settings)
     seed = case.mission_seeds[0]
     if settings.name == AUTO:
-        settings = workers.tried(case.code, seed, settings)
+        settings = settings.tried(case.code, seed, tell)
     told = []
     with (
         workers.evaluator(case.code, seed, settings) as evaluator,

@@ -49,7 +49,7 @@ def simulate(
         _serve(folders.name, code, settings)
         return
     if settings.name == AUTO:
-        settings = settings.tried(code, seed, tell, waits=False)
+        settings = settings.tried(code, seed, tell)
     with opened(code, seed, settings, tell) as flown_by:
         pool, specification = _flown(faults, code)
         flown = "without faults" if faults is None else f"under {faults}"

@@ -224,7 +224,7 @@ def _evaluator(
     settings = engine.settings(recorded if recorded.is_foreign else None, AUTO)
     workers.require_sense(settings)
     seed = campaign.store.settings.mission_seed
-    settings = workers.tried(campaign.code, seed, settings)
+    settings = settings.tried(campaign.code, seed, tell)
     with workers.evaluator(campaign.code, seed, settings) as evaluator:
         yield evaluator, settings
 

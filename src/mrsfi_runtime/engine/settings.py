@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Self
 
 from mrsfi_runtime.errors import EvaluationError, UsageError, expected
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
 AUTO, REFERENCE, COMPILED, ROSBRIDGE = "auto", "reference", "compiled", "rosbridge"
 ENGINES = (AUTO, REFERENCE, COMPILED, ROSBRIDGE)
-"""Ways to evaluate a fault specification; auto is compiled where and when that is possible."""
+"""Ways to evaluate a fault specification; auto is compiled where that is possible."""
 
 ON_REFERENCE = "the reference engine evaluates, about 100 times slower"
 
@@ -45,37 +44,30 @@ class EngineSettings:
     @property
     def words(self) -> str:
         """Which engine flies, in words."""
-        if self.name == AUTO:
-            return f"{REFERENCE} engine until the {COMPILED} one is built"
         return f"{self.name} engine"
 
-    def tried(
-        self,
-        code: "MissionCode",
-        seed: int,
-        tell: Callable[[str], None],
-        *,
-        waits: bool = True,
-    ) -> Self:
-        """Fly the mission without faults, and return settings that name an engine.
+    def named(self, code: "MissionCode", seed: int, tell: Callable[[str], None]) -> Self:
+        """Return settings that name an engine: auto becomes compiled, if all of it compiles.
 
-        Auto becomes compiled, or else reference, and ``tell`` is told why; it stays auto where
-        compiling takes long and nobody ``waits``. Somebody else's simulation is not asked to fly.
+        Otherwise it becomes reference, and ``tell`` is told what does not.
         """
-        settings = self
-        engine: Engine | None = None
-        if self.name in (AUTO, COMPILED):
-            try:
-                if waits or self.name == COMPILED or _is_built(code, seed):
-                    engine = _compiled_engine()(code, seed, 1)
-                    settings = replace(self, name=COMPILED)
-            except (UsageError, EvaluationError) as error:
-                if self.name == COMPILED:
-                    raise
-                settings = replace(self, name=REFERENCE)
-                tell(f"not compiled: {error}; {ON_REFERENCE}")
+        if self.name != AUTO:
+            return self
+        try:
+            _compiled_engine()(code, seed).close()
+        except (UsageError, EvaluationError) as error:
+            tell(f"not compiled: {error}; {ON_REFERENCE}")
+            return replace(self, name=REFERENCE)
+        return replace(self, name=COMPILED)
+
+    def tried(self, code: "MissionCode", seed: int, tell: Callable[[str], None]) -> Self:
+        """Fly the mission without faults, and return settings that name an engine; as ``named``.
+
+        Somebody else's simulation is not asked to fly.
+        """
+        settings = self.named(code, seed, tell)
         if self.has_simulation:
-            with engine or _reference(code, seed) as opened:
+            with settings.open(code, seed) as opened:
                 opened.try_out()
         return settings
 
@@ -115,22 +107,7 @@ def _reference(code: "MissionCode", seed: int) -> "Engine":
     return ReferenceEngine(code, seed)
 
 
-def _is_built(code: "MissionCode", seed: int) -> bool:
-    _require_numba()
-    from mrsfi_runtime.engine.compiled.driver import is_compiled  # noqa: PLC0415 - not for others
-
-    return is_compiled(code, seed)
-
-
 def _compiled_engine() -> "type[CompiledEngine]":
-    _require_numba()
-    from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - optional
+    from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - likewise
 
     return CompiledEngine
-
-
-def _require_numba() -> None:
-    if find_spec("numba") is None:
-        raise UsageError(
-            "--engine compiled needs numba; install it with: pip install 'mrsfi[fast]'"
-        )

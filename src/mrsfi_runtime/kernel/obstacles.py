@@ -18,8 +18,6 @@ SIDE = 32
 SLACK = 0.001
 """By what a cell counts as larger than it is, in cells, so that no rounding hides an obstacle."""
 
-_LEAST_ROOM = 256  # entries of a map, times a power of 4: an obstacle that moves does not recompile
-
 
 @kernel
 def column(map_: MapState, offset: float) -> int:
@@ -86,10 +84,6 @@ def _drawn(
     for each in found:
         shown.extend(sorted(each, key=attrgetter("gap")))
         cells.append(len(shown))
-    room = _LEAST_ROOM
-    while room < len(shown):
-        room *= 4
-    shown.extend([MappedState(0, 0.0)] * (room - len(shown)))
     return tuple(cells), tuple(shown)
 
 

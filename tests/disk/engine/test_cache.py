@@ -9,7 +9,7 @@ import pytest
 
 from mrsfi_runtime.engine.compiled import cache
 from mrsfi_runtime.engine.compiled.cache import N_KEPT, cache_folder, is_sound, sealing
-from mrsfi_runtime.engine.compiled.driver import Stub, load_driver
+from mrsfi_runtime.engine.compiled.machine_code import FILE, MachineCode, forget, kept
 from mrsfi_runtime.errors import EvaluationError
 
 
@@ -113,20 +113,35 @@ def test_a_folder_that_is_not_to_be_trusted_is_told_once_and_replaced(
     assert [why in record.message for record in caplog.records] == [True]
 
 
+@pytest.mark.parametrize("content", [b"", b"[[], []]", b"machine code of others"])
+def test_machine_code_that_was_cut_or_exchanged_is_compiled_anew(tmp_path, monkeypatch, content):
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
+    code = MachineCode(("fly",), b"machine\ncode", ("floor",))
+    assert kept("one", lambda: code) == (code, True)
+
+    (tmp_path / "one" / FILE).write_bytes(content)
+
+    assert kept("one", lambda: code) == (code, True)
+    assert kept("one", lambda: pytest.fail("compiled twice")) == (code, False)
+    forget("one")
+    assert kept("one", lambda: code) == (code, True)
+
+
 @pytest.mark.parametrize("n_before", [0, 1, N_KEPT // 2 + 3, N_KEPT - 1, N_KEPT, N_KEPT + 5])
 def test_a_new_mission_takes_the_place_of_the_oldest_only_where_the_cache_is_full(
-    tmp_path, n_before
+    tmp_path, monkeypatch, n_before
 ):
     for k in range(n_before):
-        path = tmp_path / f"mission_{k}" / "flight.py"
+        path = tmp_path / f"mission_{k}" / FILE
         path.parent.mkdir()
         path.touch()
         os.utime(path, (k + 1, k + 1))
 
-    with sealing(tmp_path / "last"):
-        load_driver(Stub("", "last"), tmp_path / "last" / "flight.py")
-    with sealing(tmp_path / "last"):
-        pass
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
+    code = MachineCode(("fly",), b"machine code", ("floor",))
 
-    kept = {path.name for path in tmp_path.iterdir()}
-    assert kept == {*[f"mission_{k}" for k in range(n_before)][-(N_KEPT - 1) :], "last"}
+    assert kept("last", lambda: code) == (code, True)
+    assert kept("last", lambda: pytest.fail("compiled twice")) == (code, False)
+
+    found = {path.name for path in tmp_path.iterdir()}
+    assert found == {*[f"mission_{k}" for k in range(n_before)][-(N_KEPT - 1) :], "last"}

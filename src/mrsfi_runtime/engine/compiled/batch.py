@@ -6,28 +6,31 @@ from typing import Any
 
 import numpy as np
 
-from mrsfi_runtime.engine.compiled.layout import ALLOWED, OWN, PlanSize, packed
+from mrsfi_runtime.engine.compiled.directories import ALLOWED, OWN, entries, n_entries
+from mrsfi_runtime.engine.compiled.layout import Words, packed
 from mrsfi_runtime.engine.flights import digested
 from mrsfi_runtime.engine.recording import Records, record_type
+from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.injections import (
     FaultTally,
     InjectionRow,
     InjectionState,
     OwnRow,
+    Plan,
     PlanRows,
 )
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
 
 _INJECTION = record_type(InjectionState)
 _TALLY = record_type(FaultTally)
+_PLACES = {name: entry.place for name, entry in entries(Plan).items()}
 
 
 class Batch:
-    """Plans of some specifications in flat arrays, one after the other, and room for their results.
+    """Plans of some specifications, one after the other, and room for their results.
 
-    ``ends``, shape ``(n, 8)``, says where each specification's messages, reports and commands begin
-    in ``injections``, where its commands end, where its tallies begin and end, and its ``own``. Of
-    those, ``allowed`` returns which words of the belief they may change.
+    ``plans`` and ``verdicts`` have a directory a specification. Of own faults, ``allowed`` returns
+    which words of the belief they may change.
     """
 
     def __init__(
@@ -37,29 +40,60 @@ class Batch:
         allowed: Callable[[OwnRow], Sequence[int]],
     ) -> None:
         rows: list[InjectionRow] = []
-        ends = []
-        n_tallies = 0
         own: list[OwnRow] = []
+        n_tallies = 0
+        ends = []
         for one in plans:
             marks = [len(rows)]
             for injections in one.lists:
                 rows.extend(injections)
                 marks.append(len(rows))
-            last = len(own) + len(one.own)
-            ends.append((*marks, n_tallies, n_tallies + one.n_faults, len(own), last))
+            ends.append((*marks, n_tallies, n_tallies + one.n_faults, len(own)))
             own.extend(one.own)
             n_tallies += one.n_faults
-        self.injections: Records = np.zeros(len(rows), _INJECTION)
-        _fill(self.injections, rows)
-        self.own: Records = np.zeros(len(own), OWN)
-        _fill(self.own, own)
-        self.own[ALLOWED] = [allowed(row) for row in own] or 0
-        self.ends = np.array(ends, np.int64)
-        self.tallies: Records = np.zeros(n_tallies, _TALLY)
+        self._injections: Records = np.zeros(len(rows), _INJECTION)
+        _fill(self._injections, rows)
+        self._own: Records = np.zeros(len(own), OWN)
+        _fill(self._own, own)
+        self._own[ALLOWED] = [allowed(row) for row in own] or 0
+        self._tallies: Records = np.zeros(n_tallies, _TALLY)
         for name in ("last_applied", "last_changed", "first_changed"):
-            self.tallies[name] = -1
+            self._tallies[name] = -1
+        self._tallied = [one[4:6] for one in ends]
+        self._n_held = [one.n_held for one in plans]
+        self._plans = self._directories(np.array(ends, np.int64).T, [len(one.own) for one in plans])
         self.results: Records = np.zeros(len(plans), result_type)
-        self.plan_size = PlanSize().for_plans(plans)
+
+    def _directories(self, ends: Words, n_own: Sequence[int]) -> Words:
+        """Return the directories of the plans, but for the place of what is held back."""
+        found = np.zeros((ends.shape[1], n_entries(Plan), 2), np.int64)
+        listed = [("messages", 0, 1), ("reports", 1, 2), ("commands", 2, 3), ("tallies", 4, 5)]
+        for name, first, last in listed:
+            records = self._tallies if name == "tallies" else self._injections
+            found[:, _PLACES[name], 0] = records.ctypes.data + ends[first] * records.itemsize
+            found[:, _PLACES[name], 1] = ends[last] - ends[first]
+        found[:, _PLACES["own"], 0] = self._own.ctypes.data + ends[6] * self._own.itemsize
+        found[:, _PLACES["own"], 1] = n_own
+        found[:, _PLACES["held"], 1] = self._n_held
+        return found
+
+    def plans(self, first: int, last: int) -> tuple[Words, Any]:
+        """Return the directories of some plans, and the room in which they hold messages back."""
+        held = np.zeros(max(self._n_held[first:last], default=0))
+        found = self._plans.copy()
+        found[:, _PLACES["held"], 0] = held.ctypes.data
+        return found, held
+
+    @cached_property
+    def verdicts(self) -> Words:
+        """Directories of the verdicts, which are part of the results."""
+        fields: Any = self.results.dtype.fields
+        rows = self.results.ctypes.data + np.arange(len(self.results)) * self.results.itemsize
+        found = np.zeros((len(self.results), n_entries(Verdicts), 2), np.int64)
+        for name, entry in entries(Verdicts).items():
+            found[:, entry.place, 0] = rows + fields[name][1]
+            found[:, entry.place, 1] = fields[name][0].itemsize // 8
+        return found
 
     def outcome(self, k: int) -> Outcome:
         """Return what the flight of one specification found."""
@@ -71,19 +105,13 @@ class Batch:
     def tallies_of(self, k: int) -> list[FaultTally]:
         """Return what each fault of one specification did."""
         first, last = self._tallied[k]
-        return [FaultTally(*row) for row in self.tallies[first:last].tolist()]
-
-    @cached_property
-    def _tallied(self) -> list[list[int]]:
-        """Where the tallies of each specification begin and end."""
-        ends: list[list[int]] = self.ends[:, 4:6].tolist()
-        return ends
+        return [FaultTally(*row) for row in self._tallies[first:last].tolist()]
 
     @cached_property
     def _counts(self) -> tuple[list[Any], list[Any]]:
         """What is counted of each specification, and of each fault of all of them."""
         goals = [*(self.results[name] for name in COUNTED), self.results["world"]["goals"]["count"]]
-        faults = [self.tallies["applied"], self.tallies["changed"]]
+        faults = [self._tallies["applied"], self._tallies["changed"]]
         return [column.tolist() for column in goals], [column.tolist() for column in faults]
 
     @cached_property

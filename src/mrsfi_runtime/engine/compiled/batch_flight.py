@@ -1,116 +1,94 @@
 """The flights of a batch, one after the other, as the compiled engine runs them.
 
-Functions here run compiled only; what they take as arguments are arrays of records and rows of
-them. The functions of a mission come from its stub (``driver``).
+Functions here run compiled only; what they take are views of directories.
 """
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
-from mrsfi_runtime.engine.compiled.layout import NEVER
-from mrsfi_runtime.engine.recording import Records
+from mrsfi_runtime.engine.compiled import dispatch
+from mrsfi_runtime.engine.compiled.directories import RECORDED
+from mrsfi_runtime.engine.compiled.views import seen_as
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.delivery import send
 from mrsfi_runtime.kernel.effects.commands import issue
-from mrsfi_runtime.kernel.flight import MissionFunctions, answer
+from mrsfi_runtime.kernel.flight import MissionFunctions, Verdicts, answer
+from mrsfi_runtime.kernel.injections import Plan
 from mrsfi_runtime.kernel.motion import move
+from mrsfi_runtime.kernel.state import State
 
 
-class Arrays(NamedTuple):
+@dataclass(slots=True)
+class Flights:
     """What some flights read and write.
 
-    ``fresh`` and ``words`` are what changes in the states, as words: before the first tick, and of
-    ``states`` itself, which are truth, belief and inbox. ``weather`` has the valid samples of each
-    sensor, a row a tick. ``injections, tallies, own, ends`` are those of a ``Batch``, ``plans`` is
-    room for one plan; ``results`` has a record a specification: verdicts, and the words of the last
-    truth and belief; ``moments`` one for each tick to be kept. ``at`` receives the number of the
-    specification that flies.
+    ``states`` are the directories of truth, belief and inbox, ``plans`` and ``verdicts`` has one a
+    specification. ``fresh`` is what changes in a state, before the first tick, ``world, belief,
+    inbox`` the same of the states themselves. ``weather`` has the valid samples of each sensor,
+    tick after tick. ``results`` has a row a specification: the words of the last truth and belief,
+    then the verdicts; ``moments`` one for each tick to be kept, of ``n_moments``. ``at`` receives
+    the number of the specification that flies.
     """
 
-    fresh: npt.NDArray[np.int64]
-    words: npt.NDArray[np.int64]
-    states: Records
-    weather: npt.NDArray[np.uint8]
-    plans: Records
-    injections: Records
-    tallies: Records
-    own: Records
-    ends: npt.NDArray[np.int64]
-    results: Records
-    moments: Records
-    at: npt.NDArray[np.int64]
+    n_moments: int
+    at: list[int]
+    states: list[int]
+    fresh: list[int]
+    world: list[int]
+    belief: list[int]
+    inbox: list[int]
+    weather: bytes
+    plans: list[int]
+    verdicts: list[int]
+    results: list[int]
+    moments: list[int]
+
+
+_state, _plan, _verdicts = seen_as(State), seen_as(Plan), seen_as(Verdicts)
 
 
 @kernel
-def fly_many(functions: MissionFunctions, arrays: Arrays, first: int, last: int) -> None:
+def fly_many(flights: Flights, first: int, last: int) -> int:
     """Fly the specifications ``first … last - 1`` of a batch."""
-    states = arrays.states
-    world = states[0]
-    belief = states[1]
-    inbox = states[2]
-    plan = arrays.plans[0]
-    moments = arrays.moments
+    functions = MissionFunctions(dispatch.progress, dispatch.check, dispatch.react, dispatch.apply)
+    world = _state(flights.states[0])
+    belief = _state(flights.states[1])
+    inbox = _state(flights.states[2])
+    n_sensors = len(world.sensors)
+    n_recorded = len(getattr(world, RECORDED))
+    n_words = 2 * n_recorded + 7 * len(world.goals)
     for k in range(first, last):
-        arrays.at[0] = k
-        for side in range(len(arrays.words)):
-            copy(arrays.fresh[side], arrays.words[side])
-        lay_out(plan, arrays, k)
-        result = arrays.results[k]
+        flights.at[0] = k
+        n_fresh = len(flights.fresh)
+        copy(flights.fresh, 0, flights.world, 0, n_fresh)
+        copy(flights.fresh, 0, flights.belief, 0, n_fresh)
+        copy(flights.fresh, 0, flights.inbox, 0, n_fresh)
+        plan = _plan(flights.plans[k])
+        verdicts = _verdicts(flights.verdicts[k])
+        row = k * n_words
         issue(belief, world, plan, 0)
         for tick in range(world.mission.duration):
-            move(world, arrays.weather[tick], tick)
+            valid = flights.weather[tick * n_sensors : (tick + 1) * n_sensors]
+            move(world, valid, tick)
             send(world, inbox)
-            answer(functions, world, belief, inbox, world, plan, result, tick)
-            if tick < len(moments):
-                record(moments[tick], arrays.words)
-                keep(moments[tick], result)
-        record(result, arrays.words)
-        first_tally = arrays.ends[k, 4]
-        n_tallies = arrays.ends[k, 5] - first_tally
-        copy(plan.tallies[:n_tallies], arrays.tallies[first_tally:])
+            answer(functions, world, belief, inbox, world, plan, verdicts, tick)
+            if tick < flights.n_moments:
+                moment = tick * n_words
+                copy(flights.world, 0, flights.moments, moment, n_recorded)
+                copy(flights.belief, 0, flights.moments, moment + n_recorded, n_recorded)
+                copy(
+                    flights.results,
+                    row + 2 * n_recorded,
+                    flights.moments,
+                    moment + 2 * n_recorded,
+                    n_words - 2 * n_recorded,
+                )
+        copy(flights.world, 0, flights.results, row, n_recorded)
+        copy(flights.belief, 0, flights.results, row + n_recorded, n_recorded)
+    return 0
 
 
 @kernel
-def lay_out(plan: Any, arrays: Arrays, k: int) -> None:
-    """Bring the injections and tallies of a specification into the plan."""
-    ends = arrays.ends
-    copy_injections(plan.messages, arrays.injections, ends[k, 0], ends[k, 1])
-    copy_injections(plan.reports, arrays.injections, ends[k, 1], ends[k, 2])
-    copy_injections(plan.commands, arrays.injections, ends[k, 2], ends[k, 3])
-    copy_injections(plan.own, arrays.own, ends[k, 6], ends[k, 7])
-    copy(arrays.tallies[ends[k, 4] : ends[k, 5]], plan.tallies)
-
-
-@kernel
-def copy_injections(listed: Any, injections: Any, first: int, last: int) -> None:
-    """Fill a list of the plan, with a sentinel behind the last injection."""
-    copy(injections[first:last], listed)
-    listed[last - first].start = NEVER
-
-
-@kernel
-def record(moment: Any, words: Any) -> None:
-    """Write down what is recorded of truth and belief."""
-    copy(words[0, : len(moment.world)], moment.world)
-    copy(words[1, : len(moment.belief)], moment.belief)
-
-
-@kernel
-def keep(moment: Any, verdicts: Any) -> None:
-    """Write down what was judged until now."""
-    copy(verdicts.is_true, moment.is_true)
-    copy(verdicts.is_believed, moment.is_believed)
-    copy(verdicts.believed, moment.believed)
-    copy(verdicts.true, moment.true)
-    copy(verdicts.phantom, moment.phantom)
-    copy(verdicts.masked, moment.masked)
-    copy(verdicts.missed, moment.missed)
-
-
-@kernel
-def copy(entries: Any, target: Any) -> None:
-    """Copy entries to where a list begins, one by one: slices take twice as long to compile."""
-    for k in range(len(entries)):
-        target[k] = entries[k]
+def copy(words: list[int], first: int, target: list[int], place: int, n: int) -> None:
+    """Copy words to a place."""
+    for k in range(n):
+        target[place + k] = words[first + k]

@@ -1,4 +1,4 @@
-"""Where compiled missions are kept: in a folder that is this user's alone, each entry sealed.
+"""Where compiled code is kept: in a folder that is this user's alone, each entry sealed.
 
 Whoever loads what numba keeps runs what it holds. So nothing is read from a folder that others may
 write to, nor from an entry that is not, byte for byte, what was sealed.
@@ -17,8 +17,8 @@ from tempfile import mkdtemp
 
 from mrsfi_runtime.engine.compiled.reach import CompilationError
 
-N_KEPT = 64
-"""Compiled missions that the cache keeps; one takes about 2 MB."""
+N_KEPT = 512
+"""Regions and kernels that the cache keeps; a region takes some 10 kB, a kernel 140."""
 
 
 def cache_folder() -> Path:
@@ -102,8 +102,8 @@ def _digest(entry: Path) -> str:
 
 
 def _make_room(new: Path) -> None:
-    """Remove the oldest compiled missions but for one less than are kept; who uses one has it."""
+    """Remove the oldest entries but for one less than are kept; who uses one has it."""
     if not new.exists():
-        known = [(path.stat().st_mtime, path.parent) for path in new.parent.glob("*/flight.py")]
+        known = [(path.stat().st_mtime, path.parent) for path in new.parent.glob("*/code")]
         for _, entry in sorted(known, reverse=True)[N_KEPT - 1 :]:
             shutil.rmtree(entry, ignore_errors=True)

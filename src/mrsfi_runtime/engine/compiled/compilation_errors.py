@@ -10,10 +10,9 @@ import numba
 
 from mrsfi_runtime.engine.compiled.likeness import Checked
 from mrsfi_runtime.engine.compiled.reach import CompilationError, is_kernel
-from mrsfi_runtime.engine.recording import record_type
-from mrsfi_runtime.kernel.injections import OwnFault
+from mrsfi_runtime.engine.compiled.regions import EFFECT, Region
+from mrsfi_runtime.engine.compiled.views import arguments_of
 from mrsfi_runtime.markers import MARKER
-from mrsfi_runtime.mission import MissionCode
 
 _PLACE = re.compile(r'File "([^"]+)", line (\d+)|Raised from (\S+) \((\d+)\)')
 
@@ -26,20 +25,22 @@ _REASONS = (
 )
 
 
-def explain(code: MissionCode, state_type: Any, error: Exception) -> CompilationError:
-    """Return why a mission does not compile, by what numba said of the whole."""
-    state = numba.from_dtype(state_type)
-    own = (state, state, numba.from_dtype(record_type(OwnFault)))
-    for role, function in code.functions._asdict().items():
-        arguments = own if role == "apply" else (state,)
-        called = [function.__globals__.get(name) for name in function.__code__.co_names]
-        for region in filter(is_kernel, called):
-            try:
-                numba.njit(boundscheck=True, pipeline_class=Checked)(region).compile(arguments)
-            except Exception as found:  # noqa: BLE001 - numba raises errors of any kind
-                where = _where(code.directory, region, str(found))
-                return CompilationError(f"{where} cannot be compiled: {_why(found)}")
-    return CompilationError(f"{code.directory}: cannot be compiled: {_why(error)}")
+def explain(directory: Path, region: Region, error: Exception) -> CompilationError:
+    """Return which line of a region does not compile, by what numba said of the whole."""
+    called: list[Any] = [region.function]
+    if region.role == EFFECT:
+        names = region.function.__code__.co_names
+        called[:0] = [region.function.__globals__.get(name) for name in names]
+    for function in filter(is_kernel, called):
+        try:
+            numba.njit(boundscheck=True, pipeline_class=Checked)(function).compile(
+                arguments_of(region.role)
+            )
+        except Exception as found:  # noqa: BLE001 - numba raises errors of any kind
+            where = _where(directory, function, str(found))
+            return CompilationError(f"{where} cannot be compiled: {_why(found)}")
+    where = _where(directory, region.function, "")
+    return CompilationError(f"{where} cannot be compiled: {_why(error)}")
 
 
 def _where(directory: Path, function: Callable[..., Any], text: str) -> str:

@@ -8,26 +8,13 @@ Source paper, section III-G and Figure 4, without the bus between the two sides.
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
-from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from mrsfi_runtime.engine.compiled.batch import Batch
-from mrsfi_runtime.engine.compiled.batch_flight import Arrays
-from mrsfi_runtime.engine.compiled.compiling import CompiledFlight
-from mrsfi_runtime.engine.compiled.layout import (
-    PlanSize,
-    allowed_words,
-    plan_type,
-    read_recorded,
-    split,
-    state_type,
-    weather_table,
-    words_type,
-    write_state,
-)
-from mrsfi_runtime.engine.compiled.reach import CompilationError
+from mrsfi_runtime.engine.compiled.compiled_flight import CompiledFlight
+from mrsfi_runtime.engine.compiled.frames import Frame, Fresh, fresh_of
+from mrsfi_runtime.engine.compiled.layout import read_recorded
 from mrsfi_runtime.engine.compiled.self_check import (
     SECONDS,
     SECONDS_OF_NEW,
@@ -35,7 +22,7 @@ from mrsfi_runtime.engine.compiled.self_check import (
     trials,
 )
 from mrsfi_runtime.engine.flights import Engine, Evaluated
-from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
+from mrsfi_runtime.engine.recording import VERDICTS, Recording, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.hosting.lockstep import Observer
@@ -64,18 +51,19 @@ class CompiledEngine(Engine):
 
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
         super().__init__(code, seed)
-        state = initial_state(code.mission, seed)
-        self._state_layout = state_layout = state_type(state)
-        self._fresh = cache(partial(_fresh, code.mission, state_layout))
-        self._moment_type = moment_type(state)
-        self._words_type = words_type(self._moment_type)
+        self._fresh = cache(partial(_fresh, code.mission))
+        self._moment_type = moment_type(initial_state(code.mission, seed))
         self._reference = ReferenceEngine(code, seed)
         self._gate = Gate(code.mission, code.pool)
         self._shapes = FaultShapes(code.mission, code.pool)
         self._n_threads = n_threads
         self._threads = ThreadPoolExecutor(n_threads)
-        self._fly_many = CompiledFlight(code, state_layout)
-        self._first_ticks((), 0)
+        self._fly_many = CompiledFlight(code)
+
+    @property
+    def is_new(self) -> bool:
+        """Whether this process has compiled something of it, and not found all in the cache."""
+        return self._fly_many.is_new
 
     def close(self) -> None:
         """End the threads."""
@@ -86,22 +74,21 @@ class CompiledEngine(Engine):
         mission = (self._fly_many.key, repr((self.code.mission, self.code.pool)))
         if mission in _TRUSTED:
             return
-        flown = trials(self.code.mission, self.code.pool, self._fits)
+        flown = trials(self.code.mission, self.code.pool)
         try:
             self._require_same(flown)
         except WorkerLost:  # code that gets no further is no difference
             raise
         except EvaluationError:
-            if self._fly_many.is_new:
+            if self.is_new:
                 raise
             self._fly_many.forget()
             self._require_same(flown)
         _TRUSTED.add(mission)
 
     def _require_same(self, flown: Sequence[Specification]) -> None:
-        self._first_ticks((), 0)  # compiles, if need be
         key = self._fly_many.key
-        is_new = self._fly_many.is_new and all(key != known for known, _ in _TRUSTED)
+        is_new = self.is_new and all(key != known for known, _ in _TRUSTED)
         flown, seconds = ([(), *flown], SECONDS_OF_NEW) if is_new else (flown, SECONDS)
         require_same(self._reference, self._first_ticks, flown, seconds)
 
@@ -113,10 +100,6 @@ class CompiledEngine(Engine):
         recording: Recording = np.zeros(n_ticks, self._moment_type)
         fresh = self._fresh(self.seed if seed is None else seed)
         return None if self._fly(batch, fresh, 0, 1, recording) else recording
-
-    def _fits(self, specification: Specification) -> bool:
-        """Return whether the plans that are always compiled have room for a specification."""
-        return self._batch([specification], self.code.pool).plan_size == PlanSize()
 
     def _evaluate(
         self,
@@ -176,18 +159,19 @@ class CompiledEngine(Engine):
         shapes = self._shapes if is_own else FaultShapes(self.code.mission, pool)
         plans = [plan_rows(shapes, specification) for specification in specifications]
         kinds = {fault.kind.effect: fault.kind for fault in pool}
+        layout = self._fresh(self.seed).layout
 
         def allowed(row: OwnRow) -> Sequence[int]:
             _, effect, of, target, *_ = row
             listed, columns = allowed_columns(kinds[effect], of)
-            return allowed_words(self._state_layout, listed, target, columns)
+            return layout.allowed_words(listed, target, columns)
 
         return Batch(plans, self._moment_type, allowed)
 
     def _fly(
         self,
         batch: Batch,
-        fresh: "_Fresh",
+        fresh: Fresh,
         first: int,
         last: int,
         recording: Recording | None = None,
@@ -199,36 +183,19 @@ class CompiledEngine(Engine):
         """
         failed = []
         everyone = list(range(first, last))
-        at = np.zeros(1, np.int64)
-        states = fresh.states.copy()
-        (fresh_words, fresh_tables), (words, tables) = split(fresh.states), split(states)
-        plans = np.zeros(1, plan_type(batch.plan_size))
         recording = np.zeros(0, self._moment_type) if recording is None else recording
-        arrays = Arrays(
-            fresh_words,
-            words,
-            states,
-            fresh.weather,
-            plans,
-            batch.injections,
-            batch.tallies,
-            batch.own,
-            batch.ends,
-            batch.results.view(self._words_type),
-            recording.view(self._words_type),
-            at,
-        )
+        frame = Frame(fresh, self._fly_many.calls, batch, (first, last), recording)
         while first < last:
             try:
-                self._fly_many(arrays, first, last)
-            except (CompilationError, WorkerLost):
+                self._fly_many(frame, first, last)
+            except WorkerLost:
                 raise
             except EvaluationError:  # the reference engine tells what and where
-                failed.append(int(at[0]))
-                first = int(at[0]) + 1
+                failed.append(max(frame.at, first))
+                first = failed[-1] + 1
             else:
                 first = last
-        return failed if np.array_equal(tables, fresh_tables) else everyone
+        return everyone if frame.has_written_to_tables else failed
 
     def _tell(self, observer: Observer, seed: int, recording: Recording) -> None:
         """Let an observer see recorded ticks."""
@@ -241,17 +208,6 @@ class CompiledEngine(Engine):
             observer(world, belief, Verdicts(*(moment[name].tolist() for name in VERDICTS)))
 
 
-class _Fresh(NamedTuple):
-    """Truth, belief and inbox before the first tick, and the weather that is to come."""
-
-    states: Records
-    weather: npt.NDArray[np.uint8]
-
-
-def _fresh(mission: Mission, layout: np.dtype[Any], seed: int) -> _Fresh:
+def _fresh(mission: Mission, seed: int) -> Fresh:
     """Return what a seed decides."""
-    state = initial_state(mission, seed)
-    states: Records = np.zeros(3, layout)
-    write_state(states[0], state)
-    states[1:] = states[0]
-    return _Fresh(states, weather_table(state))
+    return fresh_of(initial_state(mission, seed))

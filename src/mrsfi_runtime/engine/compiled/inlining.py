@@ -1,21 +1,22 @@
 """Compiles functions that are only ever part of another one, without machine code of their own.
 
-Numba optimises every function with all that it calls, and writes machine code for it. Of functions
-that are inlined without exception, nobody needs either: here they are kept as they were lowered,
-and optimised once, where they end up. That takes some two fifths of compilation away.
+Numba optimises every function with all that it calls, and writes machine code for it. Here they
+are kept as they were lowered, and optimised once, where they end up. That takes some two fifths of
+compilation away.
 """
 
 from collections.abc import Iterator
 from typing import Any
 
 from numba.core.codegen import JITCodeLibrary
+from numba.core.runtime.nrt import rtsys
 from numba.extending import register_jitable
 
 from mrsfi_runtime.engine.compiled.likeness import Checked
 
 
 class Inlined(Checked):
-    """Numba's pipeline, for ``pipeline_class`` of functions that are always inlined."""
+    """Numba's pipeline, for ``pipeline_class`` of functions that others call."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)  # type: ignore[no-untyped-call]
@@ -50,11 +51,14 @@ class _Library(JITCodeLibrary):
         """Yield the libraries that this links."""
         return iter(self._linking_libraries)
 
-    def _get_module_for_linking(self) -> Any:
+    def whole(self) -> Any:
         """Return the code with that of all functions that it calls, however deep."""
+        return self._get_module_for_linking()
+
+    def _get_module_for_linking(self) -> Any:
         if self._shared_module is None:
             module = self.linked().clone()
-            for library in _closure(self)[1:]:
+            for library in sorted(_closure(self)[1:], key=_rank):
                 module.link_in(_code(library), preserve=True)
             for function in module.functions:
                 if not function.is_declaration and function.linkage.name == "external":
@@ -73,6 +77,11 @@ def _closure(first: _Library) -> list[Any]:
     return found
 
 
+def _rank(library: Any) -> int:
+    """Return when to link: of numba's own code only what is called by then is taken."""
+    return 2 if library is rtsys.library else not isinstance(library, _Library)
+
+
 def _code(library: Any) -> Any:
     if isinstance(library, _Library):
         return library.linked()
@@ -84,13 +93,5 @@ class _NoEnvironments:
         """Leave it to ``bind``."""
 
 
-jitable = register_jitable(
-    boundscheck=True, forceinline=True, no_cfunc_wrapper=True, pipeline_class=Inlined
-)
+jitable = register_jitable(boundscheck=True, no_cfunc_wrapper=True, pipeline_class=Inlined)
 """Lets compiled code call a function, which stays as it is."""
-
-
-def bind(compiled: Any) -> None:
-    """Tell machine code, as numba returns it, where the environments of functions inlined are."""
-    for environment in compiled._find_referenced_environments():  # noqa: SLF001 - no other way
-        compiled.library.codegen.set_env(environment.env_name, environment)

@@ -1,137 +1,109 @@
-"""Lays states and fault plans out as structured arrays, field by field as their records say.
+"""Lays states and fault plans out as words in a row, field by field as their records say."""
 
-A state becomes one record that holds arrays of records; the kernel reads and writes it with
-the same attributes, indices and loops as the plain objects.
-"""
-
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass
 from functools import lru_cache
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.engine.recording import KINDS, Records, record_type
-from mrsfi_runtime.kernel.injections import FaultTally, InjectionState, OwnFault, PlanRows
+from mrsfi_runtime.engine.compiled.directories import (
+    CALLS,
+    N_ALLOWED,
+    RECORDED,
+    entries,
+    n_entries,
+)
+from mrsfi_runtime.engine.recording import Records, recorded_type
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.state import MissionState, State
 from mrsfi_runtime.kernel.weather import reached
 
-NEVER = 2**62
-"""Start of the sentinel behind the last injection of a list."""
+Words = npt.NDArray[np.int64]
 
 TABLES = tuple(name for name, hint in get_type_hints(State).items() if get_origin(hint) is tuple)
 """Parts of a state that no flight may change, so that they need not be laid out anew for each."""
 
+_ENTRIES = entries(State)
+_TICK = list(get_type_hints(MissionState)).index("tick")
+_RECORDED, _TABLES = ({_ENTRIES[name].place for name in names} for names in (COLUMNS, TABLES))
 
-@dataclass(frozen=True, slots=True)
-class PlanSize:
-    """How much a compiled plan has room for; a larger specification is compiled for anew.
 
-    ``faults`` counts timed faults, ``injections`` those of one list with the sentinel behind
-    the last, ``own`` faults of a team's own types likewise, ``held`` numbers that delays hold back.
+@dataclass(frozen=True)
+class StateLayout:
+    """Where the parts of a mission's states lie: what is recorded, what else changes, tables.
+
+    ``places`` has for each entry of a directory the first word, and the number of elements.
     """
 
-    faults: int = 64
-    injections: int = 256
-    held: int = 65_536
-    own: int = 8
+    recorded: np.dtype[Any]
+    places: tuple[tuple[int, int], ...]
+    n_changing: int
+    n_words: int
 
-    def for_plans(self, plans: Sequence[PlanRows]) -> "PlanSize":
-        """Return room for all of some plans, in few sizes."""
-        return PlanSize(
-            _grown(self.faults, max(one.n_faults for one in plans)),
-            _grown(self.injections, 1 + max(max(map(len, one.lists)) for one in plans)),
-            _grown(self.held, max(one.n_held for one in plans)),
-            _grown(self.own, 1 + max(len(one.own) for one in plans)),
-        )
+    @property
+    def n_recorded(self) -> int:
+        """Number of words that are recorded."""
+        return self.recorded.itemsize // 8
 
+    @property
+    def tick(self) -> int:
+        """The word that is the tick."""
+        return self.places[_ENTRIES["mission"].place][0] + _TICK
 
-N_ALLOWED = 6
-ALLOWED = " allowed"  # no name that a region could use
-OWN = np.dtype([*record_type(OwnFault).descr, (ALLOWED, "<i8", (N_ALLOWED,))])
-"""A fault of a team's own type, and which words of the belief it may change; all others follow."""
+    def directory(self, words: Words, calls: Words) -> Words:
+        """Return the directory of a state that lies in words, and what its regions are."""
+        found = np.zeros((n_entries(State), 2), np.int64)
+        found[: len(self.places)] = self.places
+        found[:, 0] = found[:, 0] * 8 + words.ctypes.data
+        found[_ENTRIES[RECORDED].place] = words.ctypes.data, self.n_recorded
+        found[_ENTRIES[CALLS].place] = calls.ctypes.data, len(calls)
+        return found
 
-
-def allowed_words(
-    layout: np.dtype[Any], listed: str, target: int, columns: Sequence[str]
-) -> list[int]:
-    """Return the words of some columns of a record of a state, in order; then one beyond them."""
-    words = np.arange(layout.itemsize // 8).view(layout)[0][listed][target]
-    found = sorted(int(words[column].view(np.int64)) for column in columns)
-    return found + [recorded_words(layout)] * (N_ALLOWED - len(found))
-
-
-def recorded_words(layout: np.dtype[Any]) -> int:
-    """Return how many words of a state are recorded; they come first."""
-    fields: Mapping[str, Any] = layout.fields or {}
-    return int(min(about[1] for name, about in fields.items() if name not in COLUMNS) // 8)
+    def allowed_words(self, listed: str, target: int, columns: Sequence[str]) -> list[int]:
+        """Return the words of some columns of a record, in order; then one beyond them."""
+        numbers = np.arange(self.n_recorded).view(self.recorded)[0][listed][target]
+        found = sorted(int(numbers[column].view(np.int64)) for column in columns)
+        return found + [self.n_recorded] * (N_ALLOWED - len(found))
 
 
-def _grown(room: int, needed: int) -> int:
-    while room < needed:
-        room *= 8
-    return room
+def laid_out(state: State) -> tuple[StateLayout, Words]:
+    """Return the layout of a state, and its words."""
+    parts = dict(_parts(State, state, 0))
+    places = {}
+    n_words = n_changing = 0
+    for place in sorted(parts, key=lambda place: (place in _TABLES, place not in _RECORDED, place)):
+        layout, values = parts[place]
+        places[place] = n_words, len(values)
+        n_words += len(values) * layout.itemsize // 8
+        n_changing = n_changing if place in _TABLES else n_words
+    words = np.zeros(n_words, np.int64)
+    for place, (layout, values) in parts.items():
+        if values:
+            first, n = places[place]
+            words[first : first + n * layout.itemsize // 8].view(layout)[:] = values
+    ordered = tuple(places[place] for place in sorted(places))
+    return StateLayout(recorded_type(state), ordered, n_changing, n_words), words
 
 
-def state_type(state: State) -> np.dtype[Any]:
-    """Return the layout of a state: what is recorded, what else changes, tables."""
-    hints = get_type_hints(State)
-    names = sorted(hints, key=lambda name: (name in TABLES, name not in COLUMNS))
-    return np.dtype([_member(name, hints[name], getattr(state, name)) for name in names])
-
-
-def split(states: Records) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return what changes in some states, and what never does, as words of 8 bytes.
-
-    Both have shape ``(n_states, n_words)``.
-    """
-    layout: Mapping[str, Any] = states.dtype.fields or {}
-    n_words = min(layout[name][1] for name in TABLES) // 8
-    words = states.view(np.int64).reshape(len(states), -1)
-    return words[:, :n_words], words[:, n_words:]
-
-
-def _member(name: str, hint: Any, value: Any) -> tuple[Any, ...]:
-    """Return the layout of a record's field: a number, a record, or a list of either."""
-    if hint in KINDS:
-        return name, KINDS[hint]
-    elements = get_args(hint)
-    if elements:
-        return name, KINDS.get(elements[0]) or record_type(elements[0]), (len(value),)
-    members = get_type_hints(hint).items()
-    return name, np.dtype([_member(inner, kind, getattr(value, inner)) for inner, kind in members])
-
-
-def write_state(row: Any, state: Any) -> None:
-    """Copy a state, or a record in it, into a record of its layout."""
-    for name, hint in get_type_hints(type(state)).items():
-        elements = get_args(hint)
-        value = getattr(state, name)
-        if hint in KINDS:
-            row[name] = value
-        elif not elements:
-            write_state(row[name], value)
-        elif value:
-            row[name] = value if elements[0] is int else [astuple(record) for record in value]
-
-
-@lru_cache(maxsize=16)
-def plan_type(room: PlanSize) -> np.dtype[Any]:
-    """Return the layout of a plan."""
-    injection = record_type(InjectionState)
-    return np.dtype(
-        [
-            ("messages", injection, (room.injections,)),
-            ("reports", injection, (room.injections,)),
-            ("commands", injection, (room.injections,)),
-            ("held", "<f8", (room.held,)),
-            ("tallies", record_type(FaultTally), (room.faults,)),
-            ("own", OWN, (room.own,)),
-        ]
-    )
+def _parts(kind: type, record: Any, first: int) -> Iterator[tuple[int, tuple[np.dtype[Any], Any]]]:
+    """Yield the entries of a record's directory: the layout of an element, and all elements."""
+    known = entries(kind)
+    numbers = [name for name, entry in known.items() if entry.kind == "number"]
+    if numbers:
+        yield first, (known[numbers[0]].layout, [tuple(getattr(record, n) for n in numbers)])
+    for name, entry in known.items():
+        place = first + entry.place
+        if entry.inner:
+            yield from _parts(entry.inner, getattr(record, name), place)
+        elif entry.kind == "record":
+            yield place, (entry.layout, [astuple(getattr(record, name))])
+        elif entry.kind == "list" and hasattr(record, name):
+            listed = getattr(record, name)
+            is_plain = entry.layout.names is None
+            yield place, (entry.layout, listed if is_plain else [astuple(each) for each in listed])
 
 
 def weather_table(state: State) -> npt.NDArray[np.uint8]:
@@ -143,16 +115,6 @@ def weather_table(state: State) -> npt.NDArray[np.uint8]:
         table[:, sensor] = np.searchsorted(np.array(chances, np.uint64), draws, side="right")
     table.flags.writeable = False
     return table
-
-
-def words_type(moment: np.dtype[Any]) -> np.dtype[Any]:
-    """Return the layout of a tick with its states as words, which compiled code copies."""
-    return np.dtype(
-        [
-            (name, "<i8", moment[name].shape or (moment[name].itemsize // 8,))
-            for name in moment.names or ()
-        ]
-    )
 
 
 def packed(states: Records) -> list[memoryview]:

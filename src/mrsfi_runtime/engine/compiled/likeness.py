@@ -12,7 +12,7 @@ from numba.core.compiler_machinery import AnalysisPass, register_pass
 from numba.core.errors import TypingError
 from numba.core.typed_passes import NopythonTypeInference
 
-from mrsfi_runtime.engine.compiled.layout import ALLOWED
+from mrsfi_runtime.engine.compiled.directories import ALLOWED
 from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.kernel.state import State
 
@@ -27,7 +27,7 @@ _KNOWN = tuple(
 _OPERATORS = ("binop", "inplace_binop", "unary")
 
 
-@register_pass(mutates_CFG=False, analysis_only=True)  # type: ignore[no-untyped-call]
+@register_pass(mutates_CFG=False, analysis_only=True)
 class _LikePython(AnalysisPass):
     """Refuses what objects of the reference engine do not have."""
 
@@ -65,7 +65,7 @@ class Checked(Compiler):
 
     def define_pipelines(self) -> list[Any]:
         """Return it."""
-        passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)  # type: ignore[no-untyped-call]
+        passes: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(_LikePython, NopythonTypeInference)
         passes.finalize()
         return [passes]

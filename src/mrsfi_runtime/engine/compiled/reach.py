@@ -96,7 +96,7 @@ class Reached:
 
     def _deep(self, function: FunctionType, _: frozenset[str]) -> str:
         self.functions.append(function)
-        names = frozenset(_names(function.__code__))
+        names = frozenset(names_of(function.__code__))
         read = {name: vars(builtins)[name] for name in names if hasattr(builtins, name)}
         read |= {n: function.__globals__[n] for n in names if n in function.__globals__}
         cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
@@ -181,12 +181,12 @@ def _named(value: Any) -> str:
     return f"{module}.{name}"
 
 
-def _names(code: CodeType) -> Iterator[str]:
+def names_of(code: CodeType) -> Iterator[str]:
     """Yield the names of a function that are not its own, those in its comprehensions too."""
     yield from (*code.co_names, *code.co_freevars)
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
-            yield from _names(inner)
+            yield from names_of(inner)
 
 
 def _loads(code: CodeType, name: str) -> bool:

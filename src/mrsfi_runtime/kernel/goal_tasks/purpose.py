@@ -3,13 +3,8 @@
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.forecast import ticks_left
 from mrsfi_runtime.kernel.goal_tasks import gather_samples, stay, sufficient_energy, track
-from mrsfi_runtime.kernel.goal_tasks.table import TASKS
+from mrsfi_runtime.kernel.goal_tasks.table import ENERGY, SAMPLES, STAY, TRACK
 from mrsfi_runtime.kernel.state import State
-
-SUFFICIENT_ENERGY = TASKS.index(sufficient_energy.SufficientEnergy)
-GATHER_SAMPLES = TASKS.index(gather_samples.GatherSamples)
-TRACK = TASKS.index(track.Track)
-STAY = TASKS.index(stay.Stay)
 
 
 @kernel
@@ -30,9 +25,9 @@ def is_missed(world: State, g: int, violated: int) -> bool:
         Whether the goal's check says so of the true state, 0 or 1.
     """
     task = world.goals[g].task
-    if task == SUFFICIENT_ENERGY:
+    if task == ENERGY:
         return sufficient_energy.is_exhausted(world, g)
-    if task == GATHER_SAMPLES:
+    if task == SAMPLES:
         return gather_samples.is_out_of_reach(world, g)
     if violated == 0 and ticks_left(world) == 0:
         if task == TRACK:

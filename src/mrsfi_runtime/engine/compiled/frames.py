@@ -1,0 +1,82 @@
+"""What compiled flights read and write, as they are called: arrays, and the directory of them."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from mrsfi_runtime.engine.compiled.batch import Batch
+from mrsfi_runtime.engine.compiled.layout import StateLayout, Words, laid_out, weather_table
+from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.kernel.state import State
+
+
+class Fresh(NamedTuple):
+    """What a seed decides: a state before the first tick, and the weather that is to come."""
+
+    layout: StateLayout
+    words: Words
+    weather: npt.NDArray[np.uint8]
+
+
+def fresh_of(state: State) -> Fresh:
+    """Return what a state before the first tick decides."""
+    return Fresh(*laid_out(state), weather_table(state))
+
+
+class Frame:
+    """Three states, and what is flown in them; a recording receives ticks of the last flight."""
+
+    def __init__(
+        self,
+        fresh: Fresh,
+        calls: Words,
+        batch: Batch,
+        span: tuple[int, int],
+        recording: Recording,
+    ) -> None:
+        layout = fresh.layout
+        n = layout.n_changing
+        self._fresh = fresh
+        self._states = [fresh.words.copy() for _ in range(3)]
+        directories = [layout.directory(words, calls) for words in self._states]
+        plans, held = batch.plans(*span)
+        self._at = np.zeros(1, np.int64)
+        arrays = [
+            np.array([len(recording)]),
+            self._at,
+            _addresses(directories),
+            fresh.words[:n],
+            *(words[:n] for words in self._states),
+            fresh.weather,
+            _addresses(plans),
+            _addresses(batch.verdicts),
+            batch.results,
+            recording,
+        ]
+        sizes = [array.nbytes // (1 if array is fresh.weather else 8) for array in arrays]
+        sizes[0] = 1
+        self._kept = (arrays, directories, plans, held, calls, batch)
+        addresses = [array.ctypes.data for array in arrays]
+        self.directory: Words = np.array(list(zip(addresses, sizes, strict=True)), np.int64)
+
+    @property
+    def at(self) -> int:
+        """Number of the specification that flies."""
+        return int(self._at[0])
+
+    @property
+    def tick(self) -> int:
+        """Tick of the mission that flies."""
+        return int(self._states[0][self._fresh.layout.tick])
+
+    @property
+    def has_written_to_tables(self) -> bool:
+        """Whether a flight has changed what none may change."""
+        n = self._fresh.layout.n_changing
+        return any(not np.array_equal(words[n:], self._fresh.words[n:]) for words in self._states)
+
+
+def _addresses(rows: Sequence[Words] | Words) -> Words:
+    return np.array([row.ctypes.data for row in rows], np.int64)

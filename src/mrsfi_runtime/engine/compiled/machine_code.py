@@ -1,0 +1,145 @@
+"""Machine code: kept in the cache, each function under a key, and loaded without numba."""
+
+import ctypes
+import json
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import version
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import mrsfi_runtime
+from mrsfi_runtime.engine.compiled.cache import cache_folder, empty, is_sound, sealing, temporary
+from mrsfi_runtime.engine.compiled.reach import CompilationError
+from mrsfi_runtime.errors import UsageError
+
+FILE = "code"
+_SOURCES = ("kernel", "model", "engine/compiled", "engine/recording.py")
+_LOADED: dict[bytes, tuple[Any, list[int]]] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class MachineCode:
+    """An object file, the names of functions in it, and of what it takes from elsewhere."""
+
+    names: tuple[str, ...]
+    binary: bytes
+    taken: tuple[str, ...] = ()
+
+    def addresses(self) -> list[int]:
+        """Return where the functions lie, for as long as this process runs."""
+        if self.binary not in _LOADED:
+            if _missing(self.taken):  # lists, say
+                import mrsfi_runtime.engine.compiled.compiler  # noqa: F401, PLC0415 - slow
+            if _missing(self.taken):
+                raise CompilationError(f"compiled code lacks {' and '.join(_missing(self.taken))}")
+            llvm = _llvm()
+            engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+            engine.add_object_file(llvm.ObjectFileRef.from_data(self.binary))
+            engine.finalize_object()
+            found = [engine.get_function_address(name) for name in self.names]
+            if not all(found):
+                raise CompilationError(f"compiled code lacks one of {self.names}")
+            _LOADED[self.binary] = engine, found
+        return _LOADED[self.binary][1]
+
+
+def _missing(names: Sequence[str]) -> list[str]:
+    return [name for name in names if not _llvm().address_of_symbol(name)]
+
+
+def _llvm() -> Any:
+    """Return LLVM, which comes with numba."""
+    import llvmlite.binding  # noqa: PLC0415 - optional
+
+    return llvmlite.binding
+
+
+def _processor() -> tuple[str, str, str]:
+    """Return the target of this machine, its processor, and what that has."""
+    llvm = _llvm()
+    features = llvm.get_host_cpu_features().flatten()
+    return llvm.get_process_triple(), llvm.get_host_cpu_name(), features
+
+
+@cache
+def _machine() -> Any:
+    llvm = _llvm()
+    triple, cpu, features = _processor()
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_triple(triple)
+    return target.create_target_machine(cpu=cpu, features=features, jit=True)
+
+
+@cache
+def sources_key() -> str:
+    """Return a key of the text of all that the kernel is compiled from."""
+    root = Path(str(mrsfi_runtime.__file__)).parent
+    known = (path for name in _SOURCES for path in (root / name).rglob("*.py"))
+    files = sorted({*known, *(root / name for name in _SOURCES if name.endswith(".py"))})
+    return key_of(*(path.read_text(encoding="utf-8") for path in files))
+
+
+@cache
+def kernel_key() -> str:
+    """Return a key of all that decides how the kernel compiles: its text, compiler, machine.
+
+    Raises
+    ------
+    UsageError
+        If there is no compiler.
+    """
+    if find_spec("numba") is None:
+        raise UsageError("to compile takes numba; install it with: pip install 'mrsfi[fast]'")
+    parts = [sys.version, *(version(name) for name in ("numba", "llvmlite", "numpy"))]
+    return key_of(sources_key(), *parts, *_processor())
+
+
+def key_of(*parts: str) -> str:
+    """Return a key that no other texts have."""
+    return sha256("\0".join(parts).encode()).hexdigest()[:24]
+
+
+def kept(key: str, compile_: Callable[[], MachineCode]) -> tuple[MachineCode, bool]:
+    """Return what the cache keeps under a key, compiled if need be, and whether it was."""
+    folder = cache_folder()
+    try:
+        return _kept_in(folder / key, compile_)
+    except OSError as error:  # a full disk, say
+        return _kept_in(temporary(folder, str(error)) / key, compile_)
+
+
+def forget(key: str) -> None:
+    """Compile anew when it is asked for next."""
+    with sealing(cache_folder() / key):
+        empty(cache_folder() / key)
+
+
+def _kept_in(entry: Path, compile_: Callable[[], MachineCode]) -> tuple[MachineCode, bool]:
+    with sealing(entry):
+        file = entry / FILE
+        if file.is_file() and is_sound(entry):
+            file.touch()
+            head, _, binary = file.read_bytes().partition(b"\n")
+            names, taken = map(tuple, json.loads(head))
+            return MachineCode(names, binary, taken), False
+        code = compile_()
+        head = json.dumps([code.names, code.taken]).encode()
+        file.write_bytes(head + b"\n" + code.binary)
+        return code, True
+
+
+FLIGHT = ctypes.CFUNCTYPE(
+    ctypes.c_int32,
+    ctypes.POINTER(ctypes.c_int64),
+    ctypes.POINTER(ctypes.c_void_p),
+    ctypes.c_void_p,
+    ctypes.c_int64,
+    ctypes.c_int64,
+)
+"""How compiled code is called: where the result goes, and an error; then what flies."""

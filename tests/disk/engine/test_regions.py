@@ -1,0 +1,81 @@
+"""Which regions a team wrote: whatever is not what the task of its goal says, as it is loaded."""
+
+import pytest
+
+from mrsfi_runtime.engine.compiled.reach import CompilationError
+from mrsfi_runtime.engine.compiled.regions import own_regions
+from mrsfi_runtime.mission import load_code
+from tests.support.cli import edit
+from tests.support.edited import COLLECTIVE, edited
+from tests.support.tree import ROOT
+
+
+def named(code):
+    return [(each.function.__name__, each.role, each.place) for each in own_regions(code)]
+
+
+@pytest.mark.parametrize("mission", ["uuv_sampling", "tight_energy"])
+def test_of_a_mission_as_it_was_generated_a_team_wrote_nothing(mission):
+    assert named(load_code(ROOT / "generated" / mission)) == []
+
+
+def test_a_region_of_a_team_is_found_with_its_place():
+    code = load_code(ROOT / "generated" / "tight_margins")
+
+    assert named(code) == [("react_energy", "react", 8)]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "    return goal_tasks.avoid_collision.violated(ci, G2)\n",
+        "    return goal_tasks.stay_within_mission_area.violated(ci, G1)\n",
+        "    return not goal_tasks.avoid_collision.violated(ci, G1)\n",
+        "    goal_tasks.avoid_collision.violated(ci, G1)\n    return False\n",
+        "    return goal_tasks.avoid_collision.violated(ci, 0)\n",
+    ],
+)
+def test_what_looks_like_a_default_and_is_none_is_found(tmp_path, body):
+    code = load_code(edited(tmp_path, "g1.check", body))
+
+    assert named(code) == [("check_g1", "check", 1)]
+
+
+def test_a_name_that_means_something_else_makes_no_default(tmp_path):
+    path = edited(tmp_path, "g1.check", "    return goal_tasks.avoid_collision.violated(ci, G1)\n")
+    begin = "# protected region helpers on begin\n"
+    line = "from mrsfi_runtime.api import forecast as goal_tasks\n"
+    edit(path / COLLECTIVE, begin, begin + line)
+
+    assert ("check_g1", "check", 1) in named(load_code(path))
+
+
+def test_a_default_that_was_exchanged_in_memory_is_none(monkeypatch):
+    code = load_code(ROOT / "generated" / "uuv_sampling")
+    names = code.functions.check.__globals__
+    monkeypatch.setattr(
+        names["goal_tasks"].gather_samples, "react", names["kernel"](lambda *_: None)
+    )
+
+    assert named(code) == [(f"react_g{n}", "react", 3 * n - 1) for n in (4, 5, 6)]
+
+
+@pytest.mark.parametrize(
+    ("text", "other"),
+    [
+        ("    react_g1(ci)\n    react_g2(ci)\n", "    react_g2(ci)\n    react_g1(ci)\n"),
+        ("    progress_g4(view)\n", ""),
+        ("G1 = 0\n", "G1 = 3\n"),
+        ("violated[G1] = 1 if", "violated[G1] = 0 if"),
+        ("    react_g1(ci)\n", "    react_g1(ci)\n    react_g1(ci)\n"),
+        ("    react_g6(ci)\n", ""),
+        ("    react_g6(ci)\n", "    react_g7(ci)\n"),
+        ("    violated[G6] = 1 if check_g6(view) else 0\n", ""),
+    ],
+)
+def test_functions_that_do_not_call_the_goals_in_their_order_are_refused(tmp_path, text, other):
+    path = edited(tmp_path, "g1.check", "    return False\n")
+    edit(path / COLLECTIVE, text, other)
+
+    with pytest.raises(CompilationError, match="run `mrsfi generate`"):
+        own_regions(load_code(path))
