@@ -21,10 +21,10 @@ from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 class FailureMode(NamedTuple):
     """A row of the table, of the form that breaks the goal by the gravest measure.
 
-    ``number`` is that of the way, ``form`` the mildest one where it is known, or else the one that
-    is listed, ``detected`` whether the collective intelligence believes that
-    the goal is broken, ``ticks`` how long the goal is broken, by the measure that counts most, and
-    ``occurrence`` the chance of all the faults, 0 … 1, as if none hung on another, if it is known.
+    ``number`` is that of the way, ``form`` whether that is the mildest one, or the one that is
+    listed, ``detected`` whether the collective intelligence believes that the goal is broken,
+    ``ticks`` how long the goal is broken, by the measure that counts most, and ``occurrence`` the
+    chance of all the faults, 0 … 1, as if none hung on another, if it is known.
     """
 
     number: int
