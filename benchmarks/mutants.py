@@ -44,8 +44,8 @@ ROOMS = {
         unit/search/test_fitness.py unit/search/test_minimise.py unit/record unit/analysis
     """,
     "engine": """
-        unit/engine disk/engine conformance/test_compiled.py conformance/test_region_lint.py
-        conformance/test_engines.py
+        unit/engine disk/engine disk/test_imported_copies.py conformance/test_compiled.py
+        conformance/test_region_lint.py conformance/test_engines.py integration/test_workers.py
     """,
     "hosting": """
         unit/hosting unit/transport integration/test_lost_sides.py
