@@ -9,8 +9,8 @@ from mrsfi.loading import specification_writer
 from mrsfi_runtime.analysis.drawing import Draw, DrawingProcesses
 from mrsfi_runtime.analysis.report import write_report
 from mrsfi_runtime.analysis.summary import Summary
-from mrsfi_runtime.causes.counts import Record
 from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import MrsfiError
 

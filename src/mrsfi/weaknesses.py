@@ -12,12 +12,12 @@ from mrsfi_runtime.analysis.drawing import Drawing, drawn
 from mrsfi_runtime.analysis.tables import as_csv
 from mrsfi_runtime.analysis.weaknesses import goal_in_words
 from mrsfi_runtime.causes import mildest as shrinking
-from mrsfi_runtime.causes.counts import Record
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known, faults_of
 from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.files import whole_file

@@ -8,10 +8,10 @@ from typing import NamedTuple
 from mrsfi_runtime.analysis import markdown, tables
 from mrsfi_runtime.analysis.weaknesses import goal_in_words
 from mrsfi_runtime.causes.chain import chains
-from mrsfi_runtime.causes.counts import Record
 from mrsfi_runtime.causes.sentence import local_effect
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.measure import NONE

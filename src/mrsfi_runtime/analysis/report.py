@@ -23,8 +23,8 @@ from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.story import Story, places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
-from mrsfi_runtime.causes.counts import Record
 from mrsfi_runtime.causes.ways import Way, least
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from mrsfi_runtime.causes.cause_set import without
-from mrsfi_runtime.causes.counts import Record
 from mrsfi_runtime.causes.observed import FORGED, HEADING, KNOWN, MEMORY, SENT, Quantities
-from mrsfi_runtime.engine.recording import Recording, Records
+from mrsfi_runtime.engine.recording import Record, Recording, Records
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 

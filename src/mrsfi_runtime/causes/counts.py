@@ -6,7 +6,6 @@ from contextlib import contextmanager
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
-from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
@@ -14,9 +13,6 @@ from mrsfi_runtime.record.measure import Measure
 
 EvaluateIn: TypeAlias = Callable[[Sequence[Specification], int], Iterable[Evaluated]]
 """Evaluates fault specifications in the weather of a mission seed, as an ``Evaluator`` does."""
-
-Record: TypeAlias = Callable[[Specification], Recording]
-"""Flies fault specifications, all in the weather of one mission seed, and returns every tick."""
 
 
 class Column(NamedTuple):

@@ -14,7 +14,7 @@ from functools import partial
 from random import Random
 from typing import NamedTuple, Self
 
-from mrsfi_runtime.causes.counts import Column, EvaluateIn, Record
+from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
 from mrsfi_runtime.causes.mildest import Mildest, mildest
 from mrsfi_runtime.causes.probing import N_ALONE, Probing
@@ -31,6 +31,7 @@ from mrsfi_runtime.causes.weakness import (
     yardstick_of,
 )
 from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from itertools import chain, combinations, starmap
 from typing import Any, NamedTuple, Self
 
-from mrsfi_runtime.causes.counts import Column, EvaluateIn, Record
+from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.causes.weakness import (
     Broken,
     FaultSet,
@@ -25,7 +25,7 @@ from mrsfi_runtime.causes.weakness import (
     parts,
     yardstick_of,
 )
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
 from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks
 from mrsfi_runtime.model.targets import touched

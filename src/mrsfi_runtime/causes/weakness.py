@@ -13,9 +13,9 @@ from itertools import chain
 from operator import itemgetter
 from typing import Any, Self, TypeAlias
 
-from mrsfi_runtime.causes.counts import Column, EvaluateIn, Record
+from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission

@@ -19,9 +19,8 @@ from mrsfi_runtime.analysis.tables import evaluations_table
 from mrsfi_runtime.analysis.weaknesses import MATRIX, matrix, said
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain
-from mrsfi_runtime.causes.counts import Record
 from mrsfi_runtime.causes.sentence import sentence
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
