@@ -55,7 +55,7 @@ ROOMS = {
     "search": """
         unit/search disk/search conformance/test_algorithms.py conformance/test_own_search.py
     """,
-    "causes": "unit/causes disk/record/test_causes.py integration/causes e2e/test_explain.py",
+    "causes": "unit/causes integration/causes e2e/test_explain.py",
     "m2t": "unit/m2t disk/m2t model integration/test_generation.py",
     "mrsfi": """
         unit/mrsfi e2e/test_mission_folders.py e2e/test_project.py e2e/test_rename.py
