@@ -44,8 +44,8 @@ ROOMS = {
         unit/search/test_fitness.py unit/search/test_minimise.py unit/record unit/analysis
     """,
     "engine": """
-        unit/engine disk/engine conformance/test_compiled.py conformance/test_region_lint.py
-        conformance/test_engines.py
+        unit/engine disk/engine disk/test_imported_copies.py conformance/test_compiled.py
+        conformance/test_region_lint.py conformance/test_engines.py integration/test_workers.py
     """,
     "hosting": """
         unit/hosting unit/transport integration/test_lost_sides.py
@@ -55,7 +55,7 @@ ROOMS = {
     "search": """
         unit/search disk/search conformance/test_algorithms.py conformance/test_own_search.py
     """,
-    "causes": "unit/causes disk/record/test_causes.py integration/causes e2e/test_explain.py",
+    "causes": "unit/causes integration/causes e2e/test_explain.py",
     "m2t": "unit/m2t disk/m2t model integration/test_generation.py",
     "mrsfi": """
         unit/mrsfi e2e/test_mission_folders.py e2e/test_project.py e2e/test_rename.py

@@ -7,10 +7,10 @@ from functools import cache
 from mrsfi.campaign_folders import OpenCampaign, load_own
 from mrsfi.loading import specification_writer
 from mrsfi_runtime.analysis.drawing import Draw, DrawingProcesses
-from mrsfi_runtime.analysis.page.content import Record
 from mrsfi_runtime.analysis.report import write_report
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.engine.flights import Engine
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import MrsfiError
 

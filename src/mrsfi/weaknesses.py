@@ -17,11 +17,10 @@ from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known, faults_of
 from mrsfi_runtime.engine.flights import Evaluator
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.files import whole_file
-from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.encoding import fault_texts
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.search.space import SearchSpace
@@ -89,18 +88,14 @@ def harvest(
     """
     space = SearchSpace.of(campaign.mission, campaign.pool)
     seed = campaign.store.settings.mission_seed
-
-    def record(specification: Specification) -> Recording:
-        with own_engine(evaluator, campaign.code, seed, settings) as engine:
-            return engine.record(specification)
-
-    return find_out(space, campaign.store, evaluator.evaluate_many, record, on_flown)
+    with own_engine(evaluator, campaign.code, seed, settings) as engine:
+        return find_out(space, campaign.store, evaluator.evaluate_many, engine.record, on_flown)
 
 
 def mildest(
     campaign: FlyableCampaign,
     evaluator: Evaluator,
-    record: fmea.Record,
+    record: Record,
     found: Sequence[Way],
     n_seeds: int = shrinking.N_SEEDS,
 ) -> tuple[shrinking.Mildest, ...]:
@@ -111,27 +106,22 @@ def mildest(
     campaign, evaluator
         A campaign that was harvested, and what flies it, some 30 times for each set.
     record
-        Flies once without faults, in the campaign's mission seed, to see what is true.
+        Flies in the campaign's mission seed: without faults, to see what is true, and each form.
     found
         The ways, as a harvest numbers them.
     n_seeds
         Mission seeds, from the campaign's on, in which a form has to break the goal.
     """
-    known, deviation = harvested(campaign).known, _deviation(campaign, record)
+    space, known = SearchSpace.of(campaign.mission, campaign.pool), harvested(campaign).known
     shown = [way.shown for way in found]
     seeds = following(campaign.store.settings.mission_seed, n_seeds)
-    return shrinking.mildest(deviation, known, shown, evaluator.evaluate_many, seeds)
-
-
-def _deviation(campaign: OpenCampaign, record: fmea.Record) -> shrinking.Deviation:
-    space = SearchSpace.of(campaign.mission, campaign.pool)
-    return shrinking.Deviation(space, record(()))
+    return shrinking.mildest(space, known, shown, evaluator.evaluate_many, record, seeds)
 
 
 def write_map(
     campaign: FlyableCampaign,
     evaluator: Evaluator,
-    record: fmea.Record,
+    record: Record,
     way: Way,
     path: Path,
 ) -> None:
@@ -140,7 +130,8 @@ def write_map(
     All are flown in the campaign's mission seed, and judged by the gravest measure.
     """
     kind = require_format(path, MAPS)
-    deviation, seed = _deviation(campaign, record), campaign.store.settings.mission_seed
+    space = SearchSpace.of(campaign.mission, campaign.pool)
+    deviation, seed = shrinking.Deviation(space, record(())), campaign.store.settings.mission_seed
     tried = shrinking.tried_map(deviation, way.shown, evaluator.evaluate_many, seed)
     if kind == ".csv":
         content = as_csv([shrinking.Tried._fields, *tried])
@@ -152,9 +143,7 @@ def write_map(
         file.write(content)
 
 
-def write_fmea(
-    campaign: OpenCampaign, found: Sequence[Way], record: fmea.Record, path: Path
-) -> None:
+def write_fmea(campaign: OpenCampaign, found: Sequence[Way], record: Record, path: Path) -> None:
     """Write failure modes and effects, flown in the campaign's mission seed.
 
     What cannot be written, or ends otherwise than those of ``FMEA``, is a ``UsageError``.

@@ -324,6 +324,7 @@ LINES = {
     107: ("inbox.robots[2].speed = 99.0", "speed of inbox.robots[2]"),
     108: ("fault.target = 1", "target of fault[0]"),
     109: ("fault.values[1] = 99.0", "values of fault[0]"),
+    110: ("ci.robots[0].x = 99.0", "x of ci.robots[0]"),
 }
 """Offset of a stuck report, what it makes the effect do from tick 42 on, and what that is."""
 

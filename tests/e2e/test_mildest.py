@@ -1,5 +1,7 @@
 """The least that breaks a goal, of a campaign that evolved and was harvested, is told."""
 
+import csv
+
 import pytest
 
 from tests.support.cli import mrsfi, mrsfi_json
@@ -43,6 +45,27 @@ def test_sentences_and_flights_are_printed_and_seeds_if_asked_for(found):
     for one in least:
         assert f"{one['number']} {one['sentence']} ({one['flights']} flight" in said
     assert "5/5" in said
+
+
+def test_failure_modes_are_of_mildest_forms_where_these_are_known(found, tmp_path):
+    kept, sought = tmp_path / "kept.csv", tmp_path / "sought.csv"
+
+    mrsfi(*MILDEST[:2], "--fmea", kept, *MILDEST[3:], cwd=found)
+    least = mrsfi_json(*MILDEST, "--fmea", sought, cwd=found)
+
+    known, every = (
+        {int(row["number"]): row for row in csv.DictReader(path.read_text("utf-8").splitlines())}
+        for path in (kept, sought)
+    )
+    mildest = {n for n, row in known.items() if row["form"] == "mildest"}
+    assert len(mildest) == len({one["goal"] for one in least}) < len(least)
+    assert {known[n]["form"] for n in {*known} - mildest} == {"listed"}
+    assert {n: known[n] for n in mildest} == {n: every[n] for n in mildest}
+    assert {row["form"] for row in every.values()} == {"mildest"}
+    for one in least:
+        for timed in one["witness"]:
+            window = f"from tick {timed['start']} to {timed['finish']}"
+            assert window in every[one["number"]]["failure_mode"]
 
 
 def test_values_and_windows_that_break_a_goal_are_written_as_a_table_or_drawn(found, tmp_path):

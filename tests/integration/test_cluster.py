@@ -10,7 +10,7 @@ import pytest
 from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import COMPILED, REFERENCE, EngineSettings
-from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError, UsageError
+from mrsfi_runtime.errors import EvaluationError, SpecificationError, TransportError
 from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from tests.support.cluster import Scheduler, require_dask, scheduler, without_mrsfi
@@ -265,15 +265,13 @@ def test_a_cluster_with_certificates_is_reached_with_those_of_the_configuration(
         name = key.replace(".", "__").replace("-", "_").upper()
         monkeypatch.setenv(f"DASK_{name}", value)
 
-    with scheduler(tmp_path, 1, protocol="tls") as place:
-        with pytest.raises(UsageError, match="expected certificates in dask's configuration"):
-            Cluster(place.address)
-        with dask.config.set(tls), Cluster(place.address) as cluster:
-            found = list(
-                ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE).evaluate_many(
-                    specifications
-                )
-            )
+    with (
+        scheduler(tmp_path, 1, protocol="tls") as place,
+        dask.config.set(tls),
+        Cluster(place.address) as cluster,
+    ):
+        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
+        found = list(pool.evaluate_many(specifications))
 
     assert place.address.startswith("tls://")
     assert found == expected

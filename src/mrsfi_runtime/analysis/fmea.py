@@ -1,9 +1,9 @@
 """Failure modes and effects: each least set of faults that breaks a goal, as a row of a table."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cache, lru_cache
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 from mrsfi_runtime.analysis import markdown, tables
 from mrsfi_runtime.analysis.weaknesses import goal_in_words
@@ -11,26 +11,25 @@ from mrsfi_runtime.causes.chain import chains
 from mrsfi_runtime.causes.sentence import local_effect
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.measure import NONE
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
-Record: TypeAlias = Callable[[Specification], Recording]
-"""Flies fault specifications, all in one mission seed, and returns every tick."""
-
 
 class FailureMode(NamedTuple):
     """A row of the table, of the form that breaks the goal by the gravest measure.
 
-    ``number`` is that of the way, ``detected`` whether the collective intelligence believes that
-    the goal is broken, ``ticks`` how long the goal is broken, by the measure that counts most, and
-    ``occurrence`` the chance of all the faults, 0 … 1, as if none hung on another, if it is known.
+    ``number`` is that of the way, ``form`` whether that is the mildest one, or the one that is
+    listed, ``detected`` whether the collective intelligence believes that the goal is broken,
+    ``ticks`` how long the goal is broken, by the measure that counts most, and ``occurrence`` the
+    chance of all the faults, 0 … 1, as if none hung on another, if it is known.
     """
 
     number: int
     faults: str
+    form: str
     item: str
     failure_mode: str
     local_effect: str
@@ -61,12 +60,13 @@ def failure_modes(
         return "; ".join(effects), [*map(max, *counts)]
 
     def mode(way: Way) -> FailureMode:
-        shown, place = way.shown, mission.goal_ids.index(way.goal)
+        shown, place = way.at_least.shown, mission.goal_ids.index(way.goal)
         faults = named_faults(mission, pool, shown.witness)
         effect, ticks = flown(shown.witness)
         return FailureMode(
             number=way.number,
             faults=" ".join(way.faults),
+            form="listed" if way.mildest is None else "mildest",
             item="; ".join(dict.fromkeys(each.target for each in faults)),
             failure_mode="; ".join(map(_mode, faults)),
             local_effect=effect,

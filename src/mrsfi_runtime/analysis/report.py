@@ -17,13 +17,14 @@ from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.drawing import Draw, Drawing, Drawings, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
 from mrsfi_runtime.analysis.markdown import report_text
-from mrsfi_runtime.analysis.page.content import Record, Told, campaign_page, flown_of, told_content
+from mrsfi_runtime.analysis.page.content import Told, campaign_page, flown_of, told_content
 from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.story import Story, places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
 from mrsfi_runtime.causes.ways import Way, least
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission

@@ -15,7 +15,7 @@ MATRIX = "Share of forms that do; (%): only believed, *: unseen by the CI, joint
 
 _BREAKS = {"believed": "in what is believed", "true": "in truth", "missed": "for good"}
 
-LISTED = ("goal", *MEASURES, "seeds", "fault", "type", "window", "target", "values")
+LISTED = ("goal", *MEASURES, "since", "seeds", "fault", "type", "window", "target", "values")
 """Columns of ``listed``, after the number."""
 
 
@@ -82,12 +82,13 @@ def listed(mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Iterator[
             str(way.number),
             way.goal,
             *(shares.get(measure, NONE) for measure in MEASURES),
+            NONE if way.shown.since is None else str(way.shown.since),
             f"{way.shown.n_held}/{way.shown.n_seeds}",
         )
         for named in named_faults(mission, pool, way.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
             yield *first, named.name, named.fault.type, window, named.target, named.values
-            first = ("", "and", *[""] * (len(MEASURES) + 1))
+            first = ("", "and", *[""] * (len(first) - 2))
 
 
 def not_found(known: Known, goal: str) -> str:

@@ -4,13 +4,13 @@ Both flights meet the same weather, so that every difference comes from the faul
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.observed import FORGED, HEADING, KNOWN, MEMORY, SENT, Quantities
-from mrsfi_runtime.engine.recording import Recording, Records
+from mrsfi_runtime.engine.recording import Record, Recording, Records
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 
@@ -120,13 +120,8 @@ def _first_as_json(first: First) -> dict[str, Any]:
     return {"tick": first.tick, "changes": changes}
 
 
-def chains(
-    record: Callable[[Specification], Recording], mission: Mission, specification: Specification
-) -> tuple[Chain, ...]:
-    """Return the chain of each fault of a specification, against all of it but the fault.
-
-    What records flies specifications of the mission, all in the same weather.
-    """
+def chains(record: Record, mission: Mission, specification: Specification) -> tuple[Chain, ...]:
+    """Return the chain of each fault of a specification, against all of it but the fault."""
     whole = record(specification)
     return tuple(
         chain(mission, whole, record(without(specification, place)))

@@ -16,7 +16,7 @@ from typing import NamedTuple, Self
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.causes.mildest import N_SEEDS as N_MILD
-from mrsfi_runtime.causes.mildest import Deviation, Mildest, mildest
+from mrsfi_runtime.causes.mildest import Mildest, mildest
 from mrsfi_runtime.causes.probing import N_ALONE, Probing
 from mrsfi_runtime.causes.ways import Way, least, ways
 from mrsfi_runtime.causes.weakness import (
@@ -25,12 +25,13 @@ from mrsfi_runtime.causes.weakness import (
     Yardstick,
     broken_by,
     columns,
+    dated,
     flown_with,
     in_seeds,
     yardstick_of,
 )
 from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
@@ -111,7 +112,7 @@ def harvest(
     space: SearchSpace,
     store: CampaignStore,
     evaluate_many: EvaluateIn,
-    record: Callable[[Specification], Recording],
+    record: Record,
     on_flown: Callable[[Known, int, int], None] = lambda *_: None,
 ) -> Harvest:
     """Find all the ways in which goals break, with flights that are recorded as they come.
@@ -166,11 +167,12 @@ def harvest(
     left = max(0, most - flights.n_taken)
     n_others = min(N_SEEDS - 1, left // len(flown_with(weaknesses)))
     found = in_seeds(mission, weaknesses, fly, seeds[: 1 + n_others])
+    if yardstick is not None:
+        found = dated(yardstick, found, record)
     n_taken = flights.n_taken
     mild: tuple[Mildest, ...] = ()
     if some := [way.shown for way in least(ways(found))]:
-        deviation = Deviation(space, record(()))
-        mild = mildest(deviation, known, some, flights, seeds[:N_MILD])
+        mild = mildest(space, known, some, flights, record, seeds[:N_MILD])
     store.keep(_KEPT, _text(store, n_taken, known, found, mild))
     ended = known_by(space, store)
     assert ended is not None

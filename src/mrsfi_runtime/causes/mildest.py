@@ -19,12 +19,13 @@ from mrsfi_runtime.causes.weakness import (
     Known,
     Weakness,
     broken_by,
+    dated,
     faults_of,
     form,
     parts,
     yardstick_of,
 )
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
 from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks
 from mrsfi_runtime.model.targets import touched
@@ -60,8 +61,8 @@ class Mildest:
     sentence
         From what on the goal breaks, and the strongest form tried that did not break it.
     n_flights
-        How many flights it took, beside one in each seed without faults. One that serves several
-        weaknesses counts for the first of them.
+        How many flights it took, beside those without faults and those that are recorded. One that
+        serves several weaknesses counts for the first of them.
     """
 
     weakness: Weakness
@@ -139,10 +140,11 @@ class Deviation:
 
 
 def mildest(
-    deviation: Deviation,
+    space: SearchSpace,
     known: Known,
     found: Sequence[Weakness],
     evaluate: EvaluateIn,
+    record: Record,
     seeds: Sequence[int],
 ) -> tuple[Mildest, ...]:
     """Return the mildest form of each of some weaknesses, in their order.
@@ -151,12 +153,16 @@ def mildest(
     ----------
     known
         What was flown in the first of the seeds.
+    record
+        Flies in the first of the seeds: without faults, to see what is true, and each form.
     seeds
         Mission seeds in all of which a form has to break the goal, while no part of it does. Where
         none of the forms that are tried first does, it is as many of the first of them as one does.
     """
-    flown = _Flown(deviation.space, known, evaluate, seeds)
-    return tuple(_mildest(deviation, known, each, flown) for each in found)
+    deviation, flown = Deviation(space, record(())), _Flown(space, known, evaluate, seeds)
+    least = [_mildest(deviation, known, each, flown) for each in found]
+    forms = dated(flown.yardsticks[0], [each.weakness for each in least], record)
+    return tuple(replace(each, weakness=one) for each, one in zip(least, forms, strict=True))
 
 
 class Tried(NamedTuple):
@@ -195,7 +201,8 @@ def tried_map(
 class _Flown:
     """What forms break in each of some mission seeds, each flown once; what fails breaks nothing.
 
-    ``n_flown`` is the number of flights, beside one in each seed without faults.
+    ``n_flown`` is the number of flights, beside one in each seed without faults, by which
+    ``yardsticks`` judge there.
     """
 
     def __init__(
@@ -206,7 +213,7 @@ class _Flown:
         self.broken[0] |= known.flown
         self._seeds = seeds
         self._evaluate = evaluate
-        self._yardsticks = [
+        self.yardsticks = [
             yardstick_of(space.gate.mission, fault_free, seed)
             for seed in seeds
             for fault_free in evaluate([()], seed)
@@ -219,7 +226,7 @@ class _Flown:
             new = [each for each in wanted if each not in broken]
             self.n_flown += len(new)
             for each, outcome in zip(new, self._evaluate(new, seed) if new else (), strict=True):
-                broken[each] = broken_by(self._yardsticks[k], outcome)
+                broken[each] = broken_by(self.yardsticks[k], outcome)
             whole, *alone = (broken[each] for each in wanted)
             if column not in whole.difference(*alone):
                 return k

@@ -15,6 +15,7 @@ from typing import Any, Self, TypeAlias
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
 from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
+from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
@@ -62,6 +63,15 @@ class Yardstick:
         """Return the columns that a flight breaks."""
         judged = zip(self.columns, _counts(outcome), self.most, strict=True)
         return frozenset(column for column, count, most in judged if count > most)
+
+    def since(self, flight: Recording) -> dict[Column, int]:
+        """Return the first tick at which a flight has broken each of the columns that it breaks."""
+        found = {}
+        for place, (column, most) in enumerate(zip(self.columns, self.most, strict=True)):
+            is_over = flight[column.kind][:, place // len(MEASURES)] > most
+            if is_over.any():
+                found[column] = int(is_over.argmax())
+        return found
 
 
 def _counts(outcome: Outcome) -> Iterator[int]:
@@ -226,6 +236,8 @@ class Weakness:
     n_held, n_seeds
         In how many mission seeds, of those that were looked at, the witness breaks it and no part
         of the witness does.
+    since
+        The first tick at which the goal is broken under the witness, if that is known.
     """
 
     column: Column
@@ -236,6 +248,7 @@ class Weakness:
     is_masked: bool
     n_held: int = 1
     n_seeds: int = 1
+    since: int | None = None
 
     @property
     def share(self) -> float:
@@ -256,6 +269,7 @@ class Weakness:
             "witness": [timed._asdict() | {"values": [*timed.values]} for timed in self.witness],
             "share": self.share,
             "tried": self.n_tried,
+            "since": self.since,
             "seeds": {"held": self.n_held, "of": self.n_seeds},
             "masked": self.is_masked,
             "label": self.label,
@@ -275,6 +289,7 @@ class Weakness:
             bool(row["masked"]),
             int(seeds["held"]),
             int(seeds["of"]),
+            None if (since := row.get("since")) is None else int(since),
         )
 
 
@@ -302,6 +317,13 @@ def in_seeds(
             alone = (broken[part] for part in parts(each.witness))
             n_held[each] += each.column in broken[each.witness].difference(*alone)
     return tuple(replace(each, n_held=n_held[each], n_seeds=len(seeds)) for each in found)
+
+
+def dated(yardstick: Yardstick, found: Sequence[Weakness], record: Record) -> tuple[Weakness, ...]:
+    """Return weaknesses with the tick since which each breaks its goal; each witness is flown."""
+    witnesses = dict.fromkeys(each.witness for each in found)
+    since = {each: yardstick.since(record(each)) for each in witnesses}
+    return tuple(replace(each, since=since[each.witness].get(each.column)) for each in found)
 
 
 def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstick:

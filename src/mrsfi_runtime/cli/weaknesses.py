@@ -78,28 +78,17 @@ def weaknesses(
             raise UsageError(f"--goal: found '{goal}'; {expected(goal, mission.goal_ids)}")
         known = harvested(campaign)
         found = [way for way in known.ways if goal in {None, way.goal}]
-        never = () if is_json else untried(campaign)
+        never = "" if is_json else _never_flown(campaign)
+        if is_mildest or n_seeds is not None:
+            found = _flown(run, found, n_seeds, engine, workers, is_mildest=is_mildest)
         _write(campaign, found, engine, workers, **files)
     told = mission.goal_ids if goal is None else (goal,)
     if is_bounds:
-        print_json(
-            [
-                {
-                    "goal": column.goal,
-                    "measure": column.kind,
-                    "draws": n_kept,
-                    "bound": known.known.bound(column),
-                }
-                for column, n_kept in known.known.n_kept.items()
-                if column.goal in told
-            ]
-        )
+        _print_bounds(known.known, told)
         return
     if is_mildest:
-        _tell_mildest(run, found, n_seeds, engine, workers, is_json=is_json)
+        _tell_mildest(mission, pool, found, is_json=is_json)
         return
-    if n_seeds is not None:
-        found = _in_seeds(run, found, n_seeds, engine, workers)
     if is_json:
         print_json([each for way in found for each in way.as_json()])
         return
@@ -108,12 +97,32 @@ def weaknesses(
         print_ways(mission, pool, found)
         print_list(mission, pool, found, "How, in one of the forms that do")
     click.echo("\n".join(not_found(known.known, each) for each in told) + "\n")
-    click.echo(harmless(pool, known.ways))
-    n_faults = len(pool)
-    click.echo(
+    click.echo(f"{harmless(pool, known.ways)}\n{never}")
+
+
+def _never_flown(campaign: OpenCampaign) -> str:
+    """Return in a sentence which faults and pairs of faults no specification had."""
+    n_faults, never = len(campaign.pool), untried(campaign)
+    return (
         f"Of {n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs, never flown: "
         f"{', '.join(' with '.join(each) for each in never[:_MOST_UNTRIED]) or 'none'}"
         f"{f' and {len(never) - _MOST_UNTRIED} more' if len(never) > _MOST_UNTRIED else ''}"
+    )
+
+
+def _print_bounds(known: Known, goals: Sequence[str]) -> None:
+    """Print how seldom some goals may break in a way that is not known, for a script."""
+    print_json(
+        [
+            {
+                "goal": column.goal,
+                "measure": column.kind,
+                "draws": n_kept,
+                "bound": known.bound(column),
+            }
+            for column, n_kept in known.n_kept.items()
+            if column.goal in goals
+        ]
     )
 
 
@@ -152,52 +161,40 @@ def _found(weaknesses: Iterable[Weakness]) -> str:
     return f"{counted(len(found), 'ways')} to break {counted(len(goals), 'goals')}"
 
 
-def _in_seeds(
-    run: Path,
-    found: Sequence[Way],
-    n_seeds: int,
-    engine: EngineOptions,
-    workers: WorkerOptions,
-) -> list[Way]:
-    """Return ways with the number of mission seeds in which they hold."""
-    with (
-        open_to_fly(run, tell) as campaign,
-        _evaluator(campaign, engine, workers) as (evaluator, _),
-    ):
-        seeds = following(campaign.store.settings.mission_seed, n_seeds)
-        each = [weakness for way in found for weakness in way.by]
-        flown = iter(in_seeds(campaign.mission, each, evaluator.evaluate_many, seeds))
-        return [replace(way, by=tuple(islice(flown, len(way.by)))) for way in found]
-
-
-def _tell_mildest(
+def _flown(
     run: Path,
     found: Sequence[Way],
     n_seeds: int | None,
     engine: EngineOptions,
     workers: WorkerOptions,
     *,
-    is_json: bool,
+    is_mildest: bool,
+) -> list[Way]:
+    """Return ways, each with its mildest form if asked for, in as many mission seeds as asked."""
+    with _flying(run, engine, workers) as (campaign, evaluator, own):
+        least = mildest(campaign, evaluator, own.record, found) if is_mildest else ()
+        told = [one.weakness for one in least] or [one for way in found for one in way.by]
+        if n_seeds is not None:
+            seeds = following(campaign.store.settings.mission_seed, n_seeds)
+            told = [*in_seeds(campaign.mission, told, evaluator.evaluate_many, seeds)]
+    flown = iter(told)
+    if is_mildest:
+        forms = (replace(each, weakness=next(flown)) for each in least)
+        return [replace(way, mildest=form) for way, form in zip(found, forms, strict=True)]
+    return [replace(way, by=tuple(islice(flown, len(way.by)))) for way in found]
+
+
+def _tell_mildest(
+    mission: Mission, pool: FaultPool, found: Sequence[Way], *, is_json: bool
 ) -> None:
     """Print the mildest form of each of some ways to break a goal."""
-    with _flying(run, engine, workers) as (campaign, evaluator, own):
-        mission, seed = campaign.mission, campaign.store.settings.mission_seed
-        least = mildest(campaign, evaluator, own.record, found)
-        forms = tuple(each.weakness for each in least)
-        if n_seeds is not None:
-            forms = in_seeds(mission, forms, evaluator.evaluate_many, following(seed, n_seeds))
-    told = [*zip(found, least, forms, strict=True)]
+    told = [(way, way.mildest) for way in found if way.mildest is not None]
     if is_json:
-        print_json(
-            [
-                {"number": way.number, **replace(each, weakness=form).as_json()}
-                for way, each, form in told
-            ]
-        )
+        print_json([{"number": way.number, **each.as_json()} for way, each in told])
         return
-    shown = [replace(way, by=(form,)) for way, _, form in told]
-    print_list(mission, campaign.pool, shown, "The mildest form that was found")
-    for way, each, _ in told:
+    shown = [replace(way, by=(each.weakness,)) for way, each in told]
+    print_list(mission, pool, shown, "The mildest form that was found")
+    for way, each in told:
         click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
 
 

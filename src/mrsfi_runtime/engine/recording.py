@@ -1,6 +1,6 @@
 """Every tick of a flight as arrays, in one layout for all engines."""
 
-from collections.abc import Mapping, MutableSequence
+from collections.abc import Callable, Mapping, MutableSequence
 from typing import Any, TypeAlias, get_args, get_type_hints
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy.typing as npt
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.kernel.state import N_MEMORY, State
+from mrsfi_runtime.model.faults import Specification
 
 Records: TypeAlias = npt.NDArray[Any]
 """A structured array."""
@@ -21,6 +22,9 @@ Recording: TypeAlias = Records
 ``recording["world"]["goals"]["memory"]``, shape ``(n_ticks, n_goals, N_MEMORY)``. The verdicts are
 named as those of ``Verdicts``; ``recording["is_true"]`` has shape ``(n_ticks, n_goals)``.
 """
+
+Record: TypeAlias = Callable[[Specification], Recording]
+"""Flies fault specifications, all in the weather of one mission seed, and returns every tick."""
 
 SIDES = ("world", "belief")
 """The states of a tick: truth and belief."""

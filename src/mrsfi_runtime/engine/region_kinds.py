@@ -12,6 +12,7 @@ from dataclasses import is_dataclass
 from difflib import get_close_matches
 from functools import cache
 from pkgutil import resolve_name
+from textwrap import shorten
 from types import ModuleType
 from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
 
@@ -25,7 +26,7 @@ _API = "mrsfi_runtime.api."
 _NUMBERS: Mapping[str, Kind] = {"int": int, "float": float, "bool": bool}
 _CALLS: Mapping[str, Kind] = {**_NUMBERS, "len": int, "round": int, "set": set, "sqrt": float}
 _FIRST = ast.Constant(0)
-_SHOWN = 12
+_LONGEST = 120  # letters of the names that are told
 
 
 @cache
@@ -238,5 +239,5 @@ def _known(node: ast.AST, kinds: Kinds) -> tuple[str, Sequence[str]]:
 
 def _missed(node: ast.Attribute, owner: str, known: Sequence[str]) -> str:
     near = get_close_matches(node.attr, known, 3) or [n for n in known if n[0] != "_"]
-    has = ", ".join(near[:_SHOWN]) + (", …" if len(near) > _SHOWN else "")
+    has = shorten(", ".join(near), _LONGEST, placeholder=" …")
     return f"found `{ast.unparse(node)}`, but {owner} has no '{node.attr}'; it has {has}"

@@ -63,7 +63,6 @@ class SimulationProcess:
             self._connection.send((code.directory.resolve(), url, client, patient))
         said = self._heard(patience.handshake)
         if "url" not in said:
-            self._connection.close()
             reason = said.get("error") or self._ending()
             raise TransportError(f"the simulation process did not start: {reason}")
         self.url = said["url"]

@@ -72,8 +72,8 @@ def _transport(url: str | None, client: Client) -> Iterator[tuple[Transport, str
         raise as_ours(error) from error
 
 
-def main(number: int) -> int:
-    """Serve what the first message on a connection asks for; return the exit code."""
+def main(number: int) -> None:
+    """Serve what the first message on a connection asks for; say there why that ended early."""
     connection = Connection(number)
     directory, url, client, patience = connection.recv()
 
@@ -85,11 +85,8 @@ def main(number: int) -> int:
         serve_simulation(load_code(directory), url, client, patience, on_ready)
     except MrsfiError as error:
         _say(connection, error=str(error))
-        return error.exit_code
     except BaseException as error:  # noqa: BLE001 - the parent tells it
         _say(connection, error=f"{type(error).__name__}: {error}")
-        return MrsfiError.exit_code
-    return 0
 
 
 def _stop_with_parent(connection: Connection, host: SimulationHost) -> None:
@@ -104,4 +101,4 @@ def _say(connection: Connection, **said: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1])))
+    main(int(sys.argv[1]))

@@ -260,6 +260,15 @@ def test_a_field_that_records_do_not_have_is_an_error(tmp_path, body, expression
     assert message.startswith(f"found `{expression}`, but a {record} has no ")
 
 
+def test_of_many_fields_some_are_named(tmp_path):
+    (message,) = _errors(tmp_path, "return ci.goals[0].zzz > 0")
+
+    assert message.endswith(
+        "; it has task, x, y, radius, first_member, n_members, first_hazard, "
+        "n_hazards, first_waypoint, n_waypoints, sensor, target, …"
+    )
+
+
 def test_a_field_is_missed_in_a_helper_that_says_what_it_takes(tmp_path):
     helpers = "def far(state: State) -> bool:\n    return state.robots[0].far > 1.0"
 

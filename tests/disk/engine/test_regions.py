@@ -2,12 +2,32 @@
 
 import pytest
 
+from mrsfi_runtime.api import kernel
+from mrsfi_runtime.engine.compiled.compiler import register
 from mrsfi_runtime.engine.compiled.reach import CompilationError
 from mrsfi_runtime.engine.compiled.regions import own_regions
 from mrsfi_runtime.mission import load_code
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, edited
 from tests.support.tree import ROOT
+
+
+@kernel
+def near(ci):
+    return 1
+
+
+@kernel
+def far(ci):
+    return 2
+
+
+chosen = near
+
+
+@kernel
+def measured(ci):
+    return chosen(ci)
 
 
 def named(code):
@@ -79,3 +99,12 @@ def test_functions_that_do_not_call_the_goals_in_their_order_are_refused(tmp_pat
 
     with pytest.raises(CompilationError, match="run `mrsfi generate`"):
         own_regions(load_code(path))
+
+
+def test_what_a_function_reads_must_not_change_once_it_was_compiled(monkeypatch):
+    register([near, far, measured])
+    register([measured])
+    monkeypatch.setitem(globals(), "chosen", far)
+
+    with pytest.raises(CompilationError, match="what 'measured' reads has changed"):
+        register([measured])

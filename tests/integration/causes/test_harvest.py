@@ -2,11 +2,12 @@
 
 from random import Random
 
+import numpy as np
 import pytest
 
 from mrsfi_runtime.causes.harvest import N_SEEDS, harvest, known_by
 from mrsfi_runtime.causes.ways import least
-from mrsfi_runtime.causes.weakness import faults_of
+from mrsfi_runtime.causes.weakness import MEASURES, faults_of
 from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, RecordError, WorkerLost
@@ -91,6 +92,16 @@ def test_what_is_the_least_for_each_goal_is_shrunk(store, space, engine):
         assert each.shown.n_held == each.shown.n_seeds == 3
 
 
+def test_every_form_says_since_when_it_breaks_the_goal(store, space, engine):
+    found = harvest(space, store, engine.evaluate_many, engine.record)
+
+    verdicts = {"believed": "is_believed", "true": "is_true", "missed": "missed"}
+    for each in [*found.weaknesses, *(each.weakness for each in found.mildest)]:
+        judged = engine.record(each.witness)[verdicts[each.column.kind]] > 0
+        place = space.gate.mission.goal_ids.index(each.column.goal)
+        assert each.since == judged[:, place].tolist().index(True)
+
+
 def test_what_a_record_says_of_a_goal_that_there_is_not_is_refused(store, space, engine):
     harvest(space, store, engine.evaluate_many, engine.record)
     text = store.kept("weaknesses", str)
@@ -109,7 +120,8 @@ def test_a_goal_that_only_evaluations_break_is_explained_by_them(tmp_path):
 
     def recorded(_):
         true = {"robots": [dict.fromkeys(("x", "y", "z", "speed", "energy"), 0.0)] * 3}
-        return {"world": [true | {"sensors": [{"rate": 0.0, "energy": 0.0}] * 9}]}
+        world = [true | {"sensors": [{"rate": 0.0, "energy": 0.0}] * 9}]
+        return {"world": world, **dict.fromkeys(MEASURES, np.zeros((1, 6)))}
 
     rng = Random(1)
     drawn = [varied_specification(space, 12, rng, lambda _: True) for _ in range(900)]

@@ -2,11 +2,12 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.mildest import N_STEPS, Deviation, mildest, tried_map
-from mrsfi_runtime.causes.weakness import Known
+from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
@@ -18,9 +19,14 @@ TRUE = {
     "robots": [{"x": 0.0, "y": 100.0, "z": 1.0}] * 3,
     "sensors": [{"rate": 40.0}] * len(SPACE.gate.mission.sensors),
 }
-DEVIATION = Deviation(SPACE, {"world": [TRUE]})
+RECORDED = {"world": [TRUE], **dict.fromkeys(MEASURES, np.zeros((1, 6)))}
+DEVIATION = Deviation(SPACE, RECORDED)
 G1 = Column("g1", "true")
 BLOCK, LESS, PLACE, RATE, RANDOM, STOP = "f2", "f4", "f11", "f12", "f21", "f26"
+
+
+def recorded(_):
+    return RECORDED
 
 
 class Stand:
@@ -41,7 +47,7 @@ def shrunk(breaks, *forms, seeds=(1, 2, 3)):
     for each in forms:
         known.learn(each, frozenset([G1] if breaks(each, seeds[0]) else []))
     known.add(G1, frozenset(timed.fault for timed in forms[0]))
-    (found,) = mildest(DEVIATION, known, known.weaknesses(), stand, seeds)
+    (found,) = mildest(SPACE, known, known.weaknesses(), stand, recorded, seeds)
     assert found.n_flights == stand.n_flights - len(seeds)  # without faults
     return found
 
@@ -160,10 +166,10 @@ def test_what_fails_breaks_nothing_but_without_faults_it_is_an_error():
     def failing(specifications, seed):
         return [FailedFlight("it failed") if each or seed == 2 else KEPT for each in specifications]
 
-    (found,) = mildest(DEVIATION, known, known.weaknesses(), failing, (1,))
+    (found,) = mildest(SPACE, known, known.weaknesses(), failing, recorded, (1,))
     assert found.weakness.witness == (whole(STOP),)
     with pytest.raises(EvaluationError, match="without faults, in mission seed 2: it failed"):
-        mildest(DEVIATION, known, known.weaknesses(), failing, (1, 2))
+        mildest(SPACE, known, known.weaknesses(), failing, recorded, (1, 2))
 
 
 def test_a_map_has_every_step_of_value_and_window_and_what_breaks():

@@ -1,13 +1,15 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from mrsfi_runtime.causes.counts import Column
-from mrsfi_runtime.causes.weakness import Known, Yardstick, faults_of, in_seeds
+from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, Yardstick, faults_of, in_seeds
 from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.search import outcome_of, paper_mission
+from tests.support.weaknesses import weakness
 
 MISSION = paper_mission()
 FIRST, SECOND = Column("g1", "believed"), Column("g2", "true")
@@ -24,6 +26,24 @@ def test_a_goal_is_broken_above_what_is_there_without_faults(without_faults, wit
     broken = yardstick.broken(replace(fault_free, believed=(with_them, *[without_faults] * 5)))
 
     assert broken == ({FIRST} if is_broken else set())
+
+
+def test_it_is_broken_since_it_exceeds_that():
+    flight = {measure: np.zeros((4, 6)) for measure in MEASURES}
+    flight["believed"][:, 0] = (7, 57, 58, 59)
+    flight["true"][3, 1] = 1
+
+    for without_faults, ticks in ((0, {FIRST: 0, SECOND: 3}), (7, {FIRST: 2})):
+        assert Yardstick.of(MISSION, outcome_of(*[without_faults] * 6)).since(flight) == ticks
+
+
+def test_an_older_record_does_not_say_since_when():
+    found = replace(weakness("g1", "true", "f9"), since=0)
+
+    told = found.as_json()
+
+    assert Weakness.from_json(told) == found
+    assert Weakness.from_json({k: v for k, v in told.items() if k != "since"}).since is None
 
 
 def test_an_older_record_does_not_say_what_was_missed():

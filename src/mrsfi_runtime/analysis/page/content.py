@@ -1,10 +1,10 @@
 """What the page shows of a campaign, or of one flight, as plain values."""
 
 import shlex
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Any, TypeAlias
+from typing import Any
 
 from mrsfi_runtime.analysis.markdown import trend_in_words
 from mrsfi_runtime.analysis.page.flight import (
@@ -20,16 +20,13 @@ from mrsfi_runtime.analysis.weaknesses import MATRIX, matrix, said
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain
 from mrsfi_runtime.causes.sentence import sentence
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.named_faults import NamedFault
-
-Record: TypeAlias = Callable[[Specification], Recording]
-"""Flies faults of a mission's pool in the weather of the first mission seed, and records it."""
 
 MOST_LISTED = 5000
 """Evaluations that the page lists, at most."""

@@ -16,10 +16,11 @@ believes, in truth, or so that the goal is missed in the end. Shares say of how 
 tried, of other values and windows, as many did; one of them is shown. A goal that is broken already
 without faults is broken by those that make it worse by 5 % of the mission's ticks. A set holds in a
 mission seed if the form shown breaks the goal there, and no part of it does; five were looked at,
-or with --seeds as many as it says.
+or with --seeds as many as it says. Since is the tick at which the form shown first breaks it.
 
 With --mildest, of each set the form is sought, in some 30 flights, that is nearest to what is true
-and at work for the fewest ticks, and still breaks the goal in three mission seeds.
+and at work for the fewest ticks, and still breaks the goal in three mission seeds. --fmea tells
+that form where it is known, of all sets with --mildest, or else the one shown.
 
 Every campaign looks for them at its end; with --algorithm cover it does nothing else. One that was
 not let to, or of an earlier mrsfi, does so with: mrsfi explain RUN --all

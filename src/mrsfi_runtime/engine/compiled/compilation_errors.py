@@ -33,9 +33,7 @@ def explain(directory: Path, region: Region, error: Exception) -> CompilationErr
         called[:0] = [region.function.__globals__.get(name) for name in names]
     for function in filter(is_kernel, called):
         try:
-            numba.njit(boundscheck=True, pipeline_class=Checked)(function).compile(
-                arguments_of(region.role)
-            )
+            numba.njit(pipeline_class=Checked)(function).compile(arguments_of(region.role))
         except Exception as found:  # noqa: BLE001 - numba raises errors of any kind
             where = _where(directory, function, str(found))
             return CompilationError(f"{where} cannot be compiled: {_why(found)}")

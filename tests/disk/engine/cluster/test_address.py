@@ -21,3 +21,11 @@ def test_what_is_no_address_is_refused_with_what_was_expected(text):
 
     with pytest.raises(UsageError, match=r"expected tcp://HOST:PORT or tls://HOST:PORT"):
         require_address(text)
+
+
+def test_an_address_with_tls_is_refused_while_no_certificates_are_configured():
+    require_dask()
+    from mrsfi_runtime.engine.cluster.connection import Cluster
+
+    with pytest.raises(UsageError, match=r"expected certificates in dask's .* which has none$"):
+        Cluster("tls://127.0.0.1:8786")
