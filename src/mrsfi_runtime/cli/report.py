@@ -76,6 +76,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
         click.echo(_picked(campaign, summary.pick, summary.measure) + "\n")
     if summary.ways:
         click.echo(f"all ways        mrsfi weaknesses {folder.path}")
+        click.echo(f"pictures        mrsfi show {folder.path}")
     click.echo(f"specifications  {folder.critical}")
     click.echo(f"report          {folder.report}")
     click.echo(f"page            {folder.page}")
