@@ -177,15 +177,7 @@ class Campaign:
             return campaign.folder.report
 
     def show(self, weakness: int | None = None) -> tuple[Shown, ...]:
-        """Draw a weakness by its number, or the least that breaks each goal, and say how.
-
-        Raises
-        ------
-        UsageError
-            If there is none of that number.
-        RecordError
-            If nobody looked for weaknesses, or the campaign is of other rules of the world.
-        """
+        """Draw a weakness by its number, or the least for each goal, as ``mrsfi show`` does."""
         with open_campaign(self.folder) as campaign:
             return tuple(reporting.show(campaign, weakness))
 

@@ -31,7 +31,7 @@ def report(
     ratio
         Ratio of violations to pick by, such as ``g3:g1=2:1``.
     draw
-        Draws the figures; without, processes of their own do.
+        Draws the figures; without, a process of its own does.
     show
         Told what was found, before figures are drawn.
 

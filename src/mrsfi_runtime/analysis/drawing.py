@@ -76,7 +76,12 @@ class DrawingProcess:
 
     def __enter__(self) -> Self:
         with suppress(OSError):
-            self._process = self._started()
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", __name__],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
+            )
         self._ready = [(drawing, self._begin(drawing)) for drawing in self._ahead]
         return self
 
@@ -117,24 +122,14 @@ class DrawingProcess:
 
     def _drawn_there(self, drawing: Drawing) -> FigureFiles | None:
         """Return a figure that the process has drawn; ``None`` if there is none, or it failed."""
-        if self._process is None:
-            return None
+        process = self._process
         with suppress(OSError, EOFError, pickle.UnpicklingError):
-            assert self._process.stdin is not None
-            assert self._process.stdout is not None
-            pickle.dump(drawing, self._process.stdin)
-            self._process.stdin.flush()
-            files: FigureFiles = pickle.load(self._process.stdout)
-            return files
+            if process and process.stdin and process.stdout:
+                pickle.dump(drawing, process.stdin)
+                process.stdin.flush()
+                files: FigureFiles = pickle.load(process.stdout)
+                return files
         return None
-
-    def _started(self) -> subprocess.Popen[bytes]:
-        return subprocess.Popen(
-            [sys.executable, "-m", __name__],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
-        )
 
 
 def main() -> None:

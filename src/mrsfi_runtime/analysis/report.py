@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.drawing import Draw, Drawing, Drawings, draw_here
+from mrsfi_runtime.analysis.drawing import Draw, Drawing, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.page.content import Record, Told, campaign_page, flown_of, told_content
@@ -110,15 +110,16 @@ def write_report(
         with writing(folder, "report"):
             shown = tuple(illustrate(summary, mission, columns, store))
             _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")
-            finish = draw(to_draw(layout, shown))
+            _emptied(layout.tables, "*.csv")
+            finish = write_figures(layout, shown, draw)
             _write_critical(layout, summary, pool, write_specification)
             _write_witnesses(layout, summary, pool, write_specification)
         try:
             with writing(folder, "flights"):
                 flown = [*_fly(layout, summary, mission, pool, record)]
-            summary = replace(summary, sentences={one.number: one.sentences for one in flown})
+            summary = replace(summary, sentences={number: said for number, said, _ in flown})
             with writing(folder, "report"):
-                _write_tables(layout.tables, shown, summary.measure, store)
+                _write_evaluations(layout.tables / "evaluations.csv", summary.measure, store)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
                 captions = {each.name: each.caption for each in shown}
@@ -127,20 +128,14 @@ def write_report(
                 )
             show(summary)
             with writing(folder, "page"):
-                page = campaign_page(summary, mission, pool, store, [one.content for one in flown])
+                page = campaign_page(
+                    summary, mission, pool, store, [content for *_, content in flown]
+                )
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
             with writing(folder, "figures"):
                 finish()
     return summary
-
-
-class _OnPage(NamedTuple):
-    """A way to break a goal as it is shown, by its number."""
-
-    number: int
-    sentences: Sequence[str]
-    content: dict[str, Any]
 
 
 def _fly(
@@ -149,8 +144,8 @@ def _fly(
     mission: Mission,
     pool: FaultPool,
     record: Record,
-) -> Iterator[_OnPage]:
-    """Fly what is the least that breaks each goal, and yield what there is to be shown of it."""
+) -> Iterator[tuple[int, Sequence[str], dict[str, Any]]]:
+    """Fly what is the least that breaks each goal; yield number, sentences, and what is shown."""
     shown = least(summary.ways)
     n_flights = sum(1 + len(way.faults) for way in shown)
     for way in shown:
@@ -169,7 +164,7 @@ def _fly(
             xmi=_witness(layout, way).read_text(encoding="utf-8"),
         )
         content = told_content(mission, told, flown, n_flights)
-        yield _OnPage(way.number, sentences, content)
+        yield way.number, sentences, content
 
 
 def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str]:
@@ -232,26 +227,20 @@ def _write_xmi(
     write(rows, path, name, numbered(row[0] for row in rows))
 
 
-def _write_tables(
-    folder: Path, shown: Iterable[Illustration], measure: Measure, store: CampaignStore
-) -> None:
-    """Write the numbers behind the figures, and what came of each evaluation or each so many-th."""
-    _emptied(folder, "*.csv")
-    write_rows(folder, shown)
-    flown = store.flown(tables.listed_step(store.n_evaluations))
-    with (folder / "evaluations.csv").open("w", encoding="utf-8", newline="") as file:
-        tables.write_csv(file, tables.evaluations_table(flown, measure))
-
-
-def write_rows(folder: Path, shown: Iterable[Illustration]) -> None:
-    """Write the numbers behind figures."""
+def write_figures(
+    layout: CampaignFolder, shown: Iterable[Illustration], draw: Draw
+) -> Callable[[], None]:
+    """Write the numbers behind figures and begin to draw them; what is returned waits for them."""
     for each in shown:
-        (folder / f"{each.name}.csv").write_bytes(tables.as_csv(each.rows))
+        (layout.tables / f"{each.name}.csv").write_bytes(tables.as_csv(each.rows))
+    return draw([(each.drawing, layout.figures / each.name) for each in shown])
 
 
-def to_draw(layout: CampaignFolder, shown: Iterable[Illustration]) -> Drawings:
-    """Return figures as they are drawn, with the places of their files."""
-    return [(each.drawing, layout.figures / each.name) for each in shown]
+def _write_evaluations(path: Path, measure: Measure, store: CampaignStore) -> None:
+    """Write what came of each evaluation, or of each so many-th."""
+    flown = store.flown(tables.listed_step(store.n_evaluations))
+    with path.open("w", encoding="utf-8", newline="") as file:
+        tables.write_csv(file, tables.evaluations_table(flown, measure))
 
 
 def _emptied(folder: Path, *patterns: str) -> None:

@@ -38,7 +38,7 @@ def report(
     is_json
         Print for a script, not for a person.
     draw
-        Draws the figures; without, processes begun for it do.
+        Draws the figures; without, a process begun for it does.
     """
 
     def show(summary: Summary) -> None:
