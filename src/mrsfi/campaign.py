@@ -16,6 +16,7 @@ from mrsfi.flight import Flight, fly
 from mrsfi.regressions import keep
 from mrsfi.weaknesses import harvested
 from mrsfi_runtime.analysis.columns import Columns
+from mrsfi_runtime.analysis.shown import Shown
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.ways import Way
@@ -174,6 +175,11 @@ class Campaign:
         with open_campaign(self.folder) as campaign:
             reporting.report(campaign, ratio)
             return campaign.folder.report
+
+    def show(self, weakness: int | None = None) -> tuple[Shown, ...]:
+        """Draw a weakness by its number, or the least for each goal, as ``mrsfi show`` does."""
+        with open_campaign(self.folder) as campaign:
+            return tuple(reporting.show(campaign, weakness))
 
     @cached_property
     def _columns(self) -> Columns:

@@ -10,7 +10,7 @@ from mrsfi.engines import Tell, opened, silent
 from mrsfi.folders import MissionFolders, folders_at
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi.project import project
-from mrsfi.weaknesses import harvested
+from mrsfi.weaknesses import harvested, way_of
 from mrsfi_runtime.analysis.report import specification_rows
 from mrsfi_runtime.analysis.weaknesses import verdict
 from mrsfi_runtime.causes.cause import find_cause
@@ -117,11 +117,7 @@ def keep(
     path = campaign.folder.path
     campaign.store.require_flyable()  # counts of other rules are no limits of today's
     known = harvested(campaign)
-    found = known.ways
-    if not 1 <= number <= len(found):
-        has = f"1 … {len(found)}" if found else "a campaign that has weaknesses; it has none"
-        raise UsageError(f"{path}: found --weakness {number}; expected {has}")
-    way = found[number - 1]
+    way = way_of(path, known.ways, number)
     specification = way.shown.witness
     settings = campaign.store.settings
     folders = mission_of(campaign)

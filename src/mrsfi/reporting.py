@@ -1,4 +1,4 @@
-"""The report of a campaign: what it found, as tables, figures, models and a page."""
+"""The report of a campaign, and pictures of what it found: tables, figures, models and a page."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -6,13 +6,16 @@ from functools import cache
 
 from mrsfi.campaign_folders import OpenCampaign, load_own
 from mrsfi.loading import specification_writer
-from mrsfi_runtime.analysis.drawing import Draw, DrawingProcesses
+from mrsfi.weaknesses import harvested, way_of
+from mrsfi_runtime.analysis.drawing import Draw, DrawingProcess
 from mrsfi_runtime.analysis.report import write_report
+from mrsfi_runtime.analysis.shown import Shown, look_at
 from mrsfi_runtime.analysis.summary import Summary
+from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.errors import MrsfiError
+from mrsfi_runtime.errors import RecordError
 
 
 def report(
@@ -28,7 +31,7 @@ def report(
     ratio
         Ratio of violations to pick by, such as ``g3:g1=2:1``.
     draw
-        Draws the figures; without, processes of their own do.
+        Draws the figures; without, a process of its own does.
     show
         Told what was found, before figures are drawn.
 
@@ -38,9 +41,7 @@ def report(
         If the ratio makes no sense.
     """
     writer = specification_writer(campaign.folder.model)
-    with ExitStack() as opened:
-        record = opened.enter_context(_flying(campaign))
-        draw = draw or opened.enter_context(DrawingProcesses()).draw
+    with _flying(campaign) as record, ExitStack() as opened:
         write_report(
             campaign.folder.path,
             campaign.mission,
@@ -48,28 +49,36 @@ def report(
             writer,
             record=record,
             ratio=ratio,
-            draw=draw,
+            draw=draw or opened.enter_context(DrawingProcess()).draw,
             show=show,
         )
 
 
+def show(campaign: OpenCampaign, number: int | None = None) -> Iterator[Shown]:
+    """Draw a way to break a goal by its number, or the least that breaks each, and yield them.
+
+    What is drawn already is not drawn again. A number that there is not is a ``UsageError``; a
+    campaign that did not look for ways, or cannot be flown again, is a ``RecordError``.
+    """
+    path, found = campaign.folder.path, harvested(campaign).ways
+    wanted = least(found) if number is None else (way_of(path, found, number).at_least,)
+    with _flying(campaign) as record:
+        for way in wanted:
+            yield look_at(campaign.folder, campaign.mission, campaign.pool, way, record)
+
+
 @contextmanager
-def _flying(campaign: OpenCampaign) -> Iterator[Record | str]:
-    """Yield what flies specifications again, or why nothing does."""
+def _flying(campaign: OpenCampaign) -> Iterator[Record]:
+    """Yield what flies specifications again, or says why nothing does."""
     store = campaign.store
-    if store.manifest.engine.is_foreign:
-        yield "Flown on somebody else's simulation, which is not asked again."
-        return
-    try:
-        code = load_own(campaign.folder, store)
-    except MrsfiError as error:
-        yield str(error)
-        return
-    seed = store.settings.mission_seed
     with ExitStack() as opened:
 
         @cache
         def engine() -> Engine:
+            if store.manifest.engine.is_foreign:
+                path = campaign.folder.path
+                raise RecordError(f"{path}: somebody else's simulation flew it, and is not asked")
+            code, seed = load_own(campaign.folder, store), store.settings.mission_seed
             found = EngineSettings(AUTO).named(code, seed, lambda _: None)
             return opened.enter_context(found.open(code, seed))
 

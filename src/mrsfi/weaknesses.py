@@ -58,6 +58,15 @@ def harvested(campaign: OpenCampaign) -> Harvest:
     return found
 
 
+def way_of(run: Path, found: Sequence[Way], number: int) -> Way:
+    """Return the way of a number among those of a campaign; one that is not is a ``UsageError``."""
+    for way in found:
+        if way.number == number:
+            return way
+    numbers = ", ".join(str(way.number) for way in found) or "none, because nothing breaks"
+    raise UsageError(f"{run}: found no weakness {number}; expected one of {numbers}")
+
+
 def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
     """Return the faults that no specification had, and the pairs that none had together."""
     flown: set[frozenset[str]] = {

@@ -32,7 +32,7 @@ def undrawn() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(drawing, "drawn", lambda _: empty)
         for room in (evolve, reporting):
-            patch.setattr(room, "DrawingProcesses", lambda *_: here)
+            patch.setattr(room, "DrawingProcess", lambda *_: here)
         yield
 
 
@@ -55,7 +55,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def ended(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Ended]:
-    """Folder of a campaign that looked for weaknesses, with figures, and what was printed.
+    """Folder of a campaign that looked for weaknesses, and what was printed.
 
     It is only to be read.
     """
@@ -63,7 +63,7 @@ def ended(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Ended]:
     def make(folder: Path) -> None:
         write_rendezvous(folder / "place")
         words = (*searched(folder / "place"), "--workers", "1", "--out", "runs/it")
-        done = mrsfi_process(*words, cwd=folder / "place", draws=True)
+        done = mrsfi_process(*words, cwd=folder / "place")
         told = json.dumps((done.args, done.returncode, done.stdout, done.stderr))
         (folder / "told.json").write_text(told, encoding="utf-8")
 

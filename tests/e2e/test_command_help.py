@@ -16,6 +16,7 @@ COMMANDS = (
     "simulate",
     "evolve",
     "weaknesses",
+    "show",
     "explain",
     "replay",
     "report",

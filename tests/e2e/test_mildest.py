@@ -89,7 +89,7 @@ def test_values_and_windows_that_break_a_goal_are_written_as_a_table_or_drawn(fo
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("99", "map.csv"), "--map: found 99; expected one of 1, "),
+        (("99", "map.csv"), ": found no weakness 99; expected one of 1, "),
         (("1", "map.pdf"), "found the ending '.pdf'; expected a name that ends in .csv or .png"),
     ],
 )

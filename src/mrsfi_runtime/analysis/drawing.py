@@ -1,9 +1,10 @@
-"""Figures drawn by processes of their own, the first of which gets ready while this one searches.
+"""Figures drawn by a process of their own, which gets ready while this one searches.
 
 matplotlib takes as long to import, and to draw three figures, as a whole search of compiled
 evaluations.
 """
 
+import gc
 import os
 import pickle
 import subprocess
@@ -14,7 +15,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from queue import SimpleQueue
 from types import TracebackType
 from typing import Any, Self, TypeAlias
 
@@ -36,9 +36,6 @@ FigureFiles: TypeAlias = Mapping[str, bytes]
 
 Draw: TypeAlias = Callable[[Drawings], Callable[[], None]]
 """Takes figures to be drawn and saved; what it returns waits until all are, or draws them."""
-
-_MOST = 4  # processes, each of which takes some 100 MB
-_WORTH = 4  # figures that wait for one, before another is worth its time to import matplotlib
 
 
 def draw_here(drawings: Drawings) -> Callable[[], None]:
@@ -64,26 +61,28 @@ def drawn(drawing: Drawing) -> FigureFiles:
     return plots.rendered(getattr(module, drawing.function)(*drawing.arguments))
 
 
-class DrawingProcesses:
-    """Processes that draw what they are asked to; they end with the ``with`` block, or this one.
-
-    There are as many as processors, up to four, each begun when enough figures wait.
+class DrawingProcess:
+    """A process that draws what it is asked to; it ends with the ``with`` block, or this one.
 
     Parameters
     ----------
     ahead
-        Figures that one of them draws before they are asked for.
+        Figures that it draws before they are asked for.
     """
 
     def __init__(self, *ahead: Drawing) -> None:
         self._ahead = ahead
-        self._processes: list[subprocess.Popen[bytes]] = []
-        self._idle: SimpleQueue[subprocess.Popen[bytes] | None] = SimpleQueue()  # None: one failed
-        self._begun: list[Future[FigureFiles | None]] = []
-        self._n_most = min(_MOST, os.cpu_count() or 1)
-        self._threads = ThreadPoolExecutor(self._n_most)
+        self._process: subprocess.Popen[bytes] | None = None
+        self._thread = ThreadPoolExecutor(1)
 
     def __enter__(self) -> Self:
+        with suppress(OSError):
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", __name__],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
+            )
         self._ready = [(drawing, self._begin(drawing)) for drawing in self._ahead]
         return self
 
@@ -93,19 +92,18 @@ class DrawingProcesses:
         error: BaseException | None,
         where: TracebackType | None,
     ) -> None:
-        self._threads.shutdown(wait=False, cancel_futures=True)
-        if error is not None:
-            for process in self._processes:
-                process.kill()
-        self._threads.shutdown()
-        for process in self._processes:
-            with suppress(BrokenPipeError), process:  # closes its pipes and waits for it
+        self._thread.shutdown(wait=False, cancel_futures=True)
+        if self._process is not None:
+            if error is not None:
+                self._process.kill()
+            self._thread.shutdown()
+            with suppress(BrokenPipeError), self._process:  # closes its pipes and waits for it
                 pass
 
     def draw(self, drawings: Drawings) -> Callable[[], None]:
         """Begin to draw; what is returned saves all figures, and waits for those that are missing.
 
-        It raises the ``OSError`` that saving met, and draws here what no process has drawn.
+        It raises the ``OSError`` that saving met, and draws here what the process has not drawn.
         """
         begun = [(drawing, self._found(drawing), stem) for drawing, stem in drawings]
 
@@ -121,47 +119,25 @@ class DrawingProcesses:
         return next(ready, None) or self._begin(drawing)
 
     def _begin(self, drawing: Drawing) -> Future[FigureFiles | None]:
-        """Begin to draw, by one process more where that is worth it."""
-        n_waiting = sum(not figure.done() for figure in self._begun)
-        n_processes = len(self._processes)
-        if n_processes < self._n_most and n_waiting >= _WORTH * n_processes:
-            try:
-                self._idle.put(self._started())
-            except OSError:
-                self._idle.put(None)
-        self._begun.append(self._threads.submit(self._drawn_there, drawing))
-        return self._begun[-1]
+        return self._thread.submit(self._drawn_there, drawing)
 
     def _drawn_there(self, drawing: Drawing) -> FigureFiles | None:
-        """Return a figure that a process has drawn; ``None`` if one failed."""
+        """Return a figure that the process has drawn; ``None`` if there is none, or it failed."""
+        process = self._process
         with suppress(OSError, EOFError, pickle.UnpicklingError):
-            process = self._idle.get()
-            if process is not None:
-                assert process.stdin is not None
-                assert process.stdout is not None
+            if process and process.stdin and process.stdout:
                 pickle.dump(drawing, process.stdin)
                 process.stdin.flush()
                 files: FigureFiles = pickle.load(process.stdout)
-                self._idle.put(process)
                 return files
-        self._idle.put(None)  # for whoever waits as well
         return None
-
-    def _started(self) -> subprocess.Popen[bytes]:
-        process = subprocess.Popen(
-            [sys.executable, "-m", __name__],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
-        )
-        self._processes.append(process)
-        return process
 
 
 def main() -> None:
     """Draw what standard input says, as long as it says anything, and answer with each figure."""
     if hasattr(os, "nice"):
         os.nice(10)  # what is searched meanwhile comes first
+    gc.disable()  # it takes a tenth of the time, for the 2 MB that some figures leave
     try:
         while True:
             files = drawn(pickle.load(sys.stdin.buffer))

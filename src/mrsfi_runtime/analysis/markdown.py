@@ -43,7 +43,7 @@ def report_text(
     sections = [
         f"# Campaign {plain(summary.folder.name)} on mission {plain(summary.mission)}",
         _extent(summary),
-        *_weaknesses(summary, mission, pool, captions),
+        *_weaknesses(summary, mission, pool),
         "## Settings",
         table(("setting", "value"), sorted(_settings(summary.settings))),
         "## Fitness over the generations",
@@ -169,9 +169,7 @@ def _violations(measure: Measure, evaluation: Evaluation) -> Iterator[str]:
         yield f"{ticks(measured[goal])}: {words}" if goal in measured else words
 
 
-def _weaknesses(
-    summary: Summary, mission: Mission, pool: FaultPool, captions: Mapping[str, str]
-) -> Iterator[str]:
+def _weaknesses(summary: Summary, mission: Mission, pool: FaultPool) -> Iterator[str]:
     """Yield what breaks which goal, if anybody looked."""
     if summary.harvest is None:
         return
@@ -186,7 +184,8 @@ def _weaknesses(
         "The least sets of faults, by goal: the share of the forms tried that break it by each "
         "measure, in how many mission seeds the form that is shown does, and this form. "
         "`weaknesses/` has each by its number, as a fault specification; of what is the least that "
-        "breaks each goal also the mildest form that was found, which is told of below."
+        "breaks each goal also the mildest form that was found, which is told of below. "
+        "`mrsfi show RUN N` draws number N in time and in space."
     )
     yield table(("", *LISTED), listed(mission, pool, summary.ways))
     for way in least(summary.ways):
@@ -198,7 +197,6 @@ def _weaknesses(
         yield table(FAULT_COLUMNS, fault_rows(faults, outcome))
         if sentences := summary.sentences.get(way.number):
             yield "\n".join(f"- {plain(each)}" for each in sentences)
-        yield from _linked(captions, f"weakness_{way.number:02d}")
 
 
 def _guilty(summary: Summary, captions: Mapping[str, str]) -> Iterator[str]:

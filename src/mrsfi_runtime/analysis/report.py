@@ -10,22 +10,21 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import astuple, fields, replace
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis import tables
 from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.drawing import Draw, Drawing, Drawings, draw_here
+from mrsfi_runtime.analysis.drawing import Draw, Drawing, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.page.content import Told, campaign_page, flown_of, told_content
 from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.analysis.patterns import TypePattern
-from mrsfi_runtime.analysis.story import Story, places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
 from mrsfi_runtime.causes.ways import Way, least
-from mrsfi_runtime.engine.recording import Record
-from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.engine.recording import Record, Recording
+from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.campaign import CampaignStore
@@ -33,6 +32,9 @@ from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.analysis.page.flight import Flown
 
 N_GENERATION_FRONTS = 5
 
@@ -55,13 +57,17 @@ SpecificationWriter: TypeAlias = Callable[
 """Writes rows as a fault specification to a path, under an identifier, with the faults' names."""
 
 
+def _unflown(_: Specification) -> Recording:
+    raise EvaluationError("Nothing was flown again.")
+
+
 def write_report(
     folder: Path,
     mission: Mission,
     pool: FaultPool,
     write_specification: SpecificationWriter,
     *,
-    record: Record | str = "Nothing was flown again.",
+    record: Record = _unflown,
     ratio: str | None = None,
     draw: Draw = draw_here,
     show: Callable[[Summary], None] = lambda _: None,
@@ -77,7 +83,7 @@ def write_report(
     write_specification
         Writes one critical specification as XMI.
     record
-        Flies what the page shows, or why it cannot be flown.
+        Flies what the page shows; where that fails, the page says why.
     ratio
         Ratio of violations to pick by, such as ``g3:g1=2:1``.
     draw
@@ -101,46 +107,35 @@ def write_report(
     layout = CampaignFolder(folder)
     with CampaignStore.open(folder) as store:
         summary, columns = summarise(folder, store, mission, pool, ratio)
-        with _writing(folder, "report"):
+        with writing(folder, "report"):
             shown = tuple(illustrate(summary, mission, columns, store))
             _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")
-            finish = draw(_to_draw(layout, shown))
+            _emptied(layout.tables, "*.csv")
+            finish = write_figures(layout, shown, draw)
             _write_critical(layout, summary, pool, write_specification)
             _write_witnesses(layout, summary, pool, write_specification)
         try:
-            with _writing(folder, "flights"):
+            with writing(folder, "flights"):
                 flown = [*_fly(layout, summary, mission, pool, record)]
-            stories = [each for one in flown for each in one.figures]
-            later = [draw(_to_draw(layout, stories))] if stories else []
-            summary = replace(summary, sentences={one.number: one.sentences for one in flown})
-            with _writing(folder, "report"):
-                _write_tables(layout.tables, (*shown, *stories), summary.measure, store)
+            summary = replace(summary, sentences={number: said for number, said, _ in flown})
+            with writing(folder, "report"):
+                _write_evaluations(layout.tables / "evaluations.csv", summary.measure, store)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
-                captions = {each.name: each.caption for each in (*shown, *stories)}
+                captions = {each.name: each.caption for each in shown}
                 layout.report.write_text(
                     report_text(summary, mission, pool, captions), encoding="utf-8"
                 )
             show(summary)
-            with _writing(folder, "page"):
-                page = campaign_page(summary, mission, pool, store, [one.content for one in flown])
+            with writing(folder, "page"):
+                page = campaign_page(
+                    summary, mission, pool, store, [content for *_, content in flown]
+                )
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
-            with _writing(folder, "figures"):
+            with writing(folder, "figures"):
                 finish()
-        with _writing(folder, "figures of the weaknesses"):
-            for drawn in later:
-                drawn()
     return summary
-
-
-class _OnPage(NamedTuple):
-    """A way to break a goal as it is shown, by its number."""
-
-    number: int
-    sentences: Sequence[str]
-    content: dict[str, Any]
-    figures: Sequence[Illustration]
 
 
 def _fly(
@@ -148,30 +143,28 @@ def _fly(
     summary: Summary,
     mission: Mission,
     pool: FaultPool,
-    record: Record | str,
-) -> Iterator[_OnPage]:
-    """Fly what is the least that breaks each goal, and yield what there is to be shown of it."""
+    record: Record,
+) -> Iterator[tuple[int, Sequence[str], dict[str, Any]]]:
+    """Fly what is the least that breaks each goal; yield number, sentences, and what is shown."""
     shown = least(summary.ways)
     n_flights = sum(1 + len(way.faults) for way in shown)
     for way in shown:
-        faults = named_faults(mission, pool, way.shown.witness)
-        title = goal_in_words(mission, way.goal)
-        flown, sentences = flown_of(mission, way.goal, title, faults, record)
-        figures: Sequence[Illustration] = ()
-        if not isinstance(flown, str):
-            story = story_of(title, mission, faults, flown.recording)
-            figures = tuple(_of_way(way.number, story))
+        flown: Flown | str
+        try:
+            flown, sentences = flown_of(mission, pool, way, record)
+        except MrsfiError as error:
+            flown, sentences = str(error), ()
         told = Told(
-            title=title,
+            title=goal_in_words(mission, way.goal),
             sentence=broken_by(way),
-            faults=faults,
+            faults=named_faults(mission, pool, way.shown.witness),
             sentences=sentences,
             outcome=summary.outcome(way),
             command=_command(layout, summary, way),
             xmi=_witness(layout, way).read_text(encoding="utf-8"),
         )
         content = told_content(mission, told, flown, n_flights)
-        yield _OnPage(way.number, sentences, content, figures)
+        yield way.number, sentences, content
 
 
 def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str]:
@@ -186,19 +179,8 @@ def _witness(layout: CampaignFolder, way: Way) -> Path:
     return layout.weaknesses / f"{way.number:02d}{kind}.xmi"
 
 
-def _of_way(number: int, story: Story) -> Iterator[Illustration]:
-    """Yield the figures of a flight that breaks a goal."""
-    name = f"weakness_{number:02d}"
-    for what, caption, function, table in (
-        ("timeline", "faults, and violations of goals, in time", "flight_timeline", timeline_table),
-        ("map", "where robots were, and were believed to be", "flight_map", places_table),
-    ):
-        drawing = Drawing(function, (story,), "mission_plots")
-        yield Illustration(f"{name}_{what}", f"{story.title}: {caption}", drawing, table(story))
-
-
 @contextmanager
-def _writing(folder: Path, what: str) -> Iterator[None]:
+def writing(folder: Path, what: str) -> Iterator[None]:
     """Say of an error of the file system what could not be written."""
     try:
         yield
@@ -245,24 +227,20 @@ def _write_xmi(
     write(rows, path, name, numbered(row[0] for row in rows))
 
 
-def _write_tables(
-    folder: Path, shown: Iterable[Illustration], measure: Measure, store: CampaignStore
-) -> None:
-    """Write the numbers behind the figures, and what came of each evaluation or each so many-th."""
-    _emptied(folder, "*.csv")
-    _write_rows(folder, shown)
-    flown = store.flown(tables.listed_step(store.n_evaluations))
-    with (folder / "evaluations.csv").open("w", encoding="utf-8", newline="") as file:
-        tables.write_csv(file, tables.evaluations_table(flown, measure))
-
-
-def _write_rows(folder: Path, shown: Iterable[Illustration]) -> None:
+def write_figures(
+    layout: CampaignFolder, shown: Iterable[Illustration], draw: Draw
+) -> Callable[[], None]:
+    """Write the numbers behind figures and begin to draw them; what is returned waits for them."""
     for each in shown:
-        (folder / f"{each.name}.csv").write_bytes(tables.as_csv(each.rows))
+        (layout.tables / f"{each.name}.csv").write_bytes(tables.as_csv(each.rows))
+    return draw([(each.drawing, layout.figures / each.name) for each in shown])
 
 
-def _to_draw(layout: CampaignFolder, shown: Iterable[Illustration]) -> Drawings:
-    return [(each.drawing, layout.figures / each.name) for each in shown]
+def _write_evaluations(path: Path, measure: Measure, store: CampaignStore) -> None:
+    """Write what came of each evaluation, or of each so many-th."""
+    flown = store.flown(tables.listed_step(store.n_evaluations))
+    with path.open("w", encoding="utf-8", newline="") as file:
+        tables.write_csv(file, tables.evaluations_table(flown, measure))
 
 
 def _emptied(folder: Path, *patterns: str) -> None:

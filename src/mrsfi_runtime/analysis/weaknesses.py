@@ -105,9 +105,9 @@ def not_found(known: Known, goal: str) -> str:
 
 
 def goal_in_words(mission: Mission, goal: str) -> str:
-    """Return the name of a goal before its ID."""
+    """Return the name of a goal, if it has one, before its ID."""
     name = mission.goals[mission.goal_ids.index(goal)].name
-    return f"{name} ({goal})"
+    return f"{name} ({goal})" if name else goal
 
 
 def verdict(way: Way) -> str:

@@ -15,7 +15,7 @@ from mrsfi.evolving import begun, require_searchable, search
 from mrsfi.folders import campaign_file, find_mission
 from mrsfi.loading import load_fresh
 from mrsfi.versions import installed_version
-from mrsfi_runtime.analysis.drawing import DrawingProcesses
+from mrsfi_runtime.analysis.drawing import DrawingProcess
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.analysis.report import map_drawing
 from mrsfi_runtime.cli.console import tell
@@ -112,10 +112,10 @@ def evolve(
         path, writer = resume, resumed(resume, ctx)
     with writer, open_to_fly(path, tell) as campaign:
         _require_ratio(campaign.store.settings, campaign.mission, ratio)
-        with DrawingProcesses(map_drawing(campaign.mission)) as processes:
+        with DrawingProcess(map_drawing(campaign.mission)) as process:
             flown_by = tried or _tried(campaign, engine, workers)
             _search(campaign, flown_by, workers, explains=not no_explain)
-            report(campaign, ratio, is_json=is_json, draw=processes.draw)
+            report(campaign, ratio, is_json=is_json, draw=process.draw)
 
 
 def _new_campaign(

@@ -25,6 +25,7 @@ _COMMANDS = MappingProxyType(
         "simulate": "Fly a mission once, with or without faults.",
         "evolve": "Search the most critical fault specifications.",
         "weaknesses": "Print all the ways in which goals break.",
+        "show": "Draw how goals break: the least that does, or any weakness.",
         "explain": "Find out which faults of a specification break which goal.",
         "replay": "Fly evaluations of a campaign again and compare.",
         "report": "Write figures, tables and summary of a campaign anew.",
@@ -56,6 +57,7 @@ In this order:
   mrsfi simulate uuv_sampling            does it fly without faults?
   mrsfi evolve uuv_sampling --case a     search; ends with what breaks it and why
   mrsfi replay runs/uuv_sampling-a-1 --best --log flight.log
+  mrsfi show runs/uuv_sampling-a-1 6     how does weakness 6 break its goal?
   mrsfi explain runs/uuv_sampling-a-1    which faults did it?
   mrsfi report runs/uuv_sampling-a-1
 

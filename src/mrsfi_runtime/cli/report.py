@@ -38,7 +38,7 @@ def report(
     is_json
         Print for a script, not for a person.
     draw
-        Draws the figures; without, processes begun for it do.
+        Draws the figures; without, a process begun for it does.
     """
 
     def show(summary: Summary) -> None:
@@ -76,6 +76,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
         click.echo(_picked(campaign, summary.pick, summary.measure) + "\n")
     if summary.ways:
         click.echo(f"all ways        mrsfi weaknesses {folder.path}")
+        click.echo(f"pictures        mrsfi show {folder.path}")
     click.echo(f"specifications  {folder.critical}")
     click.echo(f"report          {folder.report}")
     click.echo(f"page            {folder.page}")

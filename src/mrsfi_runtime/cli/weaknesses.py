@@ -23,6 +23,7 @@ from mrsfi.weaknesses import (
     mildest,
     require_format,
     untried,
+    way_of,
     write_fault_trees,
     write_fmea,
     write_map,
@@ -275,17 +276,14 @@ def _write(
     wanted = [path for path in files if path is not None]
     for path in wanted:
         require_format(path, files[path])
-    drawn_of = [way for way in found if way.number == number]
-    if drawn is not None and not drawn_of:
-        numbers = ", ".join(str(way.number) for way in found) or "none, because nothing breaks"
-        raise UsageError(f"--map: found {number}; expected one of {numbers}")
+    drawn_of = None if drawn is None else way_of(campaign.folder.path, found, number)
     if fault_tree is not None:
         write_fault_trees(campaign, found, fault_tree)
     if fmea is not None or map_path is not None:
         with _flying(campaign.folder.path, engine, workers) as (flown, evaluator, own):
             if fmea is not None:
                 write_fmea(flown, found, own.record, fmea)
-            if map_path is not None:
-                write_map(flown, evaluator, own.record, drawn_of[0], map_path)
+            if drawn_of is not None and map_path is not None:
+                write_map(flown, evaluator, own.record, drawn_of, map_path)
     for path in wanted:
         tell(f"written    {path}")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.analysis.drawing import DrawingProcesses, Drawings, draw_here
+from mrsfi_runtime.analysis.drawing import DrawingProcess, Drawings, draw_here
 from mrsfi_runtime.analysis.report import (
     evenly_spaced,
     illustrate,
@@ -417,7 +417,7 @@ def test_figures_that_cannot_be_written_are_a_record_error_after_the_rest(is_her
     folder = write_campaign(tmp_path / "run", n_generations=1)
     shown = []
 
-    with DrawingProcesses() as process:
+    with DrawingProcess() as process:
 
         def draw(drawings: Drawings) -> Callable[[], None]:
             drawings[-1][1].with_suffix(".svg").mkdir()

@@ -9,4 +9,4 @@ from mrsfi_runtime.analysis import drawing
 empty = {".png": b"", ".svg": b""}
 replaced: Any = drawing
 replaced.drawn = lambda _: empty
-replaced.DrawingProcesses = lambda *_: nullcontext(SimpleNamespace(draw=drawing.draw_here))
+replaced.DrawingProcess = lambda *_: nullcontext(SimpleNamespace(draw=drawing.draw_here))

@@ -16,17 +16,17 @@ from mrsfi_runtime.analysis.page.flight import (
 )
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.tables import evaluations_table
-from mrsfi_runtime.analysis.weaknesses import MATRIX, matrix, said
+from mrsfi_runtime.analysis.weaknesses import MATRIX, goal_in_words, matrix, said
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain
 from mrsfi_runtime.causes.sentence import sentence
+from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.engine.recording import Record, Recording
-from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.record.named_faults import NamedFault
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
 MOST_LISTED = 5000
 """Evaluations that the page lists, at most."""
@@ -129,32 +129,18 @@ def campaign_page(
 
 
 def flown_of(
-    mission: Mission, goal: str, title: str, faults: Sequence[NamedFault], record: Record | str
-) -> tuple[Flown | str, tuple[str, ...]]:
-    """Fly faults, and all of them but each; say what each did until the goal broke.
-
-    Where they cannot be flown, that has a reason, and there is nothing to say.
-    """
-    if isinstance(record, str):
-        return record, ()
-    try:
-        return _flown(mission, goal, title, faults, record)
-    except EvaluationError as error:
-        return str(error), ()
-
-
-def _flown(
-    mission: Mission, goal: str, title: str, faults: Sequence[NamedFault], record: Record
+    mission: Mission, pool: FaultPool, way: Way, record: Record
 ) -> tuple[Flown, tuple[str, ...]]:
-    specification = tuple(fault.timed for fault in faults)
-    flight, others, said = record(specification), {}, []
+    """Fly what breaks a goal, and all of its faults but each; say what each did until it broke."""
+    faults = named_faults(mission, pool, way.shown.witness)
+    flight, others, said = record(way.shown.witness), {}, []
     for place, fault in enumerate(faults):
-        twin = record(without(specification, place))
+        twin = record(without(way.shown.witness, place))
         linked = chain(mission, flight, twin)
-        verdicts = tuple(each for each in linked.verdicts if each.goal == goal)
+        verdicts = tuple(each for each in linked.verdicts if each.goal == way.goal)
         said.append(sentence(fault, replace(linked, verdicts=verdicts)))
         others[place] = twin
-    return Flown(title, faults, flight, others), tuple(said)
+    return Flown(goal_in_words(mission, way.goal), faults, flight, others), tuple(said)
 
 
 def told_content(

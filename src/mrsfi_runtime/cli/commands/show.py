@@ -1,0 +1,31 @@
+"""What ``mrsfi show`` takes."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+_HELP = """Draw how goals break, and say so: the least that breaks each goal, or weakness N.
+
+RUN is the folder of a campaign that looked for what breaks which goal, N a number of mrsfi
+weaknesses. Its mildest form that is known is flown on the campaign's own copy of the code, and
+drawn in time, faults above the goals that they break, and in space, as robots flew and as they were
+believed to. What is drawn already, and not older than the campaign's record, is not drawn again.
+
+\b
+Examples:
+  mrsfi show runs/uuv_sampling-a-1
+  mrsfi show runs/uuv_sampling-a-1 6
+
+Written into the folder: figures/weakness_* as PNG and SVG, and their numbers into tables/.
+"""
+
+
+@click.command(name="show", help=_HELP)
+@click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
+@click.argument("number", metavar="[N]", required=False, type=click.IntRange(1))
+def command(**given: Any) -> None:
+    """Draw how goals break, and say so."""
+    from mrsfi_runtime.cli.show import show_ways
+
+    show_ways(**given)
