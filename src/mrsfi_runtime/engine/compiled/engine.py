@@ -15,12 +15,7 @@ from mrsfi_runtime.engine.compiled.batch import Batch
 from mrsfi_runtime.engine.compiled.compiled_flight import CompiledFlight
 from mrsfi_runtime.engine.compiled.frames import Frame, Fresh, fresh_of
 from mrsfi_runtime.engine.compiled.layout import read_recorded
-from mrsfi_runtime.engine.compiled.self_check import (
-    SECONDS,
-    SECONDS_OF_NEW,
-    require_same,
-    trials,
-)
+from mrsfi_runtime.engine.compiled.self_check import SECONDS, require_same, trials
 from mrsfi_runtime.engine.flights import Engine, Evaluated
 from mrsfi_runtime.engine.recording import VERDICTS, Recording, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
@@ -87,10 +82,7 @@ class CompiledEngine(Engine):
         _TRUSTED.add(mission)
 
     def _require_same(self, flown: Sequence[Specification]) -> None:
-        key = self._fly_many.key
-        is_new = self.is_new and all(key != known for known, _ in _TRUSTED)
-        flown, seconds = ([(), *flown], SECONDS_OF_NEW) if is_new else (flown, SECONDS)
-        require_same(self._reference, self._first_ticks, flown, seconds)
+        require_same(self._reference, self._first_ticks, flown, SECONDS)
 
     def _first_ticks(
         self, specification: Specification, n_ticks: int, seed: int | None = None

@@ -21,8 +21,8 @@ from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import conflicts
 
-SECONDS, SECONDS_OF_NEW = 0.05, 0.2
-"""How long the reference engine flies in every process, and in the one that compiled."""
+SECONDS = 0.05
+"""How long the reference engine flies for it."""
 
 _WINDOWS = ((0, 7), (16, None))
 """First and last ticks at which a fault acts; ``None`` is the mission's last."""
