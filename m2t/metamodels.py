@@ -52,7 +52,10 @@ def metamodel_folder() -> Path:
 
 
 def installed_metamodels() -> Path:
-    """Return the folder of our metamodels: inside the installed package or in the source tree."""
+    """Return the folder of our metamodels: inside the installed package or in the source tree.
+
+    If neither place has them, that is a ``ModelError``.
+    """
     here = Path(__file__).resolve().parent
     candidates = (here / "metamodels", here.parent / "metamodels")
     for folder in candidates:
@@ -65,7 +68,10 @@ def installed_metamodels() -> Path:
 
 
 def load_metamodels() -> Metamodels:
-    """Load both metamodels of ``metamodel_folder``, once per process and folder."""
+    """Load both metamodels of ``metamodel_folder``, once per process and folder.
+
+    Files that are missing or cannot be used are a ``ModelError``.
+    """
     return _kept(metamodel_folder())
 
 

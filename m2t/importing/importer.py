@@ -41,13 +41,13 @@ class Imported:
 
 
 def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Imported:
-    """Turn a published file, one ``Setup`` with a mission and fault specifications, into a folder.
+    """Turn a published file, one ``Setup`` with mission and fault specifications, into a folder.
 
     The first specification becomes ``faults.xmi``, an empty pool if there is none, any other
-    ``faults_<ID>.xmi``. ``is_forced`` replaces the models of a folder that exists; its other files
-    stay. A file that cannot be read or a model that is not valid is a ``ModelError`` with all
-    errors, one a line, and nothing is written; a folder that must not be replaced or cannot be
-    written is a ``UsageError``.
+    ``faults_<ID>.xmi``. ``is_forced`` replaces the models of a mission folder that exists; its
+    other files stay. A file that cannot be read or a model that is not valid is a ``ModelError``
+    with all errors, one a line, and nothing is written; a folder that must not be replaced or
+    cannot be written is a ``UsageError``.
     """
     _require_free(folder, is_forced=is_forced)
     report, notes = Report(), Notes()

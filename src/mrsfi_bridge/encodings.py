@@ -92,7 +92,10 @@ class Outgoing:
         self._frames: dict[tuple[str, Encoding], bytes] = {}
 
     def frames(self, topic: str, encoding: Encoding) -> bytes:
-        """Return the frames for a socket that carry the message; a client spells ``topic`` so."""
+        """Return the frames that carry the message, ready for a socket.
+
+        A client is sent ``topic`` as it spells it.
+        """
         key = topic, encoding
         frames = self._frames.get(key)
         if frames is None:

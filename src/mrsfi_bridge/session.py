@@ -58,7 +58,10 @@ class Hub:
 
 
 class Session:
-    """Carries out the operations of one client, named so in the log; ``send`` takes its frames."""
+    """Carries out the operations of one client, whose ``name`` is for the log.
+
+    ``send`` takes frames for it; ``fragments`` are messages whose parts have not all come.
+    """
 
     def __init__(self, hub: Hub, name: str, send: Callable[[bytes], None]) -> None:
         self.name = name
