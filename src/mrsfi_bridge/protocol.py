@@ -138,7 +138,7 @@ def absolute(name: str) -> str:
 
 
 def check_name(name: str, noun: str) -> None:
-    """Refuse a name that is empty, too long, or has blanks or unprintable letters."""
+    """Raise ``ProtocolError`` at a name empty, too long, or with blanks or unprintable letters."""
     if name.strip("/") and len(name) <= _LONGEST_NAME and name.isprintable() and " " not in name:
         return
     shown = repr(name[:_LONGEST_NAME])

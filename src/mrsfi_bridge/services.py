@@ -77,7 +77,10 @@ class Services:
         return is_taken
 
     def unadvertise(self, owner: Hashable, name: str) -> None:
-        """End a service, and answer those who wait for it; ``ProtocolError`` if it is another's."""
+        """End a service, and answer those who wait for it.
+
+        It is a ``ProtocolError`` if the client does not provide it.
+        """
         known = self.services.get(name)
         if known is None or known.owner != owner:
             raise ProtocolError(f"service '{name}' is not one that you advertised")
