@@ -19,22 +19,10 @@ _SHOWN = 60
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One defect of a model.
+    """One defect of a model; an error stops loading, a warning does not.
 
-    Attributes
-    ----------
-    path
-        File that has the defect.
-    line
-        Line of the element, counted from 1.
-    element
-        The element, such as ``robots 'r1'``.
-    constraint
-        Name of the constraint in ``CONSTRAINTS``.
-    severity
-        An error stops loading, a warning does not.
-    message
-        What was found at the element, what was expected, and the next step.
+    ``line`` counts from 1, ``element`` is like ``robots 'r1'``, ``constraint`` one of
+    ``CONSTRAINTS``; ``message`` says what was found there, what was expected, and the next step.
     """
 
     path: Path
@@ -52,16 +40,8 @@ class Diagnostic:
 class Constraint:
     """A rule that models keep.
 
-    Attributes
-    ----------
-    severity
-        How bad it is to break it.
-    meaning
-        What it asks for.
-    evl
-        File beside the metamodels that states it for Epsilon; empty if none does.
-    reason
-        Why none does; empty if one does.
+    ``evl`` is the file beside the metamodels that states it for Epsilon; if empty, ``reason``
+    says why none does.
     """
 
     severity: Severity
@@ -176,14 +156,9 @@ CONSTRAINTS: Mapping[str, Constraint] = MappingProxyType(
 
 
 class Defect(Exception):  # noqa: N818 # what models have
-    """What breaks a constraint; whoever catches it knows of which element or file.
+    """What breaks a constraint, named; whoever catches it knows of which element or file.
 
-    Attributes
-    ----------
-    constraint
-        Name of the constraint.
-    finding
-        What was found, what was expected, and the next step: the rest of a sentence.
+    ``finding`` is what was found, what was expected, and the next step: the rest of a sentence.
     """
 
     def __init__(self, constraint: str, finding: str) -> None:
@@ -193,18 +168,11 @@ class Defect(Exception):  # noqa: N818 # what models have
 
 
 class Report:
-    """Collects the diagnostics of one validation.
+    """Collects the diagnostics of one validation; ``n_errors`` of them stop loading.
 
-    Attributes
-    ----------
-    n_errors
-        Number of defects so far that stop loading.
-    n_unsound
-        Number of those that leave no sound objects. A reference that is named twice is none of
-        them: the list of objects holds it once.
-    n_dangling
-        Number of those that are references to what does not exist: objects without them can be
-        made.
+    ``n_unsound`` of those leave no sound objects; a reference that is named twice is none of them,
+    as the list of objects holds it once. ``n_dangling`` are references to what does not exist:
+    objects without them can be made.
     """
 
     def __init__(self) -> None:
@@ -238,13 +206,7 @@ class Report:
         self.n_dangling += found.constraint == "ResolvedReference"
 
     def require_no_errors(self) -> None:
-        """Stop at errors.
-
-        Raises
-        ------
-        ModelError
-            With all errors found so far, one a line.
-        """
+        """Raise a ``ModelError`` with all errors found so far, one a line, if there are any."""
         if self.n_errors:
             raise self.error()
 

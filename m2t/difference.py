@@ -27,20 +27,11 @@ _SHOWN_IDS = 12
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One difference.
+    """One difference; ``text`` says it in a line.
 
-    Attributes
-    ----------
-    what
-        What happened to the element; ``reordered`` is said of its container.
-    element
-        Class and ID, such as ``robot r2``.
-    feature
-        Feature that has changed, or whose elements were reordered; else empty.
-    old, new
-        What it was and is: values of the feature, container of a moved element, IDs in order.
-    text
-        The change as a line.
+    ``element`` is class and ID, such as ``robot r2``; its container if elements of ``feature``
+    were reordered. ``feature`` is empty unless it says what has changed. ``old`` and ``new`` are
+    values of the feature, the container of a moved element, or IDs in order.
     """
 
     what: What
@@ -55,24 +46,11 @@ class Change:
 
 
 def difference(old: Path, new: Path) -> tuple[Change, ...]:
-    """Return how a model differs from an older one.
+    """Return how a model differs from an older one; both are a mission folder or an ``.xmi`` file.
 
-    Parameters
-    ----------
-    old, new
-        Each a mission folder or an ``.xmi`` file. A file is compared with what a folder has of
-        its kind: mission or faults.
-
-    Returns
-    -------
-    tuple of Change
-        In the order of the new model, mission first; removed elements come before those that
-        remained in the same place.
-
-    Raises
-    ------
-    ModelError
-        If a file cannot be read, is no model, or if the two have no kind of model in common.
+    A file is compared with what a folder has of its kind, mission or faults; it is a
+    ``ModelError`` if they have none in common. Changes are in the order of the new model, mission
+    first; removed elements come before those that remained in the same place.
     """
     olds, news = read_models(old), read_models(new)
     kinds = list(dict.fromkeys((*olds, *news)))

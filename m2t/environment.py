@@ -50,19 +50,9 @@ Expression: TypeAlias = Scalar | Call | Table | Name | tuple["Expression", ...]
 
 
 def literal(value: Scalar | tuple[object, ...]) -> str:
-    """Return the Python literal of a value, in ASCII and as a formatter would write it.
+    """Return the Python literal of a scalar or tuple, in ASCII and as a formatter would write it.
 
-    Parameters
-    ----------
-    value
-        Text, number, truth value, ``None``, or a tuple of such values.
-
-    Raises
-    ------
-    ValueError
-        If a number is infinite or not a number.
-    TypeError
-        If the value is of any other type.
+    A number that is not finite is a ``ValueError``, a value of another type a ``TypeError``.
     """
     if value is None or isinstance(value, bool):
         return repr(value)
@@ -111,14 +101,8 @@ def remark(text: str) -> str:
 def expression(value: Expression, indent: int = 0, used: int = 0) -> str:
     """Return a Python expression, laid out as a formatter would leave it.
 
-    Parameters
-    ----------
-    value
-        A scalar, a call, a table, or a tuple of such expressions.
-    indent
-        Indentation of the line on which the expression begins.
-    used
-        Columns of that line which are taken by what stands around the expression.
+    ``indent`` is the indentation of the line on which it begins, of which what stands around it
+    takes ``used`` columns.
     """
     flat = _flat(value)
     opening, entries, closing = _parts(value)

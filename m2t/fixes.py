@@ -36,20 +36,10 @@ class Fix:
 
 @dataclass(frozen=True, slots=True)
 class Mending:
-    """What fixing models would change.
+    """What fixing models would change; ``fixed`` are defects that go, with the title of the fix.
 
-    Attributes
-    ----------
-    fixed
-        The defects that are gone afterwards, each with the title of its fix.
-    folder
-        That of the mission.
-    contents, before
-        New and old content by path, of the files that change.
-    difference
-        Lines of the unified diff of these files.
-    respelt
-        Files that change beyond the fixes, because they are not spelt as Eclipse writes them.
+    ``contents`` and ``before`` have the files that change, ``difference`` their unified diff.
+    ``respelt`` change beyond the fixes, as they are not spelt as Eclipse writes them.
     """
 
     fixed: tuple[tuple[Diagnostic, str], ...]
@@ -61,23 +51,10 @@ class Mending:
 
 
 def mend(inspection: Inspection) -> Mending | None:
-    """Fix what can be fixed in models, in memory.
+    """Fix what can be fixed in models, in memory: the objects of the inspection are changed.
 
-    Parameters
-    ----------
-    inspection
-        What loading found; its objects are changed.
-
-    Returns
-    -------
-    Mending or None
-        Nothing is written yet. ``None`` if there is nothing that a fix can mend, or if errors
-        of structure come first.
-
-    Raises
-    ------
-    ModelError
-        If the models cannot be saved.
+    Return ``None`` if no fix can mend anything, or if errors of structure come first. Models
+    that cannot be saved are a ``ModelError``.
     """
     draft = inspection.draft or inspection.remains
     titles = _TITLES if inspection.remains is None else _TITLES_OF_REMAINS

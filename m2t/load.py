@@ -39,20 +39,11 @@ class LoadedFile:
 
 @dataclass(frozen=True, slots=True)
 class LoadedModels:
-    """A mission, and the faults that go with it.
+    """Root of a mission model and that of the faults, ``None`` if the folder has none.
 
-    Attributes
-    ----------
-    mission
-        Root of the mission model, a pyecore object.
-    faults
-        Root of the fault model; ``None`` if the folder has none.
-    mission_path, faults_path
-        Files that they begin in; the same if both stand in one file.
-    nodes
-        Element of the file, with its line, of every object of both models.
-    files
-        All files that they came from, in the order in which they were read.
+    They begin in ``mission_path`` and ``faults_path``, which may be one file. ``nodes`` has the
+    element of the file, with its line, of every object of both; ``files`` are all that they came
+    from, in the order in which they were read.
     """
 
     mission: Any
@@ -76,17 +67,11 @@ class LoadedModels:
 
 @dataclass(frozen=True, slots=True)
 class Inspection:
-    """What loading found.
+    """What loading found: all defects of all files, and what can be made of these.
 
-    Attributes
-    ----------
-    diagnostics
-        All defects of all files.
-    draft
-        The models although constraints of sense may be broken, for whoever mends them; ``None`` if
-        the structure of a file is broken.
-    remains
-        If only references to what does not exist break it: the models without these references.
+    ``draft`` are the models although constraints of sense may be broken, for whoever mends them;
+    ``None`` if the structure of a file is broken. If only references to what does not exist break
+    it, ``remains`` are the models without these references.
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -131,22 +116,9 @@ def load_mission_folder(folder: Path) -> LoadedModels:
 
 
 def load_specification(path: Path) -> LoadedModels:
-    """Load a fault specification and the mission that it refers to.
+    """Load a fault specification, as ``faults``, and the mission that it refers to.
 
-    Parameters
-    ----------
-    path
-        File of a fault specification, written by hand or found by search.
-
-    Returns
-    -------
-    LoadedModels
-        The specification as ``faults``, with its mission.
-
-    Raises
-    ------
-    ModelError
-        With all errors of both files, one a line.
+    All errors of both files, one a line, are a ``ModelError``.
     """
     return inspect_specification(path).require_models()
 

@@ -24,8 +24,6 @@ def lineage(metaclass: Any) -> tuple[Any, ...]:
 def features(metaclass: Any) -> tuple[Any, ...]:
     """Return all features of a metaclass in the order of Eclipse: inherited ones first.
 
-    Notes
-    -----
     pyecore's own order is the other way round for some collections and none for others.
     """
     return tuple(feature for known in lineage(metaclass) for feature in known.eStructuralFeatures)

@@ -18,21 +18,10 @@ _STORED: Mapping[str, bool] = MappingProxyType(
 
 
 def check_package(package: Any, root_class: str, findings: Findings) -> None:
-    """Check the package of a metamodel.
+    """Check the package of a metamodel, whose models begin with ``root_class``.
 
-    Parameters
-    ----------
-    package
-        The package, as ``m2t.metamodel_reader`` reads it.
-    root_class
-        Class that models begin with.
-    findings
-        Takes the findings.
-
-    Raises
-    ------
-    ModelError
-        If what mrsfi reads cannot be looked for, because something else is wrong.
+    If what mrsfi reads cannot be looked for, because something else is wrong, it is a
+    ``ModelError``; all else goes to ``findings``.
     """
     classes = [kind for kind in package.eClassifiers if isinstance(kind, EClass)]
     _check_names(package.eClassifiers, findings)

@@ -85,17 +85,11 @@ _LEAST = MappingProxyType({"?": 0, "*": 0, "1": 1, "+": 1, "2..*": 2})
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """A feature that is read.
+    """A feature that is read, of the type of that name or a subclass of it.
 
-    Attributes
-    ----------
-    holding
-        ``id`` or ``attr`` for an attribute, ``val`` for one that contains elements, ``ref`` for one
-        that refers to them: the words of Emfatic, Eclipse's notation for metamodels.
-    type
-        Name of its type; a subclass of it serves as well.
-    number
-        How many values every element has to have: ``1``, ``?``, ``*``, ``+`` or ``2..*``.
+    ``holding`` is ``id`` or ``attr`` for an attribute, ``val`` for one that contains elements,
+    ``ref`` for one that refers to them: the words of Emfatic, Eclipse's notation for metamodels.
+    ``number`` of values every element has to have: ``1``, ``?``, ``*``, ``+`` or ``2..*``.
     """
 
     holding: str

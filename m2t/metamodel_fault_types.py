@@ -51,14 +51,9 @@ _ROLE_OF_RANGE = MappingProxyType(
 
 
 def read_fault_types(package: Any, findings: Findings) -> Mapping[str, FaultType]:
-    """Return the fault types of a package by name, in the order of the file.
+    """Return the fault types of a sound package of faults by name, in the order of the file.
 
-    Parameters
-    ----------
-    package
-        The package of faults, whose classes are sound.
-    findings
-        Takes the findings; knows the elements of all packages, of which no other has meanings.
+    ``findings`` knows the elements of all packages, of which no other has meanings.
     """
     reader = _Reader(findings)
     kinds = [kind for kind in package.eClassifiers if _is_fault_type(kind)]

@@ -75,15 +75,7 @@ details: attr EString[?] key, attr EString[?] value
 class MetamodelReader:
     """Reads metamodel files one after the other; later ones may refer to earlier ones.
 
-    Parameters
-    ----------
-    report
-        Takes the diagnostics.
-
-    Attributes
-    ----------
-    nodes
-        Node of every element that was read, of all files.
+    ``nodes`` has the node of every element that was read, of all files.
     """
 
     def __init__(self, report: Report) -> None:
@@ -94,17 +86,9 @@ class MetamodelReader:
         self._classifiers: dict[str, Node] = {}
 
     def read(self, root: Node) -> Any:
-        """Return the package of a file, in which every reference leads to what it should.
+        """Return the package of a file, named like it; every reference in it leads where it should.
 
-        Parameters
-        ----------
-        root
-            Root element of the file; the package has the name of the file.
-
-        Raises
-        ------
-        ModelError
-            With all that is wrong with the file.
+        All that is wrong with the file is a ``ModelError``.
         """
         if (root.namespace, root.tag) != (ECORE, "EPackage"):
             finding = f"is the root; expected EPackage of namespace {ECORE}; restore the file"

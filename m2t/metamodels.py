@@ -54,10 +54,7 @@ def metamodel_folder() -> Path:
 def installed_metamodels() -> Path:
     """Return the folder of our metamodels: inside the installed package or in the source tree.
 
-    Raises
-    ------
-    ModelError
-        If neither place has them.
+    If neither place has them, that is a ``ModelError``.
     """
     here = Path(__file__).resolve().parent
     candidates = (here / "metamodels", here.parent / "metamodels")
@@ -73,10 +70,7 @@ def installed_metamodels() -> Path:
 def load_metamodels() -> Metamodels:
     """Load both metamodels of ``metamodel_folder``, once per process and folder.
 
-    Raises
-    ------
-    ModelError
-        If the files are missing or cannot be used.
+    Files that are missing or cannot be used are a ``ModelError``.
     """
     return _kept(metamodel_folder())
 
@@ -92,17 +86,9 @@ def forget_metamodels() -> None:
 
 
 def read_metamodels(folder: Path) -> Metamodels:
-    """Read both metamodels from a folder.
+    """Read ``mission.ecore`` and ``faults.ecore`` from a folder.
 
-    Parameters
-    ----------
-    folder
-        Folder with ``mission.ecore`` and ``faults.ecore``.
-
-    Raises
-    ------
-    ModelError
-        With all that is wrong with the files, one defect a line.
+    All that is wrong with the files, one defect a line, is a ``ModelError``.
     """
     report = Report()
     reader = MetamodelReader(report)

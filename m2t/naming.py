@@ -17,21 +17,9 @@ _WORD_START = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 def identifier(text: str) -> str:
     """Return the identifier that a model ID becomes in Python and in ROS topic names.
 
-    Parameters
-    ----------
-    text
-        ID of a model element: ASCII letters, digits, ``_``, ``-``, ``.`` and spaces.
-
-    Returns
-    -------
-    str
-        Lower case, ``[a-z][a-z0-9_]*``; runs of separators become one underscore.
-
-    Raises
-    ------
-    ModelError
-        If the ID holds other characters, does not start with a letter, or becomes a Python
-        keyword or a name that generated code uses itself.
+    It is lower case, ``[a-z][a-z0-9_]*``; runs of ``_``, ``-``, ``.`` and spaces become one
+    underscore. An ID that holds other characters than these and ASCII letters and digits, starts
+    with no letter, or becomes a Python keyword or a name of generated code, is a ``ModelError``.
 
     Examples
     --------

@@ -31,18 +31,10 @@ from mrsfi_runtime.markers import MARKER, lines_in_regions
 
 @dataclass(frozen=True, slots=True)
 class WithNewIds:
-    """What giving new IDs would change.
+    """What giving new IDs would change: content by path of models and specifications, and code.
 
-    Attributes
-    ----------
-    contents
-        New content by path, of the models and specifications that change.
-    respelt
-        Those of them that change beyond their IDs: they are not spelt as Eclipse writes them.
-    code
-        Plan of the generated files; ``None`` if nothing is generated.
-    difference
-        Lines of the unified diff of all this.
+    ``respelt`` change beyond their IDs: they are not spelt as Eclipse writes them. ``code`` is
+    ``None`` if nothing is generated; ``difference`` is the unified diff of all this.
     """
 
     contents: Mapping[Path, bytes]
@@ -52,25 +44,12 @@ class WithNewIds:
 
 
 def with_new_ids(models: Path, target: Path, names: Mapping[str, str]) -> WithNewIds:
-    """Return what giving elements new IDs would change; write nothing.
+    """Return what giving elements new IDs, by old ones, all at once, would change; write nothing.
 
-    Parameters
-    ----------
-    models
-        Mission folder; fault specifications of the mission below it are renamed with it.
-    target
-        Folder of its generated code, which is fresh if there is any.
-    names
-        New IDs by old ones, of elements of the mission and of its pool; all change at once.
-
-    Raises
-    ------
-    UsageError
-        If nothing has an old ID, or a new one cannot be, is taken, or is a name in a region.
-    ModelError
-        If the models, or a specification, are not sound.
-    ProtectedRegionError
-        If a region is not Python.
+    Fault specifications below the mission folder are renamed with it; generated code, if there is
+    any in ``target``, is fresh. It is a ``UsageError`` if nothing has an old ID, or a new one
+    cannot be, is taken, or is a name in a region; a ``ProtectedRegionError`` if a region is not
+    Python; a ``ModelError`` if the models, or a specification, are not sound.
     """
     loaded = load_mission_folder(models)
     _require_ids(loaded, names)

@@ -32,22 +32,10 @@ _WORDS: Mapping[str, str] = MappingProxyType(
 
 @dataclass(slots=True, eq=False)
 class Outline:
-    """An element with ID, or the root of a model.
+    """An element with ID, or the root of a model, whose ID is empty.
 
-    Attributes
-    ----------
-    kind
-        Name of its class.
-    identity
-        Its ID; empty without one.
-    key
-        What makes it the same in two models.
-    container
-        Element that contains it.
-    values
-        Values by feature, in the order of the metamodel.
-    children
-        Contained elements with ID by feature.
+    ``key`` makes it the same in two models. ``values`` are by feature, in the order of the
+    metamodel, ``children`` the contained elements with ID by feature.
     """
 
     kind: str
@@ -81,22 +69,9 @@ def word(kind: str) -> str:
 
 
 def read_models(path: Path) -> dict[str, Outline]:
-    """Read the models of a mission folder or of a file.
+    """Return the outline of each root of a mission folder or file by name of its class.
 
-    Parameters
-    ----------
-    path
-        Mission folder, or file that holds a mission, a fault specification or both.
-
-    Returns
-    -------
-    dict
-        Outline of each root by name of its class.
-
-    Raises
-    ------
-    ModelError
-        If a file cannot be read or is no model.
+    A file that cannot be read or is no model is a ``ModelError``.
     """
     names = [path / name for name in _FILES if (path / name).is_file()]
     paths = names if path.is_dir() else [path]

@@ -27,18 +27,10 @@ _ALMOST_MARKER = re.compile(r"\s*#+\s*protected\s+region\b.*\b(begin|end)\s*", r
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """A protected region.
+    """A protected region, whose ID is built from a model ID: ``g1.check``.
 
-    Attributes
-    ----------
-    id
-        Built from a model ID: ``g1.check``.
-    is_on
-        Whether hand-written code in it is kept; a region that is off is always generated.
-    begin, body, end
-        The marker lines and what stands between them, each with its line ends.
-    line
-        Line number of the begin marker.
+    ``is_on`` says whether hand-written code in it is kept; one that is off is always generated.
+    The marker lines and the body between them have their line ends; ``line`` is of ``begin``.
     """
 
     id: str
@@ -103,19 +95,9 @@ def record_of(file: GeneratedFile) -> FileRecord:
 
 
 def parse(text: str, name: str) -> GeneratedFile:
-    r"""Cut a file into skeleton and regions.
+    r"""Cut a file, with line ends ``\n``, into skeleton and regions; messages name it ``name``.
 
-    Parameters
-    ----------
-    text
-        The file with line ends ``\n``; its last line may lack one.
-    name
-        Path for messages.
-
-    Raises
-    ------
-    ProtectedRegionError
-        With file and line, if markers are unbalanced, nested, doubled or misspelt.
+    Unbalanced, nested, doubled or misspelt markers are a ``ProtectedRegionError``.
     """
     _require_spelling(text, name)
     markers = [*MARKER.finditer(text)]
@@ -198,23 +180,9 @@ def merge(
 ) -> str:
     """Return the generated file with the hand-written code of the existing one.
 
-    Parameters
-    ----------
-    generated
-        The file as the template renders it.
-    existing
-        The file as it stands.
-    records
-        What the manifest remembers of the existing file: what is equal to any of them was
-        generated. Empty if there is no manifest: then all counts as edited.
-    force
-        Overwrite edits of the skeleton.
-
-    Raises
-    ------
-    ProtectedRegionError
-        If hand-written code would be lost: in a region that is off, in a region that is no
-        longer generated, or, unless forced, in the skeleton.
+    What is equal to any of the manifest's ``records`` of the existing file was generated; without
+    any, all counts as edited. If hand-written code would be lost, in a region that is off or no
+    longer generated or, unless ``force``, in the skeleton, it is a ``ProtectedRegionError``.
     """
     _require_no_orphans(generated, existing, records)
     text = "".join(

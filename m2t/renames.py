@@ -16,11 +16,6 @@ def renamed(olds: Sequence[Outline], news: Sequence[Outline]) -> dict[Outline, O
 
     An element that is gone and one that is new, in the same place, are one if they say the same
     with all in them; references to what was renamed count as the same.
-
-    Parameters
-    ----------
-    olds, news
-        Roots of both models, kind by kind.
     """
     gone, added = _without(olds, news), _without(news, olds)
     found: dict[Outline, Outline] = {}
@@ -30,15 +25,7 @@ def renamed(olds: Sequence[Outline], news: Sequence[Outline]) -> dict[Outline, O
 
 
 def rename(roots: Iterable[Outline], found: Mapping[Outline, Outline]) -> None:
-    """Let the older model have the IDs of the newer one, also where it refers to what has them.
-
-    Parameters
-    ----------
-    roots
-        Roots of the older model.
-    found
-        What ``renamed`` returned.
-    """
+    """Let the older model have the IDs of the newer one, also where it refers to what has them."""
     names = {old.identity: new.identity for new, old in found.items()}
     for new, old in found.items():
         old.identity, old.key = new.identity, new.key

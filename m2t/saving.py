@@ -40,24 +40,12 @@ def save(models: LoadedModels) -> tuple[Path, ...]:
 
 
 def saved(models: LoadedModels) -> dict[Path, bytes]:
-    """Return what saving loaded models would write: the content of each of their files.
+    """Return the content of each file that saving would write, in the order of reading.
 
-    Parameters
-    ----------
-    models
-        The models, changed or not. Every file keeps its encoding, its line ends, its
-        xsi:schemaLocation, its roots and the xmi:ids of its elements; new elements get none.
-        Comments are dropped, as Eclipse does.
-
-    Returns
-    -------
-    dict
-        Content by path, in the order in which the files were read.
-
-    Raises
-    ------
-    ModelError
-        If a model refers to an object outside the files, or holds a character that XML cannot.
+    Every file keeps its encoding, its line ends, its xsi:schemaLocation, its roots and the xmi:ids
+    of its elements; new elements get none. Comments are dropped, as Eclipse does. A model that
+    refers to an object outside the files, or holds a character that XML cannot, is a
+    ``ModelError``.
     """
     xmi_ids = models.xmi_ids
     return {

@@ -32,13 +32,7 @@ _SHARED = ("__init__.py", "elements.py", "elements.pyi")
 
 
 class PackageTask(EcoreTask):  # type: ignore[misc] # pyecoregen has no types
-    """Writes one file of a package, from the template of its suffix.
-
-    Parameters
-    ----------
-    suffix
-        ``.py`` for the classes, ``.pyi`` for their stub.
-    """
+    """Writes one file of a package: the classes, suffix ``.py``, or their stub, ``.pyi``."""
 
     element_type = EPackage
 
@@ -75,33 +69,16 @@ class ClassGenerator(EcoreGenerator):  # type: ignore[misc] # pyecoregen has no 
     def generate(self, model: Any, outfolder: str, **_: Any) -> None:
         """Write the files of one package.
 
-        Parameters
-        ----------
-        model
-            The package.
-        outfolder
-            Folder of the files.
-
-        Notes
-        -----
-        pyecoregen renames keywords by patching pyecore here, and leaves it patched if a
-        template fails; ``views`` renames them instead.
+        pyecoregen renames keywords by patching pyecore here, and leaves it patched if a template
+        fails; ``views`` renames them instead.
         """
         super(EcoreGenerator, self).generate(model, outfolder)
 
 
 def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
-    """Return the texts of all files by name.
+    """Return the texts of all files by name; each package refers to those before it only.
 
-    Parameters
-    ----------
-    packages
-        The packages, as ``m2t.metamodels`` loads them; each refers to those before it only.
-
-    Raises
-    ------
-    ModelError
-        If a package holds a name that Python or the classes themselves use.
+    A package with a name that Python or the classes themselves use is a ``ModelError``.
     """
     generator = ClassGenerator()
     shared = {name: generator.environment.get_template(f"{name}.j2") for name in _SHARED}
@@ -116,10 +93,7 @@ def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
 def write_classes(folder: Path, files: Mapping[str, str]) -> tuple[str, ...]:
     """Write those files that differ, all or none; return their names.
 
-    Raises
-    ------
-    GenerationError
-        If a file stands in the way that was not generated.
+    It is a ``GenerationError`` if a file stands in the way that was not generated.
     """
     stale = stale_files(folder, files)
     for name in stale:

@@ -37,16 +37,9 @@ Imports: TypeAlias = tuple[tuple[str, tuple[str, ...]], ...]
 
 @dataclass(frozen=True, slots=True)
 class AnnotatedView:
-    """A named element of a metamodel with its annotations.
+    """A named element of a metamodel, with its name in Python.
 
-    Attributes
-    ----------
-    name
-        Its name in Python.
-    documentation
-        Text of its GenModel documentation, if it has one.
-    annotations
-        The other annotations: source and details.
+    ``documentation`` is that of GenModel, ``annotations`` are the others: source and details.
     """
 
     name: str
@@ -75,18 +68,10 @@ class EnumerationView(AnnotatedView):
 
 @dataclass(frozen=True, slots=True)
 class FeatureView(AnnotatedView):
-    """A feature of a class.
+    """A feature of a class; ``kind`` is ``EAttribute`` or ``EReference``.
 
-    Attributes
-    ----------
-    kind
-        ``EAttribute`` or ``EReference``.
-    arguments
-        Arguments of its constructor, as code.
-    type
-        Type of its value in a stub.
-    parameter
-        Type and default of the constructor's parameter that sets it, in a stub.
+    ``arguments`` are those of its constructor, as code. ``type`` is that of its value in a stub,
+    ``parameter`` what the parameter that sets it has there: type and default.
     """
 
     kind: str
@@ -119,17 +104,9 @@ class PackageView(AnnotatedView):
 
 
 def package_view(package: Any) -> PackageView:
-    """Return what the templates need to know about a package.
+    """Return what the templates need to know about a package, a pyecore object.
 
-    Parameters
-    ----------
-    package
-        Package of a metamodel, a pyecore object, as ``m2t.metamodels`` loads it.
-
-    Raises
-    ------
-    ModelError
-        If the package holds a name that Python or the classes themselves use.
+    It is a ``ModelError`` if it holds a name that Python or the classes themselves use.
     """
     own = list(package.eClassifiers)
     for element in (package, *own):

@@ -11,15 +11,8 @@ T = TypeVar("T")
 
 
 class Discs(Generic[T]):
-    """Discs in the plane, in order, each for an element.
+    """Discs in the plane, in order, each for an element; ``distance`` is that of two points.
 
-    Parameters
-    ----------
-    distance
-        Returns the distance of two points.
-
-    Notes
-    -----
     A disc lies in one cell of a grid whose cells are as wide as its radius or wider, up to twice,
     so that whatever it holds is in that cell or one beside it. Discs of like radius share a
     grid; there are as many grids as there are magnitudes of radii.

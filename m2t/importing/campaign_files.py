@@ -31,18 +31,9 @@ goals = [{goals}]"""
 
 
 def campaign_files(mission: Any) -> dict[str, bytes]:
-    """Return the campaign files of a mission by name.
+    """Return the campaign files of a mission by name: ``case_a.toml``, and maybe ``case_b.toml``.
 
-    Parameters
-    ----------
-    mission
-        Root of a mission model.
-
-    Returns
-    -------
-    dict
-        ``case_a.toml``; and ``case_b.toml`` if the mission has both a goal that avoids
-        collisions and one about energy, of which it names the first each.
+    Case b takes both a goal that avoids collisions and one about energy; it names the first each.
     """
     files = {"case_a.toml": _case(_ABOUT_A, _FITNESS_A)}
     firsts = [_first(mission, "AvoidCollision"), _first(mission, "SufficientEnergy")]

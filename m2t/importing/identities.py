@@ -19,22 +19,12 @@ _LONGEST_BASE = 80
 
 
 def give_ids(root: Any, reader: PublishedReader, notes: Notes) -> None:
-    """Set the ID of every element of a model, and the name of those that have none.
+    """Set the ID of every element below a root, and the name of those that have none.
 
-    Parameters
-    ----------
-    root
-        Root object; IDs are unique below it, also as names in Python.
-    reader
-        Knows the IDs that the file gives.
-    notes
-        Takes every ID that is new or changed.
-
-    Notes
-    -----
-    An element keeps its own ID if that can be used; the first of several with the same ID does.
-    A fault without ID takes its name. The others get an ID from their place, such as
-    ``g1_area`` or ``r1_sensor_2``.
+    IDs are unique, also as names in Python; ``notes`` take every one that is new or changed. An
+    element keeps its own ID if that can be used; the first of several with the same ID does. A
+    fault without ID takes its name. The others get an ID from their place, such as ``g1_area``
+    or ``r1_sensor_2``.
     """
     identified = [element for element in contained(root) if _has(element, "ID")]
     namer = _Namer(reader, notes)

@@ -29,18 +29,8 @@ _COUNTED = ("robots", "servers", "obstacles", "goals")
 class Imported:
     """What an import wrote, and what a reader of it should know.
 
-    Attributes
-    ----------
-    folder
-        The mission folder.
-    files
-        Names of the files in it that were written.
-    n_xmi_ids
-        Number of elements that were identified by xmi:id.
-    counts
-        Number of elements of the result by what they are.
-    notes
-        What was renamed, dropped, filled in or found inconsistent.
+    ``n_xmi_ids`` elements were identified by xmi:id. ``counts`` has the number of elements of the
+    result by what they are, ``notes`` what was renamed, dropped, filled in or found inconsistent.
     """
 
     folder: Path
@@ -51,34 +41,13 @@ class Imported:
 
 
 def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Imported:
-    """Turn a published file into a mission folder.
+    """Turn a published file, one ``Setup`` with mission and fault specifications, into a folder.
 
-    Parameters
-    ----------
-    path
-        The file: one ``Setup`` with a mission and fault specifications.
-    folder
-        Mission folder to make, such as ``models/harbour``.
-    is_forced
-        Whether to replace the models of a mission folder that exists; its other files stay.
-
-    Returns
-    -------
-    Imported
-        What was written.
-
-    Raises
-    ------
-    ModelError
-        With all errors, one a line, if the file cannot be read or if its model is not valid;
-        then nothing is written.
-    UsageError
-        If the folder exists and must not be replaced, or cannot be written.
-
-    Notes
-    -----
-    The first fault specification becomes ``faults.xmi``, any other ``faults_<ID>.xmi``. Where
-    there is none, ``faults.xmi`` is an empty pool.
+    The first specification becomes ``faults.xmi``, an empty pool if there is none, any other
+    ``faults_<ID>.xmi``. ``is_forced`` replaces the models of a mission folder that exists; its
+    other files stay. A file that cannot be read or a model that is not valid is a ``ModelError``
+    with all errors, one a line, and nothing is written; a folder that must not be replaced or
+    cannot be written is a ``UsageError``.
     """
     _require_free(folder, is_forced=is_forced)
     report, notes = Report(), Notes()

@@ -14,20 +14,10 @@ KINDS: tuple[Kind, ...] = ("renamed", "dropped", "default", "inconsistent")
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """One thing that a reader of the imported model should know.
+    """One thing that a reader of the imported model should know; ``line`` is of the published file.
 
-    Attributes
-    ----------
-    kind
-        One of ``KINDS``.
-    line
-        Line of the element in the published file.
-    element
-        The element, such as ``robots 'r1'``.
-    feature
-        What of the element: an attribute, a child, or ``ID``.
-    message
-        What was found, and what the import did about it.
+    ``element`` is like ``robots 'r1'``, ``feature`` an attribute of it, a child, or ``ID``;
+    ``message`` says what was found, and what the import did about it.
     """
 
     kind: Kind

@@ -74,20 +74,11 @@ class _Given:
 
 
 class PublishedReader:
-    """Reads the elements of one published file.
+    """Reads the elements of one published file, of which ``n_xmi_ids`` have an xmi:id.
 
-    Attributes
-    ----------
-    origins
-        Node of every object that was made.
-    own_ids
-        The ID that the file gives an object, if it gives one.
-    n_xmi_ids
-        Number of elements with an xmi:id.
-
-    Notes
-    -----
-    What cannot be carried over is reported as it is read, what is missing by ``require_all``.
+    ``origins`` has the node of every object that was made, ``own_ids`` the ID that the file gives
+    it, if any. What cannot be carried over is reported as it is read, what is missing by
+    ``require_all``.
     """
 
     def __init__(self, root: Node, report: Report, notes: Notes) -> None:

@@ -25,22 +25,11 @@ ROOT_ATTRIBUTES = frozenset(
 
 @dataclass(slots=True, eq=False)
 class ModelFile:
-    """One file of a model.
+    """One file of a model; more than one root stands in an ``xmi:XMI`` element.
 
-    Attributes
-    ----------
-    path
-        The file, as messages name it.
-    spelling
-        What saving keeps of it beside its content.
-    roots
-        Its root elements in order; more than one in an ``xmi:XMI`` element.
-    by_id, by_xmi_id
-        Its checked elements by ID and by xmi:id.
-    owners
-        Files, outermost first, that lead to this one by containment.
-    claimed
-        Roots that belong to a model so far.
+    ``spelling`` is what saving keeps of it beside its content; ``by_id`` and ``by_xmi_id`` have its
+    checked elements. ``owners`` are the files, outermost first, that lead to it by containment,
+    ``claimed`` its roots that belong to a model so far.
     """
 
     path: Path

@@ -111,14 +111,8 @@ def at(nodes: Sequence[Node], position: str) -> Node | None:
 class Spelling:
     """What saving keeps of a file beside its content.
 
-    Attributes
-    ----------
-    encoding
-        Encoding that it declares; without one, its byte order mark tells it.
-    schema_location
-        Value of xsi:schemaLocation; Epsilon writes one. ``None`` if there is none.
-    line_end
-        How its first line ends.
+    ``encoding`` is declared or, without that, told by the byte order mark; ``schema_location`` is
+    the value of xsi:schemaLocation, which Epsilon writes; ``line_end`` is that of the first line.
     """
 
     encoding: str

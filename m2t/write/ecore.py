@@ -57,31 +57,12 @@ _GENERIC = ("eTypeParameters", "eGenericSuperTypes", "eGenericExceptions", "cont
 def dumps_metamodel(
     package: Any, encoding: str = "UTF-8", *, hrefs: Mapping[Any, str] = _NO_HREFS
 ) -> bytes:
-    """Return a metamodel as the bytes of an ``.ecore`` file.
+    """Return a metamodel as the bytes of an ``.ecore`` file, with LF line ends.
 
-    Parameters
-    ----------
-    package
-        Root package, as pyecore loaded it or a script made it.
-    encoding
-        Encoding that the file declares.
-    hrefs
-        Relative addresses of the other metamodel files, by their root packages.
-
-    Returns
-    -------
-    bytes
-        The file, with LF line ends.
-
-    Raises
-    ------
-    ModelError
-        If the metamodel refers to a package that ``hrefs`` does not know, or uses generic types.
-
-    Notes
-    -----
-    An attribute goes to a new line, indented by four more than its element, as soon as what
-    stands before it ends beyond column 80. What equals Ecore's default is left out.
+    ``hrefs`` are the relative addresses of the other metamodel files, by their root packages; a
+    reference to another package, and a generic type, is a ``ModelError``. An attribute goes to a
+    new line, indented by four more than its element, as soon as what stands before it ends beyond
+    column 80. What equals Ecore's default is left out.
     """
     return document(_EcoreWriter(package, hrefs).lines(), encoding)
 

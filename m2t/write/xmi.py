@@ -35,35 +35,13 @@ def dumps(
     hrefs: Mapping[Any, str] = _NOTHING,
     xmi_ids: Mapping[Any, str] = _NOTHING,
 ) -> bytes:
-    """Return a model as the bytes of an XMI file.
+    """Return a model as the bytes of an XMI file, with LF line ends.
 
-    Parameters
-    ----------
-    root
-        Root object of the model.
-    encoding
-        Encoding that the file declares; what it lacks becomes a character reference.
-    hrefs
-        Relative addresses of the other files, by their root objects; a root of another file
-        that the model contains is written as a reference to that file.
-    xmi_ids
-        The xmi:id of every object that has one.
-
-    Returns
-    -------
-    bytes
-        The file, with LF line ends.
-
-    Raises
-    ------
-    ModelError
-        If the model refers to an object of a file that ``hrefs`` does not know, or holds a
-        character that XML cannot.
-
-    Notes
-    -----
-    References inside the file and across files name elements by xmi:id, else by ID; without
-    either, or with an ID that holds a space, by path.
+    What ``encoding`` lacks becomes a character reference. ``hrefs`` are the relative addresses of
+    other files, by their root objects; a root among them that the model contains is written as a
+    reference to its file. References name elements by xmi:id, else by ID; without either, or with
+    an ID that holds a space, by path. One to a file that ``hrefs`` does not know, or a character
+    that XML cannot hold, is a ``ModelError``.
     """
     return dumps_file((root,), Spelling(encoding), hrefs=hrefs, xmi_ids=xmi_ids)
 

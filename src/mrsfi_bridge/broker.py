@@ -38,19 +38,7 @@ class Broker:
     """Delivers messages from publishers to subscribers, in order, before it returns.
 
     Clients are told apart by any hashable object. A topic lives while somebody publishes or
-    subscribes.
-
-    Parameters
-    ----------
-    types
-        Types that topics may have.
-    limits
-        How many topics, and what the last messages of latched ones may take together.
-
-    Attributes
-    ----------
-    topics
-        Topics in use, by name, in the order in which they came.
+    subscribes; ``topics`` has them by name, in the order in which they came.
     """
 
     def __init__(self, types: TypeTable, limits: Limits) -> None:
@@ -64,10 +52,7 @@ class Broker:
     ) -> None:
         """Let a client publish on a topic.
 
-        Raises
-        ------
-        ProtocolError
-            If the type is unknown or conflicts, or there are too many topics.
+        It is a ``ProtocolError`` if the type is unknown or conflicts, or there are too many topics.
         """
         topic = self._topic(name, type_name)
         publication = topic.publishers.setdefault(client, Publication(is_latched))
@@ -83,11 +68,8 @@ class Broker:
     def publish(self, client: Hashable, name: str, message: Any) -> None:
         """Deliver a message to all subscribers of a topic.
 
-        Raises
-        ------
-        ProtocolError
-            If the client does not advertise the topic, the message does not fit its type, or
-            latched messages take too much.
+        It is a ``ProtocolError`` if the client does not advertise the topic, the message does not
+        fit its type, or latched messages take too much.
         """
         topic = self.topics.get(name)
         publication = None if topic is None else topic.publishers.get(client)
@@ -106,12 +88,8 @@ class Broker:
     ) -> None:
         """Have a client receive what is published on a topic, and at once what is latched.
 
-        A client that subscribes again gets what is latched only once.
-
-        Raises
-        ------
-        ProtocolError
-            If the type is unknown or conflicts, or there are too many topics.
+        A client that subscribes again gets what is latched only once. What ``advertise`` refuses
+        is refused here, too.
         """
         topic = self._topic(name, type_name)
         is_known = client in topic.subscribers

@@ -105,15 +105,7 @@ _OPTIONS = (
 
 
 def bridge_command(program: str, run: Callable[[ServerSettings], None]) -> click.Command:
-    """Return the command that runs a server.
-
-    Parameters
-    ----------
-    program
-        What the user types for it; its last word is the command's name.
-    run
-        What to do with the settings; it is ``serving.serve``, or calls it.
-    """
+    """Return the command that has ``run`` run a server; the last word of ``program`` names it."""
 
     def callback(  # noqa: PLR0913 - one parameter per option
         host: str,

@@ -44,16 +44,9 @@ _LINE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of a message.
+    """A field of a message, of a primitive type or of the full name of a message type.
 
-    Parameters
-    ----------
-    name
-        Name of the field.
-    type
-        A primitive type, or the full name of a message type.
-    length
-        Number of elements of a fixed array, ``VARIABLE`` or ``SCALAR``.
+    ``length`` is the number of elements of a fixed array, ``VARIABLE`` or ``SCALAR``.
     """
 
     name: str
@@ -78,21 +71,10 @@ class Definition:
 
 
 def parse_message(name: str, lines: list[str], path: Path, first_line: int = 1) -> Definition:
-    """Return the definition that the lines of a ``.msg`` file state.
+    """Return the definition that the lines of a ``.msg`` file, or of a part of it, state.
 
-    Parameters
-    ----------
-    name
-        Full name of the type, ``package/Type``.
-    lines
-        Content of the file, or of a part of it.
-    path, first_line
-        The file, and where in it the lines begin, for messages to the user.
-
-    Raises
-    ------
-    SettingsError
-        If a line is neither field nor constant, or a field occurs twice.
+    ``name`` is ``package/Type``; ``path`` and ``first_line`` are for errors. A line that is
+    neither field nor constant, or a field that occurs twice, is a ``SettingsError``.
     """
     package = name.partition("/")[0]
     fields: dict[str, Field] = {}
@@ -113,10 +95,7 @@ def parse_message(name: str, lines: list[str], path: Path, first_line: int = 1) 
 def parse_service(name: str, text: str, path: Path) -> tuple[Definition, Definition]:
     """Return the definitions of request and response that a ``.srv`` text states.
 
-    Raises
-    ------
-    SettingsError
-        If the line ``---`` is missing or doubled, or a part is wrong.
+    It is a ``SettingsError`` if the line ``---`` is missing or doubled, or a part is wrong.
     """
     lines = text.splitlines()
     borders = [number for number, line in enumerate(lines) if line.strip() == "---"]

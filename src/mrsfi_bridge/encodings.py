@@ -65,15 +65,10 @@ COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
 
 
 class Encoding(NamedTuple):
-    """How a client wants what it is sent.
+    """How a client wants what it is sent; the compression is one of ``COMPRESSIONS``.
 
-    Parameters
-    ----------
-    compression
-        Member of ``COMPRESSIONS``.
-    fragment_size
-        Longest text in letters; longer ones are cut into fragments, but into no more than
-        4,096. Binary frames stay whole.
+    Texts of more than ``fragment_size`` letters are cut into fragments, but into no more than
+    4,096. Binary frames stay whole.
     """
 
     compression: str = "none"
@@ -84,14 +79,9 @@ PLAIN = Encoding()
 
 
 class Outgoing:
-    """A published message, encoded once however many clients receive it.
+    """A published message in its normal form, which nobody may change.
 
-    Parameters
-    ----------
-    structure
-        Type of the message.
-    message
-        Its normal form; nobody may change it.
+    It is encoded once however many clients receive it.
     """
 
     __slots__ = ("_frames", "message", "structure")
@@ -102,14 +92,9 @@ class Outgoing:
         self._frames: dict[tuple[str, Encoding], bytes] = {}
 
     def frames(self, topic: str, encoding: Encoding) -> bytes:
-        """Return the frames that carry the message, ready to be written to a socket.
+        """Return the frames that carry the message, ready for a socket.
 
-        Parameters
-        ----------
-        topic
-            The topic as the client spells it.
-        encoding
-            How the client wants it.
+        A client is sent ``topic`` as it spells it.
         """
         key = topic, encoding
         frames = self._frames.get(key)

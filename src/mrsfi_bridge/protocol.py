@@ -80,14 +80,9 @@ _FIELDS = MappingProxyType(
 
 
 def operations(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
-    """Yield the JSON values of a text, which may hold several of them.
+    """Yield the JSON values of a frame, which may hold several.
 
-    Parameters
-    ----------
-    text
-        Content of a frame.
-    refuse
-        Told once if a part of the text is no JSON.
+    ``refuse`` is told once if a part of the text is no JSON.
     """
     try:
         value = json.loads(text)
@@ -113,13 +108,7 @@ def _several(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
 
 
 def check_operation(value: Any) -> Operation:
-    """Return an operation whose fields are of the right kind.
-
-    Raises
-    ------
-    ProtocolError
-        If the value is no operation, or a field is missing or wrong.
-    """
+    """Return an operation whose fields are of the right kind; ``ProtocolError`` if one is not."""
     if not isinstance(value, dict):
         raise ProtocolError(f"found {value!r:.{_MAX_SHOWN}}, expected an object with 'op'")
     op = value.get("op")
@@ -149,13 +138,7 @@ def absolute(name: str) -> str:
 
 
 def check_name(name: str, noun: str) -> None:
-    """Refuse what is no name.
-
-    Raises
-    ------
-    ProtocolError
-        If the name is empty, too long, or has blanks or unprintable letters.
-    """
+    """Raise ``ProtocolError`` at a name empty, too long, or with blanks or unprintable letters."""
     if name.strip("/") and len(name) <= _LONGEST_NAME and name.isprintable() and " " not in name:
         return
     shown = repr(name[:_LONGEST_NAME])
@@ -163,13 +146,7 @@ def check_name(name: str, noun: str) -> None:
 
 
 class Fragments:
-    """Puts messages together that arrive in fragments.
-
-    Parameters
-    ----------
-    max_bytes
-        What unfinished messages may take together.
-    """
+    """Puts messages together that arrive in fragments; unfinished ones share ``max_bytes``."""
 
     def __init__(self, max_bytes: int) -> None:
         self._max_bytes = max_bytes
@@ -180,11 +157,8 @@ class Fragments:
     def add(self, fragment: Operation) -> str | None:
         """Take a fragment; return the message that it completes.
 
-        Raises
-        ------
-        ProtocolError
-            If the fragment makes no sense, or unfinished messages take too much; those of its
-            message are forgotten then.
+        It is a ``ProtocolError`` if the fragment makes no sense, or unfinished messages take too
+        much; those of its message are forgotten then.
         """
         fragment_id, number, total = fragment["id"], fragment["num"], fragment["total"]
         try:

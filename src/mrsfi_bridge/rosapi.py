@@ -34,12 +34,7 @@ _ACTION_TOPICS = ("goal", "cancel", "status", "feedback", "result")
 class _Parameters:
     """Values under names like ``/robot/speed``; one with others below it stands for all of them.
 
-    Parameters
-    ----------
-    max_parameters
-        Leaves of the tree.
-    max_bytes
-        Longest value, as JSON text.
+    ``max_parameters`` counts leaves; no value is longer than ``max_bytes`` as JSON text.
     """
 
     def __init__(self, max_parameters: int, max_bytes: int) -> None:
@@ -57,13 +52,7 @@ class _Parameters:
         return path in self._leaves or any(self._below(path))
 
     def get(self, name: str) -> Any:
-        """Return the value of a name: that of a leaf, or a dictionary of those below.
-
-        Raises
-        ------
-        KeyError
-            If there is none.
-        """
+        """Return the value of a leaf, or a dictionary of those below it; ``KeyError`` if none."""
         path = absolute(name)
         if path in self._leaves:
             return json.loads(self._leaves[path])
@@ -81,10 +70,7 @@ class _Parameters:
     def set(self, name: str, value: Any) -> None:
         """Give a name a value; a dictionary becomes names below it.
 
-        Raises
-        ------
-        ProtocolError
-            If it is too large, or there are too many parameters.
+        It is a ``ProtocolError`` if it is too large, or there are too many parameters.
         """
         path = absolute(name)
         check_name(path, "parameter")

@@ -38,13 +38,7 @@ _FEW_BYTES = 1 << 16
 
 
 class Connection(asyncio.Protocol):
-    """The server's end of one socket.
-
-    Parameters
-    ----------
-    server
-        What accepted it.
-    """
+    """The server's end of one socket."""
 
     def __init__(self, server: "BridgeServer") -> None:
         self._server = server
@@ -252,15 +246,7 @@ def _shows(request: Request, token: str) -> bool:
 class BridgeServer:
     """A rosbridge server in the asyncio loop that runs when it is made.
 
-    Parameters
-    ----------
-    settings
-        Address, access, limits.
-
-    Raises
-    ------
-    SettingsError
-        If the settings would open the server to strangers.
+    Settings that would open it to strangers are a ``SettingsError``.
     """
 
     def __init__(self, settings: ServerSettings) -> None:
@@ -278,13 +264,7 @@ class BridgeServer:
         self._checks: asyncio.TimerHandle | None = None
 
     async def start(self) -> None:
-        """Listen.
-
-        Raises
-        ------
-        ListenError
-            If the address cannot be bound.
-        """
+        """Listen, or raise ``ListenError`` if the address cannot be bound."""
         host, port = self.settings.host, self.settings.port
         try:
             self._server = await self._loop.create_server(

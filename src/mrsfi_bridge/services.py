@@ -46,19 +46,7 @@ class Call(NamedTuple):
 class Services:
     """Passes calls to providers and answers to callers; every call gets one answer.
 
-    Parameters
-    ----------
-    types
-        Types that services may have.
-    limits
-        How many services, calls of one client under way, and time that a provider has.
-    scheduler
-        Clock for the time-out of calls.
-
-    Attributes
-    ----------
-    services
-        Services by name, in the order in which they came.
+    ``services`` has them by name, in the order in which they came.
     """
 
     def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
@@ -71,17 +59,9 @@ class Services:
         self._numbers = count(1)
 
     def advertise(self, owner: Hashable, name: str, type_name: str, ask: Ask) -> bool:
-        """Let a client provide a service, in the place of a provider before it.
+        """Let a client provide a service; return whether another did before, whose place it takes.
 
-        Returns
-        -------
-        bool
-            Whether another client provided it before.
-
-        Raises
-        ------
-        ProtocolError
-            If the type is unknown or the name is taken by the server itself.
+        It is a ``ProtocolError`` if the type is unknown or the name is the server's own.
         """
         check_name(name, "service")
         service_type = self._types.service(type_name)
@@ -99,10 +79,7 @@ class Services:
     def unadvertise(self, owner: Hashable, name: str) -> None:
         """End a service, and answer those who wait for it.
 
-        Raises
-        ------
-        ProtocolError
-            If the client does not provide it.
+        It is a ``ProtocolError`` if the client does not provide it.
         """
         known = self.services.get(name)
         if known is None or known.owner != owner:
@@ -113,20 +90,10 @@ class Services:
     def call(
         self, caller: Hashable, name: str, arguments: Any, reply: Reply, timeout_s: float = 0
     ) -> None:
-        """Pass a call to its provider; whatever happens, the caller gets one answer.
+        """Pass a call to its provider; whatever happens, ``reply`` takes one answer.
 
-        Parameters
-        ----------
-        caller
-            Who calls.
-        name
-            The service.
-        arguments
-            Fields of the request by name, or in order.
-        reply
-            Takes the answer.
-        timeout_s
-            Time that the caller gives the provider, at most an hour; 0 leaves it to the server.
+        ``arguments`` are the fields of the request by name, or in order. ``timeout_s`` is the time
+        that the caller gives the provider, at most an hour; 0 leaves it to the server.
         """
         service = self.services.get(name)
         if service is None:
@@ -151,11 +118,8 @@ class Services:
     def respond(self, owner: Hashable, call_id: Any, values: Any) -> None:
         """Pass the response of a provider to the caller.
 
-        Raises
-        ------
-        ProtocolError
-            If no such call waits, or the response does not fit the type of the service; the
-            caller is told that, too.
+        It is a ``ProtocolError`` if no such call waits, or the response does not fit the type of
+        the service; the caller is told that, too.
         """
         call = self._taken(owner, call_id)
         try:
@@ -167,13 +131,7 @@ class Services:
         call.reply(True, response)
 
     def refuse(self, owner: Hashable, call_id: Any, reason: str) -> None:
-        """Tell the caller that the provider failed.
-
-        Raises
-        ------
-        ProtocolError
-            If no such call waits.
-        """
+        """Tell the caller that the provider failed; ``ProtocolError`` if no such call waits."""
         self._taken(owner, call_id).reply(False, reason)
 
     def drop(self, call_id: str, reason: str) -> None:

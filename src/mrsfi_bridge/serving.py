@@ -16,12 +16,8 @@ from mrsfi_bridge.settings import ServerSettings
 def serve(settings: ServerSettings) -> None:
     """Run a server until the process is told to end; its URL goes to standard output.
 
-    Raises
-    ------
-    SettingsError
-        If the settings would open the server to strangers, or a definition is wrong.
-    ListenError
-        If the address cannot be bound.
+    It is a ``SettingsError`` if the settings would open the server to strangers or a definition
+    is wrong, a ``ListenError`` if the address cannot be bound.
     """
     settings.check()
     settings.types.check()

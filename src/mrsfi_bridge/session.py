@@ -42,25 +42,9 @@ class Counts:
 
 
 class Hub:
-    """What all clients share.
+    """What all clients share; ``scheduler`` is its clock.
 
-    Parameters
-    ----------
-    types
-        Types that topics and services may have.
-    limits
-        What clients may use.
-    scheduler
-        Clock.
-
-    Attributes
-    ----------
-    broker, services
-        What there is.
-    waiting
-        Bytes of throttled messages that wait for their time.
-    counts
-        What was done.
+    ``waiting`` are the bytes of throttled messages that wait for their time.
     """
 
     def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
@@ -74,21 +58,9 @@ class Hub:
 
 
 class Session:
-    """Carries out the operations of one client.
+    """Carries out the operations of one client, whose ``name`` is for the log.
 
-    Parameters
-    ----------
-    hub
-        What all clients share.
-    name
-        Name of the client in the log.
-    send
-        Takes frames for the client.
-
-    Attributes
-    ----------
-    fragments
-        Messages whose fragments have not all come.
+    ``send`` takes frames for it; ``fragments`` are messages whose parts have not all come.
     """
 
     def __init__(self, hub: Hub, name: str, send: Callable[[bytes], None]) -> None:

@@ -88,13 +88,7 @@ class ServerSettings:
     limits: Limits = Limits()
 
     def check(self) -> None:
-        """Refuse settings that would open the server to strangers.
-
-        Raises
-        ------
-        SettingsError
-            If they would.
-        """
+        """Refuse, as a ``SettingsError``, settings that would open the server to strangers."""
         if not is_loopback(self.host):
             if not self.is_public:
                 raise SettingsError(

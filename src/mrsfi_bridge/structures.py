@@ -36,13 +36,7 @@ _MAX_SHOWN = 60
 
 
 class FieldError(ProtocolError):
-    """A value does not fit the type of its field.
-
-    Parameters
-    ----------
-    found
-        What is wrong, without the field.
-    """
+    """A value does not fit the type of its field; ``found`` says how, without the field."""
 
     def __init__(self, found: str) -> None:
         super().__init__(found)
@@ -63,15 +57,7 @@ def mismatch(value: Any, expected: str) -> FieldError:
 
 
 class Structure:
-    """The checks of one message type.
-
-    Parameters
-    ----------
-    definition
-        What a message of the type holds.
-    find
-        Returns the structure of a message type that a field names.
-    """
+    """The checks of one message type; ``find`` returns those of a message type in a field."""
 
     __slots__ = ("_fields", "definition", "nested")
 
@@ -101,13 +87,7 @@ class Structure:
         return {name: default() for name, _, default in self._fields}
 
     def convert(self, value: Any) -> dict[str, Any]:
-        """Return the normal form of a message.
-
-        Raises
-        ------
-        FieldError
-            If a field is unknown or of the wrong kind.
-        """
+        """Return the normal form of a message; ``FieldError`` if it is not of this type."""
         if not isinstance(value, dict):
             raise mismatch(value, f"the fields of {self.name}")
         result = {}

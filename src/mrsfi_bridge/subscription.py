@@ -18,13 +18,7 @@ _LONGEST_THROTTLE_MS = 1e9
 
 
 class Uses(dict[str, dict[UseId, V]]):
-    """Topics that a client uses, each under the identifiers that it gave.
-
-    Parameters
-    ----------
-    limit
-        Uses at a time.
-    """
+    """Topics that a client uses, each under the identifiers that it gave, ``limit`` at a time."""
 
     def __init__(self, limit: int) -> None:
         super().__init__()
@@ -32,13 +26,7 @@ class Uses(dict[str, dict[UseId, V]]):
         self._n_uses = 0
 
     def check(self, name: str, use_id: UseId) -> None:
-        """Refuse one use too many.
-
-        Raises
-        ------
-        ProtocolError
-            If it is.
-        """
+        """Refuse one use too many as a ``ProtocolError``."""
         if self._n_uses >= self._limit and use_id not in self.get(name, {}):
             raise ProtocolError(f"you have {self._n_uses} uses of topics, the limit")
 
@@ -60,13 +48,7 @@ class Uses(dict[str, dict[UseId, V]]):
 
 
 class Budget:
-    """Bytes that all clients share.
-
-    Parameters
-    ----------
-    limit
-        How many.
-    """
+    """Bytes that all clients share."""
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
@@ -85,17 +67,10 @@ class Budget:
 
 
 class Wish(NamedTuple):
-    """What one ``subscribe`` asks for.
+    """What one ``subscribe`` asks for; ``throttle_s`` is the least time between two messages.
 
-    Parameters
-    ----------
-    throttle_s
-        Least time between two messages.
-    queue_length
-        Messages that may wait for their time; beyond it the oldest are lost. With 0, what
-        comes too early is lost.
-    encoding
-        How messages are sent.
+    Messages beyond ``queue_length`` that wait for their time are lost, the oldest first; with 0,
+    what comes too early is lost.
     """
 
     throttle_s: float = 0.0
@@ -104,13 +79,7 @@ class Wish(NamedTuple):
 
 
 def wish(operation: dict[str, Any]) -> Wish:
-    """Return what a ``subscribe`` asks for.
-
-    Raises
-    ------
-    ProtocolError
-        If a value makes no sense.
-    """
+    """Return what a ``subscribe`` asks for; a value that makes no sense is a ``ProtocolError``."""
     throttle_ms = operation.get("throttle_rate", 0)
     queue_length = operation.get("queue_length", 0)
     if not 0 <= throttle_ms <= _LONGEST_THROTTLE_MS:
@@ -121,13 +90,7 @@ def wish(operation: dict[str, Any]) -> Wish:
 
 
 def wanted_encoding(operation: dict[str, Any]) -> Encoding:
-    """Return the encoding that an operation asks for.
-
-    Raises
-    ------
-    ProtocolError
-        If it is unknown.
-    """
+    """Return the encoding that an operation asks for; an unknown one is a ``ProtocolError``."""
     compression = operation.get("compression", "none")
     size = operation.get("fragment_size")
     if compression not in COMPRESSIONS:
@@ -153,18 +116,10 @@ def settled(wishes: Collection[Wish]) -> Wish:
 
 
 class Subscription:
-    """One topic of one client, whatever number of times it subscribed.
+    """One topic, as the client spells it, of one client, whatever number of times it subscribed.
 
-    Parameters
-    ----------
-    scheduler
-        Clock for throttling.
-    budget
-        What all clients' messages may take while they wait for their time.
-    send
-        Takes frames for the client.
-    topic
-        The topic as the client spells it.
+    ``scheduler`` is the clock for throttling; ``budget`` is what the messages of all clients may
+    take while they wait for their time.
     """
 
     __slots__ = ("_budget", "_last", "_queue", "_scheduler", "_send", "_timer", "_topic", "wish")

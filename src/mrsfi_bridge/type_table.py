@@ -31,11 +31,8 @@ class ServiceType(NamedTuple):
 class TypeTable:
     """Types by name; a definition is read when its type is first asked for.
 
-    Parameters
-    ----------
-    folders
-        Folders with definitions of the user's own; the first that has a type wins, and the
-        types that come with the server are the last resort.
+    Of the user's ``folders`` the first that has a type wins; those that come with the server are
+    the last resort. An unknown type is a ``ProtocolError``, a wrong definition a ``SettingsError``.
     """
 
     def __init__(self, folders: Sequence[Path] = ()) -> None:
@@ -45,30 +42,14 @@ class TypeTable:
         self._open: list[str] = []
 
     def message(self, name: str) -> Structure:
-        """Return the structure of a message type.
-
-        Raises
-        ------
-        ProtocolError
-            If the type is unknown.
-        SettingsError
-            If its definition is wrong.
-        """
+        """Return the structure of a message type."""
         name = full_name(name)
         if name not in self._structures:
             self._structures[name] = self._read(name)
         return self._structures[name]
 
     def service(self, name: str) -> ServiceType:
-        """Return request and response of a service type.
-
-        Raises
-        ------
-        ProtocolError
-            If the type is unknown.
-        SettingsError
-            If its definition is wrong.
-        """
+        """Return request and response of a service type."""
         name = full_name(name)
         if name not in self._services:
             path = self._find(name, "srv")
@@ -81,10 +62,7 @@ class TypeTable:
     def check(self) -> int:
         """Read every definition of the user's folders and return their number.
 
-        Raises
-        ------
-        SettingsError
-            If a folder has no definitions, or one of them is wrong.
+        A folder without definitions, or with a wrong one, is a ``SettingsError``.
         """
         n_read = 0
         for folder in self._folders[:-1]:
@@ -125,13 +103,7 @@ class TypeTable:
 
 
 def full_name(name: str) -> str:
-    """Return a type's name as ``PACKAGE/TYPE``.
-
-    Raises
-    ------
-    ProtocolError
-        If the name is none of a type.
-    """
+    """Return a type's name as ``PACKAGE/TYPE``; ``ProtocolError`` if the name is none of a type."""
     match = _NAME.fullmatch(name)
     if match is None:
         raise ProtocolError(f"'{name[:_MAX_SHOWN]}' is no type, expected 'package/Type'")

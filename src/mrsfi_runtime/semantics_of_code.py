@@ -13,10 +13,7 @@ MANIFEST = "manifest.json"
 def generated_semantics(directory: Path) -> int:
     """Return the version of the world's rules that a folder's code was generated for.
 
-    Raises
-    ------
-    GenerationError
-        If the folder does not say, because its manifest is missing or is none.
+    A manifest that is missing or is none does not say: a ``GenerationError``.
     """
     path = directory / MANIFEST
     if not path.is_file():
@@ -33,10 +30,7 @@ def generated_semantics(directory: Path) -> int:
 def require_semantics(directory: Path) -> None:
     """Refuse code that was generated for other rules of the world than this runtime flies.
 
-    Raises
-    ------
-    GenerationError
-        Naming both versions, and what to do.
+    The ``GenerationError`` names both versions, and what to do.
     """
     found = generated_semantics(directory)
     if found != SEMANTICS:

@@ -19,16 +19,9 @@ _OPTIONAL = (".progress",)
 
 @dataclass(frozen=True, slots=True)
 class UnfilledRegion:
-    """A region whose function has no body.
+    """A region whose function has no body: where it begins, and which it is in words.
 
-    Attributes
-    ----------
-    path, line
-        Where the region begins.
-    place
-        The region in words.
-    message
-        What was found, and what to write.
+    ``message`` says what was found, and what to write.
     """
 
     path: Path
@@ -41,25 +34,16 @@ class UnfilledRegion:
 
 
 def unfilled_regions(directory: Path) -> tuple[UnfilledRegion, ...]:
-    """Return the regions of a mission that have to be filled before it can fly.
+    """Return the regions of ``generated/<mission>`` that have to be filled before it can fly.
 
-    Parameters
-    ----------
-    directory
-        ``generated/<mission>``; a file that is missing, or no Python, has none.
+    A file that is missing, or no Python, has none.
     """
     paths = (directory / name for name in FILES)
     return tuple(found for path in paths if path.is_file() for found in _of_file(path))
 
 
 def require_filled(directory: Path) -> None:
-    """Refuse a mission with regions that have to be filled first.
-
-    Raises
-    ------
-    EvaluationError
-        Naming each, one a line.
-    """
+    """Refuse a mission with regions to be filled: an ``EvaluationError`` names each, one a line."""
     found = unfilled_regions(directory)
     if found:
         raise EvaluationError("\n".join(map(str, found)))

@@ -22,17 +22,9 @@ _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 class BundlingTransport:
     """A transport that can send what belongs to one tick as one message.
 
-    Parameters
-    ----------
-    transport
-        Moves the messages and the bundles.
-    closing
-        Topic whose message ends a tick of this side.
-    sends, hears
-        Topics of the bundles of this side and of the other.
-    is_first
-        Whether to bundle from the start. Otherwise it answers in kind: bundles with bundles,
-        messages with messages.
+    ``closing`` is the topic whose message ends a tick of this side; ``sends`` and ``hears`` are
+    those of the bundles of this side and of the other. If ``is_first`` it bundles from the start;
+    otherwise it answers in kind: bundles with bundles, messages with messages.
     """
 
     def __init__(

@@ -24,29 +24,10 @@ Observer: TypeAlias = Callable[[State, State, Verdicts], None]
 class Flight:
     """One run: the collective intelligence takes its steps, and every tick is judged.
 
-    Attributes
-    ----------
-    world
-        The true state, moved by others; the belief until it begins.
-    belief
-        Local state of the collective intelligence.
-    sent
-        What the simulation was last told.
-    verdicts
-        What was counted until now, once per goal and tick.
-
-    Parameters
-    ----------
-    functions
-        Those of the mission.
-    mission, seed
-        The mission, and its seed.
-    interface
-        Brings the messages of the simulation, and takes commands for it.
-    plan
-        Faults of the run.
-    observer
-        Sees every tick; must not change what it sees, which the next tick will.
+    ``world`` is the true state, moved by others; it is also the belief until the run begins.
+    ``sent`` is what the simulation was last told, ``verdicts`` what was counted until now, once
+    per goal and tick. ``observer`` sees every tick; it must not change what it sees, which the
+    next tick will.
     """
 
     def __init__(

@@ -88,12 +88,9 @@ Numbers = TypeVar("Numbers", Setup, Go, Tick)
 
 
 def numbers(topic: Topic, payload: Payload, kind: type[Numbers]) -> Numbers:
-    """Return the numbers that a message of the lock-step carries.
+    """Return the numbers of a message of the lock-step.
 
-    Raises
-    ------
-    ProtocolError
-        If they are not as many integers as they should be.
+    It is a ``ProtocolError`` if they are not as many integers as they should be.
     """
     found = payload.get("data")
     n_most = len(kind._fields)

@@ -39,12 +39,7 @@ def allowed_columns(kind: FaultType, of: int) -> tuple[str, list[str]]:
 def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
     """Return an effect that fails when it changes what its fault type does not name.
 
-    Parameters
-    ----------
-    apply
-        That of the generated code.
-    kinds
-        Fault types by the number of their effect.
+    ``kinds`` are the fault types by the number of their effect.
     """
 
     def apply_guarded(ci: State, inbox: State, fault: OwnFault) -> None:

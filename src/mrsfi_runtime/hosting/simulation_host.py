@@ -31,16 +31,7 @@ from mrsfi_runtime.transport.topics import Payload, Transport
 class SimulationHost:
     """Serves one generated simulation, run after run.
 
-    Parameters
-    ----------
-    transport
-        Moves the messages.
-    simulation
-        The generated class.
-    mission
-        The mission.
-    patience
-        How long the CI may be silent in mid-run.
+    ``patience`` says how long the CI may be silent in mid-run.
     """
 
     def __init__(
@@ -70,13 +61,8 @@ class SimulationHost:
     def serve(self) -> None:
         """Serve runs until ``stop`` is called.
 
-        Raises
-        ------
-        TransportError
-            If messages were lost, the connection is gone, the CI is silent in mid-run, or of other
-            semantics.
-        Exception
-            If the simulation's own code failed.
+        Lost messages, a lost connection, or a CI that is silent in mid-run or of other semantics,
+        are a ``TransportError``; what the simulation's own code raises goes through.
         """
         self._completion.wait(self._overdue)
 

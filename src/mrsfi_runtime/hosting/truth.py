@@ -8,10 +8,7 @@ from mrsfi_runtime.kernel.state import State
 def true_values(world: State, index: int) -> list[float]:
     """Return what is true of a robot and its sensors.
 
-    Returns
-    -------
-    list[float]
-        ``[x, y, z, speed, energy]``, then ``count, active`` of each of its sensors.
+    That is ``[x, y, z, speed, energy]``, then ``count, active`` of each of its sensors.
     """
     robot = world.robots[index]
     values = [robot.x, robot.y, robot.z, robot.speed, robot.energy]

@@ -13,15 +13,7 @@ _LOOK = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """How many seconds one side waits for the other.
-
-    Attributes
-    ----------
-    tick
-        For the other side's part of one tick.
-    handshake
-        For the other side to be there before tick 0.
-    """
+    """How many seconds one side waits for the other's part of a tick, and before tick 0."""
 
     tick: float = 10.0
     handshake: float = 30.0
@@ -30,10 +22,7 @@ class Patience:
 class Completion:
     """What one thread brings to its end, good or bad, and another waits for; it goes by steps.
 
-    Attributes
-    ----------
-    result
-        What came of it, once it has ended well.
+    ``result`` is what came of it, once it has ended well.
     """
 
     def __init__(self) -> None:
@@ -58,17 +47,9 @@ class Completion:
             self._ended.set()
 
     def wait(self, overdue: Callable[[float], MrsfiError | None]) -> None:
-        """Wait for the end.
+        """Wait for the end, and raise the failure, whoever noted it.
 
-        Parameters
-        ----------
-        overdue
-            Gets the seconds since the last step and returns what is wrong, if anything is.
-
-        Raises
-        ------
-        Exception
-            The failure, whoever noted it; or what ``overdue`` returns.
+        ``overdue`` gets the seconds since the last step; what it returns, if anything, is raised.
         """
         n_steps, since = self._n_steps, monotonic()
         while not self._ended.wait(_LOOK):

@@ -36,20 +36,10 @@ def send(world: State, inbox: State) -> None:
 def deliver(ci: State, inbox: State, plan: Plan) -> None:
     """Copy this tick's messages into the local state; held-back ones leave it as it was.
 
-    Parameters
-    ----------
-    ci
-        Local state; its ``mission.tick`` is the tick being delivered.
-    inbox
-        The newest message of every topic.
-    plan
-        Faults of this run. Delayed properties arrive late and in order; what is still under
-        way when the window ends is dropped. Blocked ones are lost.
-
-    Notes
-    -----
-    What travels in no message (the map, sampling rates and costs) is set back to what the
-    model says, so that no effect outlives its window.
+    ``ci.mission.tick`` is the tick being delivered, ``inbox`` has the newest message of every
+    topic. Delayed properties arrive late and in order; what is still under way when the window
+    ends is dropped. Blocked ones are lost. What travels in no message (the map, sampling rates
+    and costs) is set back to what the model says, so that no effect outlives its window.
     """
     remember(ci, plan)
     for index in range(len(ci.robots)):

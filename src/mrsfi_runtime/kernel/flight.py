@@ -27,16 +27,9 @@ from mrsfi_runtime.kernel.state import State
 class MissionFunctions(NamedTuple):
     """What the generated code of a mission brings to its flights, all goals in model order.
 
-    Attributes
-    ----------
-    progress
-        Brings the progress of the goals up to the tick of a state.
-    check
-        Writes 1 for every goal that is violated in a state, else 0.
-    react
-        Lets every goal command its members; the first that claims a channel keeps it.
-    apply
-        Lets a fault of a team's own type act.
+    ``progress`` brings that of the goals up to the tick of a state; ``check`` writes 1 for every
+    goal that is violated in it, else 0; ``react`` lets every goal command its members, of which
+    the first that claims a channel keeps it; ``apply`` lets a fault of a team's own type act.
     """
 
     progress: Callable[[State], None]
@@ -81,24 +74,8 @@ def answer(
 ) -> None:
     """Do all of a tick that follows when the robots have moved and their messages have arrived.
 
-    Parameters
-    ----------
-    functions
-        Those of the mission.
-    world
-        True state.
-    ci
-        Local state of the collective intelligence.
-    inbox
-        The newest message of every topic.
-    orders
-        Receives the commands for the motion of the tick after.
-    plan
-        Faults of this run.
-    verdicts
-        Receives what is violated, and counts it.
-    tick
-        The tick.
+    ``inbox`` has the newest message of every topic; ``orders`` receive the commands for the
+    motion of the tick after, ``verdicts`` what is violated, which they count.
     """
     judge(functions, world, verdicts.is_true)
     perceive(functions, ci, inbox, plan, tick)

@@ -59,18 +59,10 @@ def cell(value: float, per_unit: float) -> int:
 def chart(view: State, goal: GoalState, reach: float) -> None:
     """See to it that a goal's members can be looked up, where they are many.
 
-    Parameters
-    ----------
-    view, goal
-        State and one of its AvoidCollision goals.
-    reach
-        Distance up to which neighbours are looked for most often, > 0.
-
-    Notes
-    -----
-    Grid and lists are made with a margin, and serve until more than ``STRAYS`` robots have moved
-    through it. That is seen from where they are, so that it does not matter who moved them.
-    Where goals take turns, none is looked up twice in a row, and listing would not pay.
+    ``reach`` is the distance up to which neighbours are looked for most often, > 0. Grid and
+    lists are made with a margin, and serve until more than ``STRAYS`` robots have moved through
+    it. That is seen from where they are, so that it does not matter who moved them. Where goals
+    take turns, none is looked up twice in a row, and listing would not pay.
     """
     if goal.n_members <= FEW:
         return
@@ -115,12 +107,10 @@ def is_charted(view: State, goal: GoalState) -> bool:
 
 @kernel
 def sort(view: State, goal: GoalState, size: float) -> None:
-    """Sort a goal's members into cells of a size.
+    """Sort a goal's members into cells of a size, by counting.
 
-    Notes
-    -----
-    Counting sort: ``LookupState.heads`` first counts the robots of each bucket, then tells where
-    each bucket ends in ``charted``, and last, where it begins.
+    ``LookupState.heads`` first counts the robots of each bucket, then tells where each bucket
+    ends in ``charted``, and last, where it begins.
     """
     lookup = view.lookup
     lookup.slack = 0.0
@@ -174,23 +164,10 @@ def bucket_of(lookup: LookupState, column: int, row: int) -> int:
 
 @kernel
 def gather(view: State, goal: GoalState, index: int, reach: float) -> int:
-    """Collect the other members that are nearer than ``reach`` along both axes.
+    """Collect the other members nearer than ``reach`` along both axes, and return their number.
 
-    Parameters
-    ----------
-    view
-        State whose members ``chart`` has sorted, and which have not moved since.
-    goal
-        The goal.
-    index
-        Index of the robot whose neighbours are wanted.
-    reach
-        Distance.
-
-    Returns
-    -------
-    int
-        Their number; their indices stand first in ``State.lookup.nearby``.
+    ``chart`` has sorted the members, which have not moved since. The indices of those found stand
+    first in ``State.lookup.nearby``.
     """
     n = -1
     if goal.n_members > FEW:
@@ -295,8 +272,6 @@ def gather_buckets(
 ) -> int:
     """Collect the robots of some buckets behind those found before; return how many there are.
 
-    Notes
-    -----
     All are written down, and what is not near is written over: compiled, that is faster than
     a branch that nobody can predict.
     """

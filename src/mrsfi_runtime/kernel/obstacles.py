@@ -51,15 +51,7 @@ def is_displaced(view: State, index: int) -> bool:
 def mapped(
     area: Area, obstacles: tuple[Obstacle, ...], reach: float
 ) -> tuple[MapState, tuple[int, ...], tuple[MappedState, ...]]:
-    """Return ``State.map``, ``State.cells`` and ``State.mapped`` of a mission.
-
-    Parameters
-    ----------
-    area, obstacles
-        Those of the mission.
-    reach
-        See ``MapState``.
-    """
+    """Return ``State.map``, ``.cells`` and ``.mapped``; for ``reach`` see ``MapState``."""
     x, y = float(area.center.x) - area.radius, float(area.center.y) - area.radius
     map_ = MapState(x, y, SIDE / max(2.0 * area.radius, 1.0), reach, 0)
     discs = tuple(obstacle.area for obstacle in obstacles)

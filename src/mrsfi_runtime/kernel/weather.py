@@ -46,17 +46,10 @@ def reached(state: State) -> Iterator[tuple[int, ...]]:
 
 
 def weather(state: State) -> Weather:
-    """Return the weather of a mission and seed.
+    """Return the weather of a mission and seed, from a state before its first tick.
 
-    Parameters
-    ----------
-    state
-        A state before its first tick.
-
-    Notes
-    -----
-    Without numpy, whose import takes longer; ``engine.compiled.layout.weather_table`` draws the
-    same for many robots at once.
+    It needs no numpy, whose import takes longer; ``engine.compiled.layout.weather_table`` draws
+    the same for many robots at once.
     """
     return _drawn(state.mission.seed, state.mission.duration, tuple(reached(state)))
 

@@ -122,11 +122,8 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
     def admitted(self, specification: Iterable[TimedFault]) -> Specification:
         """Return a specification in Python's own numbers.
 
-        Raises
-        ------
-        SpecificationError
-            If a fault is unknown, strikes what the mission has not, or has a window or values that
-            make no sense, or two that conflict overlap.
+        A fault that is unknown, strikes what the mission has not, or has a window or values that
+        make no sense, or two that conflict and overlap, are a ``SpecificationError``.
         """
         try:
             asked = tuple(specification)

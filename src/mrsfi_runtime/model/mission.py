@@ -168,22 +168,9 @@ class Message:
 class Terms:
     """What a task is about, in words that all tasks share.
 
-    Attributes
-    ----------
-    robots, obstacles
-        Whom it is about, by ID.
-    area
-        The disc that it is about; a point has radius 0.
-    trajectory
-        Points of a path.
-    sensor
-        ID of the sensor whose samples it counts.
-    target_sample_number
-        Number of samples.
-    tolerance, fixed_distance
-        Distances.
-    period, deadline
-        Ticks.
+    Robots, obstacles and ``sensor``, whose samples it counts, are named by ID; a point is an
+    ``area`` of radius 0. ``trajectory`` is a path, ``tolerance`` and ``fixed_distance`` are
+    distances, ``period`` and ``deadline`` ticks.
     """
 
     robots: tuple[str, ...]

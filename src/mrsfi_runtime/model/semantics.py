@@ -25,14 +25,9 @@ RELEASES: Mapping[int, str] = MappingProxyType({1: "0.1", 2: "0.2"})
 
 
 def flown_by(semantics: int, release: str = "") -> str:
-    """Return which mrsfi flies a version.
+    """Return which mrsfi flies a version, a later one included.
 
-    Parameters
-    ----------
-    semantics
-        Any version, a later one included.
-    release
-        The mrsfi that is known to have used a version that stands in no table yet; may be empty.
+    ``release`` is the mrsfi known to have used one that stands in no table yet; may be empty.
     """
     known = RELEASES.get(semantics, release)
     return f"mrsfi {known}" if known else "a later mrsfi"

@@ -55,12 +55,7 @@ from mrsfi_runtime.search.variation import CROSSOVERS
 class Breeder:
     """Draws, varies and selects individuals as the settings of a campaign say.
 
-    Attributes
-    ----------
-    rng
-        The random generator of the search; all draws come from it.
-    size
-        Individuals of a population.
+    All draws of the search come from ``rng``; ``size`` is that of a population.
     """
 
     def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:
@@ -106,10 +101,8 @@ class Breeder:
 def ea_simple(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Return DEAP's ``eaSimple``: select, vary by crossover and mutation, replace all.
 
-    Notes
-    -----
-    It differs from ``paper`` in that whoever crossover or mutation touched is evaluated, also
-    if it came out as it was.
+    It differs from ``paper`` in that whoever crossover or mutation touched is evaluated, also if
+    it came out as it was.
     """
     breeder = Breeder(space, settings)
     return breeder.loop(lambda parents: _vary_and(breeder, settings, breeder.select(parents)))
@@ -128,10 +121,7 @@ def ea_mu_plus_lambda(space: SearchSpace, settings: CampaignSettings) -> Algorit
 def ea_mu_comma_lambda(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Return DEAP's ``eaMuCommaLambda``: only the offspring compete.
 
-    Raises
-    ------
-    UsageError
-        If there are fewer offspring than individuals in a population.
+    Fewer offspring than individuals in a population are a ``UsageError``.
     """
     n_offspring = settings.offspring or 2 * settings.population
     if n_offspring < settings.population:

@@ -51,18 +51,10 @@ _FAILED = -1  # in the place of an index
 
 @dataclass(frozen=True, slots=True)
 class CampaignProgress:
-    """How far a campaign is, after a generation.
+    """How far a campaign is, after a generation, whose index counts from 0.
 
-    Attributes
-    ----------
-    generation
-        Index of the generation just closed, from 0.
-    best
-        Highest fitness of the campaign so far.
-    mean
-        Mean fitness of the generation.
-    n_evaluations, n_failures
-        Of the campaign so far; failures are not counted as evaluations.
+    ``best`` is the highest fitness so far, ``mean`` that of the generation. The numbers are of
+    the campaign so far; failures are not counted as evaluations.
     """
 
     generation: int

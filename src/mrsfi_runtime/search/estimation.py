@@ -46,10 +46,7 @@ class FaultModel:
     def generate(self) -> Specification:
         """Draw a specification: faults by their chance, each where it is free.
 
-        Returns
-        -------
-        Specification
-            Fewer than ``n_faults`` timed faults only if no fault drawn is free any more.
+        It has fewer than ``n_faults`` timed faults only if no fault drawn is free any more.
         """
         placed: list[TimedFault] = []
         candidates = dict(self._chances)
@@ -90,10 +87,8 @@ class FaultModel:
     def update(self, population: Sequence[Individual]) -> None:
         """Learn from how the best of a generation differ from all.
 
-        Notes
-        -----
-        From the difference, because faults that are placed early cut the windows of later
-        ones: a model of the best alone would take that for success and make all windows short.
+        From the difference, because faults that are placed early cut the windows of later ones: a
+        model of the best alone would take that for success and make all windows short.
         """
         ranked = sorted(population, key=lambda individual: individual.score.fitness, reverse=True)
         elite = ranked[: max(1, round(_ELITE * len(ranked)))]

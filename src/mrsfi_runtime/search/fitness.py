@@ -21,18 +21,11 @@ from mrsfi_runtime.search.user_functions import chosen
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What a fitness function judges.
+    """What a fitness function judges: all that one evaluation found.
 
-    Attributes
-    ----------
-    outcome
-        All that one evaluation found.
-    violations
-        The count that the campaign chose, believed by default, of every goal in model order.
-    goals
-        Indexes of the chosen goals; all if the campaign names none.
-    duration
-        Ticks of the mission.
+    ``violations`` is the count that the campaign chose, believed by default, of every goal in
+    model order; ``goals`` are the indexes of the chosen goals, all if the campaign names none.
+    ``duration`` is in ticks.
     """
 
     outcome: Outcome
@@ -44,14 +37,8 @@ class Findings:
 class Score(NamedTuple):
     """What an algorithm is told of a specification; more is more critical.
 
-    Attributes
-    ----------
-    fitness
-        Value of the fitness function; finite.
-    goals
-        Violations of each chosen goal, shape ``(n_chosen,)``.
-    outcome
-        All that the flight found, in the first mission seed; ``None`` if it failed.
+    ``fitness`` is finite, ``goals`` the violations of each chosen goal, shape ``(n_chosen,)``.
+    ``outcome`` is that of the first mission seed; ``None`` if the flight failed.
     """
 
     fitness: float

@@ -54,10 +54,8 @@ def guided(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     many, over fitness and how many are violated in their place. NSGA-II's selection then says who
     survives, one survivor is as good a parent as another, and a step onto the front succeeds.
 
-    Notes
-    -----
-    An individual has at most ``settings.faults`` timed faults, and may have fewer. Chances
-    and operators of the campaign file are the paper's and play no part.
+    An individual has at most ``settings.faults`` timed faults, and may have fewer. Chances and
+    operators of the campaign file are the paper's and play no part.
     """
     rng = Random(settings.seed)
     guide = _Guide(space, settings, rng)

@@ -43,14 +43,9 @@ class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
 class Individual(list[TimedFault]):
     """A fault specification in evolution, in the order of ``SearchSpace.ordered``.
 
-    Attributes
-    ----------
-    fitness
-        What DEAP compares; without a value until the individual is evaluated.
-    score
-        What it was told to be, last.
-    number
-        Which of the specifications that the algorithm asked for, from 0; ``None`` before.
+    DEAP compares ``fitness``, which has no value until the individual is evaluated; ``score`` is
+    what it was told last. ``number`` says which of the specifications that the algorithm asked
+    for it is, from 0; ``None`` before.
     """
 
     def __init__(self, specification: Specification) -> None:
@@ -164,12 +159,8 @@ def roulette(individuals: Sequence[Individual], n_selected: int, rng: Random) ->
     """Select by spins of a roulette whose slots are as wide as the fitness.
 
     It selects as DEAP's does, which adds up all slots anew at every spin. If all fitness is zero,
-    selection is uniform: DEAP's roulette would return nobody.
-
-    Raises
-    ------
-    EvaluationError
-        If a fitness is negative.
+    selection is uniform: DEAP's roulette would return nobody. A negative fitness is an
+    ``EvaluationError``.
     """
     lowest = min(individual.fitness.values[0] for individual in individuals)
     if lowest < 0:

@@ -23,14 +23,9 @@ from mrsfi_runtime.search.space import SearchSpace
 class GenerationSummary:
     """A generation whose fitness is known.
 
-    Attributes
-    ----------
-    statistics
-        ``n_evaluations``: how many specifications were asked for; ``mean``, ``std``,
-        ``min`` and ``max`` of the population's fitness.
-    population
-        For each individual, which of the specifications ever asked for it is, from 0.
-        Shape ``(n_individuals,)``.
+    ``statistics`` has ``n_evaluations``, how many specifications were asked for, and ``mean``,
+    ``std``, ``min`` and ``max`` of the population's fitness. ``population`` says for each
+    individual which of the specifications ever asked for it is, from 0.
     """
 
     index: int
@@ -106,10 +101,7 @@ class GenerationalLoop:
     def ask(self) -> list[Specification]:
         """Breed the next generation and return its specifications that need evaluation.
 
-        Raises
-        ------
-        ValueError
-            If the fitness of those asked for before was not told, or the run is finished.
+        It is a ``ValueError`` if the run is finished, or those asked for before were not told.
         """
         if self._pending is not None or self.is_finished:
             raise ValueError(
@@ -133,10 +125,7 @@ class GenerationalLoop:
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
         """Take the scores of the specifications asked for, in the same order.
 
-        Raises
-        ------
-        ValueError
-            If nothing was asked for, or the number differs.
+        It is a ``ValueError`` if nothing was asked for, or the number differs.
         """
         if self._pending is None or len(scores) != len(self._pending):
             n_expected = 0 if self._pending is None else len(self._pending)

@@ -78,25 +78,13 @@ def _points(mission: Mission) -> Iterator[Coordinates]:
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """What search may do with one fault of the pool.
+    """What search may do with one fault of the pool; ``index`` is its place there.
 
-    Attributes
-    ----------
-    index
-        Place in the pool.
-    values
-        The pool's own values, shape ``(n_parameters,)``.
-    bounds
-        Lowest and highest of each value, shape ``(n_parameters, 2)``; equal if it is fixed.
-    is_integer
-        Whether each value is a whole number, shape ``(n_parameters,)``.
-    conflicts
-        IDs of the faults that it may not overlap, its own included.
-    landmarks
-        Values within the bounds that mean something in the mission, the pool's own first;
-        shape ``(n_landmarks, n_parameters)``.
-    is_place
-        Whether the values are coordinates.
+    ``values`` are the pool's own, shape ``(n_parameters,)``, ``bounds`` the lowest and highest of
+    each, ``(n_parameters, 2)``, equal if it is fixed. ``conflicts`` are IDs of the faults that it
+    may not overlap, its own included. ``landmarks`` are values within the bounds that mean
+    something in the mission, the pool's own first, ``(n_landmarks, n_parameters)``. ``is_place``
+    says whether the values are coordinates.
     """
 
     index: int

@@ -27,12 +27,9 @@ T = TypeVar("T")
 
 
 class EmbeddedTransport(ListenedTransport):
-    """A client of an embedded bridge; its callbacks run in the bridge's thread.
+    """A client of an embedded bridge that has started; its callbacks run in the bridge's thread.
 
-    Parameters
-    ----------
-    bridge
-        A bridge that has started. Closing the transport leaves it open for others.
+    Closing the transport leaves the bridge open for others.
     """
 
     def __init__(self, bridge: EmbeddedBridge) -> None:

@@ -12,10 +12,7 @@ R = TypeVar("R")
 class ListenedTransport:
     """A transport that tells a listener what goes wrong in its callbacks, or with its connection.
 
-    Attributes
-    ----------
-    lost
-        Why it moves nothing any more, once it does not.
+    ``lost`` is why it moves nothing any more, once it does not.
     """
 
     def __init__(self) -> None:
@@ -29,13 +26,7 @@ class ListenedTransport:
             listener(self.lost)
 
     def require_open(self) -> None:
-        """Refuse to go on without a connection.
-
-        Raises
-        ------
-        TransportClosed
-            If it is lost.
-        """
+        """Raise ``TransportClosed`` if the connection is lost."""
         if self.lost is not None:
             raise self.lost
 

@@ -29,10 +29,7 @@ class LocalBus:
     def advertise(self, topic: Topic) -> Publisher:
         """Return the function that publishes on a topic.
 
-        Raises
-        ------
-        ProtocolError
-            If the topic is in use with another type.
+        One that is in use with another type is a ``ProtocolError``, here and in ``subscribe``.
         """
         subscribers = self._join(topic)
 
@@ -43,13 +40,7 @@ class LocalBus:
         return publish
 
     def subscribe(self, topic: Topic, callback: Callable[[Payload], None]) -> None:
-        """Have a callback receive every message of a topic.
-
-        Raises
-        ------
-        ProtocolError
-            If the topic is in use with another type.
-        """
+        """Have a callback receive every message of a topic."""
         self._join(topic).append(callback)
 
     def provide(self, service: Service, provider: Provider) -> None:

@@ -41,31 +41,12 @@ for _name in ("autobahn", "roslibpy", "twisted"):  # the listener hears of what 
 
 
 class RosbridgeTransport(ListenedTransport):
-    """One connection to a rosbridge server.
+    """One connection to a rosbridge server; ``url`` is kept without the token.
 
-    Attributes
-    ----------
-    url
-        The server, without the token.
-
-    Parameters
-    ----------
-    url
-        ``ws://host:port`` or ``wss://host:port``, with ``/?token=…`` where the server asks
-        for one.
-    client
-        Kind of roslibpy's connection.
-    timeout
-        Seconds for the server to accept it.
-
-    Raises
-    ------
-    UsageError
-        If the URL makes no sense, or the process already uses the other kind of client.
-    TransportClosed
-        If nobody listens at the URL, or it is no rosbridge server.
-    TransportTimeout
-        If it does not answer in time.
+    It is ``ws://host:port`` or ``wss://host:port``, with ``/?token=…`` where the server asks for
+    one, which has ``timeout`` seconds to accept. A URL that makes no sense, or a process that
+    already uses the other kind of client, is a ``UsageError``; nobody who listens there, or no
+    rosbridge server, is ``TransportClosed``; no answer in time is ``TransportTimeout``.
     """
 
     def __init__(self, url: str, client: Client = "asyncio", timeout: float = 10.0) -> None:
@@ -118,13 +99,7 @@ class RosbridgeTransport(ListenedTransport):
         self._service(service).advertise(answer)
 
     def call(self, service: Service, request: Payload, on_reply: Callable[[Reply], None]) -> None:
-        """Call a service.
-
-        Raises
-        ------
-        TransportClosed
-            If the connection is lost.
-        """
+        """Call a service; ``TransportClosed`` if the connection is lost."""
         self.require_open()
         self._service(service).call(
             roslibpy.ServiceRequest(request),

@@ -26,21 +26,9 @@ class Orders:
 def issue(ci: State, orders: Orders | State, plan: Plan, tick: int) -> None:
     """Write the commands that the simulation obeys at a tick: the CI's, or forged ones.
 
-    The speed that leaves is one that the robot can fly, and is remembered: who regulates a speed
-    has to know what the robot was told.
-
-    Parameters
-    ----------
-    ci
-        Local state with the collective intelligence's own commands, which stay as they are;
-        receives the speeds sent.
-    orders
-        Receives the commands.
-    plan
-        Faults of this run. Forged commands beat all others.
-    tick
-        The tick whose motion obeys; forged commands act from the motion of their ``start`` to
-        that of their ``finish``.
+    The speed that leaves is one that the robot can fly, and ``ci`` remembers it: who regulates a
+    speed has to know what the robot was told. The CI's own commands stay as they are. Forged ones
+    beat all others, from the motion of their ``start`` to that of their ``finish``.
     """
     for index in range(len(ci.commands)):
         own = ci.commands[index]

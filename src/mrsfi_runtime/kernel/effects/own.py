@@ -10,16 +10,7 @@ from mrsfi_runtime.kernel.state import State
 def disturb(apply: OwnEffect, ci: State, inbox: State, plan: Plan) -> None:
     """Apply every active fault of a team's own type, by start, then as the specification has them.
 
-    Parameters
-    ----------
-    apply
-        That of the mission's generated code, which knows the types.
-    ci
-        Local state, after all other effects.
-    inbox
-        The newest message of every topic.
-    plan
-        Faults of this run.
+    All other effects have been applied to ``ci``; ``inbox`` has the newest message of every topic.
     """
     tick = ci.mission.tick
     for fault in plan.own:

@@ -158,16 +158,9 @@ def evade(ci: State, goal: GoalState, index: int, farthest: float) -> None:
 
 @kernel
 def sight(ci: State, index: int, limit: float, farthest: float) -> float:
-    """Return the distance from which on another robot cannot come nearer than a gap.
+    """Return the distance from which on another robot cannot come nearer than a gap, ``limit``.
 
-    Parameters
-    ----------
-    ci, index
-        Local state, and the index of a robot.
-    limit
-        The gap.
-    farthest
-        What any other robot moves within the look-ahead, at most.
+    ``farthest`` is what any other robot moves within the look-ahead, at most.
     """
     return limit + LOOK_AHEAD * pace(ci, index) + farthest + 2.0 * ROBOT_RADIUS
 
@@ -178,20 +171,10 @@ def clearance(
 ) -> float:
     """Return the least gap to robots nearby and a goal's obstacles within the look-ahead.
 
-    Parameters
-    ----------
-    ci, goal, index
-        Local state, an AvoidCollision goal, and the index of the robot.
-    n_near
-        Number of robots in ``ci.lookup.nearby`` that may come nearer than ``limit``.
-    x, y
-        Unit vector of the heading to judge.
-    limit
-        Gap beyond which nothing counts; returned when nothing is nearer.
-
-    Notes
-    -----
-    Obstacles stand still, other robots keep their commanded heading and pace.
+    Of the robots, the first ``n_near`` in ``ci.lookup.nearby`` may come nearer than ``limit``,
+    beyond which nothing counts and which is returned when nothing is nearer. ``x`` and ``y`` are
+    the unit vector of the heading to judge. Obstacles stand still, other robots keep their
+    commanded heading and pace.
     """
     robot = ci.robots[index]
     step = pace(ci, index)
@@ -245,14 +228,8 @@ def gap_to_obstacle(
 ) -> float:
     """Return the gap to an obstacle within the look-ahead, or ``reach`` if it is too far away.
 
-    Parameters
-    ----------
-    ci, index, hazard
-        Local state, and the indices of the robot and the obstacle.
-    vx, vy
-        What the robot moves in a tick.
-    reach
-        Distance from the obstacle's edge beyond which nothing counts.
+    ``vx`` and ``vy`` are what the robot moves in a tick. Nothing counts beyond ``reach`` from the
+    obstacle's edge.
     """
     robot = ci.robots[index]
     obstacle = ci.obstacles[hazard]

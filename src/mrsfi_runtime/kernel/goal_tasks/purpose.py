@@ -13,16 +13,8 @@ def is_missed(world: State, g: int, violated: int) -> bool:
 
     For most tasks that is the first violation, which no later tick makes up for. Violations of
     SufficientEnergy and GatherSamples are forecasts, and do not count; Track and Stay may also
-    have come to nothing when the mission ends.
-
-    Parameters
-    ----------
-    world
-        True state.
-    g
-        Index of the goal.
-    violated
-        Whether the goal's check says so of the true state, 0 or 1.
+    have come to nothing when the mission ends. ``violated`` is what the goal's check says of the
+    true state, 0 or 1.
     """
     task = world.goals[g].task
     if task == ENERGY:
