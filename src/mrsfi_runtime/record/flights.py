@@ -1,14 +1,14 @@
 """Flights that a campaign keeps beside its evaluations: what was flown after the search."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Self
 
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record import encoding
 
-_OUTCOME = {*encoding.COUNTS, "digest"}
+_OUTCOME = (*encoding.COUNTS, "digest")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,8 @@ class RecordedFlight:
 
     def row(self) -> tuple[int, str, str]:
         """Return it as it is stored: mission seed, specification, what came of it."""
-        found = self.traceback if self.outcome is None else asdict(self.outcome)
+        outcome = self.outcome
+        found = self.traceback if outcome is None else {n: getattr(outcome, n) for n in _OUTCOME}
         text = encoding.specification_text(self.specification)
         return int(self.mission_seed), text, encoding.canonical([found])
 
@@ -48,7 +49,7 @@ class RecordedFlight:
         known = encoding.specification(faults)
         if isinstance(found, str) and not rest:
             return cls(seed, known, None, found)
-        if rest or not isinstance(found, dict) or found.keys() != _OUTCOME:
+        if rest or not isinstance(found, dict) or found.keys() != {*_OUTCOME}:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
         return cls(seed, known, _outcome(found))
 

@@ -54,6 +54,7 @@ class CompiledEngine(Engine):
         self._n_threads = n_threads
         self._threads = ThreadPoolExecutor(n_threads)
         self._fly_many = CompiledFlight(code)
+        self._mission = (self._fly_many.key, repr((code.mission, code.pool)))
 
     @property
     def is_new(self) -> bool:
@@ -66,8 +67,7 @@ class CompiledEngine(Engine):
 
     def require_same(self) -> None:
         """Hold compiled code to the reference engine once in a process; differing, compile anew."""
-        mission = (self._fly_many.key, repr((self.code.mission, self.code.pool)))
-        if mission in _TRUSTED:
+        if self._mission in _TRUSTED:
             return
         flown = trials(self.code.mission, self.code.pool)
         try:
@@ -79,7 +79,7 @@ class CompiledEngine(Engine):
                 raise
             self._fly_many.forget()
             self._require_same(flown)
-        _TRUSTED.add(mission)
+        _TRUSTED.add(self._mission)
 
     def _require_same(self, flown: Sequence[Specification]) -> None:
         require_same(self._reference, self._first_ticks, flown, SECONDS)
