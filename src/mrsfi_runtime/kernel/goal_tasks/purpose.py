@@ -3,8 +3,13 @@
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.forecast import ticks_left
 from mrsfi_runtime.kernel.goal_tasks import gather_samples, stay, sufficient_energy, track
-from mrsfi_runtime.kernel.goal_tasks.table import ENERGY, SAMPLES, STAY, TRACK
+from mrsfi_runtime.kernel.goal_tasks.table import TASKS
 from mrsfi_runtime.kernel.state import State
+
+ENERGY = TASKS.index(sufficient_energy.SufficientEnergy)
+SAMPLES = TASKS.index(gather_samples.GatherSamples)
+TRACK = TASKS.index(track.Track)
+STAY = TASKS.index(stay.Stay)
 
 
 @kernel

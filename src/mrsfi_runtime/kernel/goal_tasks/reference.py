@@ -6,31 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 from mrsfi_runtime.kernel.compiling import kernel
-from mrsfi_runtime.kernel.goal_tasks import (
-    avoid_collision,
-    fixed_distance_between_robots,
-    gather_samples,
-    patrol,
-    stay,
-    stay_within_mission_area,
-    sufficient_energy,
-    track,
-    visit,
-)
-from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
-from mrsfi_runtime.kernel.goal_tasks.table import (
-    AVOID_COLLISION,
-    ENERGY,
-    PATROL,
-    SAMPLES,
-    STAY,
-    STAY_WITHIN,
-    TASKS,
-    TRACK,
-    VISIT,
-)
-from mrsfi_runtime.kernel.guidance import roam_together
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.kernel.goal_tasks.table import TASKS
 
 _MODULES = [sys.modules[task.__module__] for task in TASKS]
 FUNCTIONS: Mapping[str, tuple[Callable[..., Any] | None, ...]] = MappingProxyType(
@@ -42,55 +18,25 @@ FUNCTIONS: Mapping[str, tuple[Callable[..., Any] | None, ...]] = MappingProxyTyp
 """What generated code calls for each role of a goal, by the number of its task."""
 
 
-@kernel
-def progress(view: State, g: int, task: int) -> None:
-    """Note what a goal has to remember."""
-    if task == SAMPLES:
-        gather_samples.progress(view, g)
-    elif task == TRACK:
-        track.progress(view, g)
-    elif task in (PATROL, VISIT, STAY):
-        note_presence(view, g)
+def _by_task(role: str, otherwise: str) -> Callable[..., Any]:
+    """Return a function of state, goal and number of a task: that of the task, for a role.
+
+    It is a chain of comparisons, as written by hand: neither compilers nor the common subset know
+    a table of functions.
+    """
+    tasks = {f"task_{n}": each for n, each in enumerate(FUNCTIONS[role]) if each is not None}
+    cases = [f"    if task == {name[5:]}:\n        return {name}(view, g)\n" for name in tasks]
+    known: dict[str, Any] = {"__name__": __name__, **tasks}
+    exec(f"def {role}(view, g, task):\n{''.join(cases)}    return {otherwise}", known)
+    found: Callable[..., Any] = known[role]
+    return kernel(found)
 
 
-@kernel
-def violated(view: State, g: int, task: int) -> bool:  # noqa: C901, PLR0911 - a case for each task
-    """Return whether a goal is violated in a state."""
-    if task == AVOID_COLLISION:
-        return avoid_collision.violated(view, g)
-    if task == STAY_WITHIN:
-        return stay_within_mission_area.violated(view, g)
-    if task == ENERGY:
-        return sufficient_energy.violated(view, g)
-    if task == SAMPLES:
-        return gather_samples.violated(view, g)
-    if task == PATROL:
-        return patrol.violated(view, g)
-    if task == VISIT:
-        return visit.violated(view, g)
-    if task == TRACK:
-        return track.violated(view, g)
-    if task == STAY:
-        return stay.violated(view, g)
-    return fixed_distance_between_robots.violated(view, g)
+progress = _by_task("progress", "None")
+"""Note what a goal has to remember."""
 
+violated = _by_task("check", "False")
+"""Return whether a goal is violated in a state."""
 
-@kernel
-def react(ci: State, g: int, task: int) -> None:
-    """Command the members of a goal."""
-    if task == AVOID_COLLISION:
-        avoid_collision.react(ci, g)
-    elif task == STAY_WITHIN:
-        stay_within_mission_area.react(ci, g)
-    elif task == ENERGY:
-        sufficient_energy.react(ci, g)
-    elif task == SAMPLES:
-        gather_samples.react(ci, g)
-    elif task in (PATROL, STAY):
-        roam_together(ci, ci.goals[g])
-    elif task == VISIT:
-        visit.react(ci, g)
-    elif task == TRACK:
-        track.react(ci, g)
-    else:
-        fixed_distance_between_robots.react(ci, g)
+react = _by_task("react", "None")
+"""Command the members of a goal."""

@@ -60,8 +60,6 @@ TASKS: tuple[type[GoalTask], ...] = (
 )
 """All tasks that stand here; where one stands is its number."""
 
-AVOID_COLLISION, STAY_WITHIN, ENERGY, SAMPLES, PATROL, VISIT, TRACK, STAY, _ = range(len(TASKS))
-
 OWN_TASK = len(TASKS)
 """Number of every task of a team's own."""
 
