@@ -10,7 +10,6 @@ from numba import types
 from numba.core import compiler
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
-from numba.core.runtime.nrt import rtsys
 
 from mrsfi_runtime.engine.compiled import views
 from mrsfi_runtime.engine.compiled.batch_flight import Flights, fly_many
@@ -18,14 +17,14 @@ from mrsfi_runtime.engine.compiled.compilation_errors import explain
 from mrsfi_runtime.engine.compiled.directories import CALLS
 from mrsfi_runtime.engine.compiled.dispatch import BY_TASK
 from mrsfi_runtime.engine.compiled.inlining import Inlined, jitable
-from mrsfi_runtime.engine.compiled.machine_code import MachineCode
+from mrsfi_runtime.engine.compiled.machine_code import MachineCode, lend_runtime
 from mrsfi_runtime.engine.compiled.reach import CompilationError, Reached, is_kernel, names_of
 from mrsfi_runtime.engine.compiled.regions import EFFECT, ROLES, Region
 from mrsfi_runtime.kernel.goal_tasks.reference import FUNCTIONS
 
 _FLIGHT = (views.View(Flights), types.int64, types.int64)
 _TYPING, _TARGET = cpu_target.typing_context, cpu_target.target_context
-rtsys.initialize(_TARGET)  # makes known what compiled code takes from numba
+lend_runtime()
 _REGISTERED: dict[FunctionType, str] = {}
 
 

@@ -34,7 +34,7 @@ class MachineCode:
         """Return where the functions lie, for as long as this process runs."""
         if self.binary not in _LOADED:
             if _missing(self.taken):  # lists, say
-                import mrsfi_runtime.engine.compiled.compiler  # noqa: F401, PLC0415 - slow
+                lend_runtime()
             if _missing(self.taken):
                 raise CompilationError(f"compiled code lacks {' and '.join(_missing(self.taken))}")
             llvm = _llvm()
@@ -46,6 +46,14 @@ class MachineCode:
                 raise CompilationError(f"compiled code lacks one of {self.names}")
             _LOADED[self.binary] = engine, found
         return _LOADED[self.binary][1]
+
+
+def lend_runtime() -> None:
+    """Make known what compiled code takes from numba."""
+    from numba.core.registry import cpu_target  # noqa: PLC0415 - slow
+    from numba.core.runtime.nrt import rtsys  # noqa: PLC0415 - slow
+
+    rtsys.initialize(cpu_target.target_context)
 
 
 def _missing(names: Sequence[str]) -> list[str]:
