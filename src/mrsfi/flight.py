@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.recording import Recorder, Recording, Records
+from mrsfi_runtime.engine.recording import Part, Recorder, Recording
 from mrsfi_runtime.errors import expected
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.faults import FaultPool, Specification
@@ -120,9 +120,9 @@ def fly(engine: Engine, pool: FaultPool, specification: Specification, seed: int
     return Flight(mission, specification, seed, outcome, recorder.recording())
 
 
-def _positions(states: Records) -> Numbers:
+def _positions(states: Part) -> Numbers:
     return np.stack([_of_robots(states, axis) for axis in "xyz"], axis=-1)
 
 
-def _of_robots(states: Records, column: str) -> Numbers:
+def _of_robots(states: Part, column: str) -> Numbers:
     return np.asarray(states["robots"][column], np.float64)

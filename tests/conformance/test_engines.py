@@ -1,6 +1,7 @@
 """What every engine does, however it flies."""
 
 import csv
+import tracemalloc
 from dataclasses import asdict, replace
 from io import StringIO
 from itertools import product
@@ -153,6 +154,40 @@ def test_a_recording_has_what_an_observer_sees(engine):
     engine.evaluate(specification, observer=compare)
 
     assert seen == [*range(len(recording))]
+
+
+@pytest.mark.parametrize("name", ["reference", "compiled"])
+def test_a_recording_of_many_chunks_is_that_of_one(name, monkeypatch):
+    code = paper_code(150)
+    specification = specifications(code, 3)[2]
+    with ENGINES[name].open(code, SEED) as engine:
+        (expected,) = engine.record(specification).moments()
+        monkeypatch.setattr("mrsfi_runtime.engine.recording.CHUNK", 1)
+
+        recording = engine.record(specification)
+
+    chunks = [*recording.moments()]
+    assert [*map(len, chunks)] == [8] * 18 + [6]
+    assert b"".join(chunk.tobytes() for chunk in chunks) == expected.tobytes()
+    assert recording["world"]["robots"]["x"].tolist() == expected["world"]["robots"]["x"].tolist()
+    memory = recording["belief"]["goals"]["memory"]
+    assert memory.tolist() == expected["belief"]["goals"]["memory"].tolist()
+    for tick in (0, 7, 8, 143, 149, -1):
+        assert recording[tick].tobytes() == expected[tick].tobytes()
+        found = recording["belief"]["commands"][tick]
+        assert found.tobytes() == expected["belief"]["commands"][tick].tobytes()
+
+
+def test_a_long_recording_stays_out_of_memory():
+    with ENGINES["compiled"].open(paper_code(40_000), SEED) as engine:
+        engine.evaluate(())
+        tracemalloc.start()
+        recording = engine.record(())
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+
+    assert len(recording) == 40_000
+    assert recording.dtype.itemsize * len(recording) > 4 * peak
 
 
 def test_log_and_trace_say_from_which_tick_on_a_goal_is_missed(engine):

@@ -8,7 +8,7 @@ import pytest
 
 from m2t.generate import generate, stale
 from mrsfi_runtime.causes.chain import Chain, Change, First, chain, chains
-from mrsfi_runtime.engine.recording import moment_type
+from mrsfi_runtime.engine.recording import Recording, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
@@ -111,9 +111,12 @@ def test_what_differs_in_memory_stands_in_the_chain_of_a_fault(generated, name):
 def test_memory_alone_is_a_difference(generated):
     fill(generated)
     mission = load_code(generated).mission
-    flight, twin = (np.zeros(5, moment_type(initial_state(mission, 1))) for _ in range(2))
-
-    flight["belief"]["goals"]["memory"][2, 1, 3] = 2.5
+    layout = moment_type(initial_state(mission, 1))
+    flight, twin = Recording(layout), Recording(layout)
+    moments = np.zeros(5, layout)
+    twin.append(moments.copy())
+    moments["belief"]["goals"]["memory"][2, 1, 3] = 2.5
+    flight.append(moments)
 
     remembered = Change("near", "memory[3]", (2.5,), (0.0,))
     assert chain(mission, flight, twin) == Chain(First(2, (remembered,)), None, None, ())

@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Iterator
 
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.engine.recording import Records
+from mrsfi_runtime.engine.recording import Part, Recording
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.kernel.state import State
@@ -36,10 +36,11 @@ def traced(engine: Engine, specification: Specification) -> tuple[Outcome, str]:
     return engine.evaluate(specification, observer=digest), digest.hexdigest()
 
 
-def columns(records: Records, name: str = "") -> Iterator[tuple[str, list[object]]]:
+def columns(records: Recording | Part, name: str = "") -> Iterator[tuple[str, list[object]]]:
     """Yield all numbers of a recording, field by field."""
-    if records.dtype.names is None:
-        yield name, records.tolist()
-    else:
-        for field in records.dtype.names:
-            yield from columns(records[field], f"{name}.{field}")
+    for field in records.dtype.names or ():
+        found = records[field]
+        if isinstance(found, Part):
+            yield from columns(found, f"{name}.{field}")
+        else:
+            yield f"{name}.{field}", found.tolist()

@@ -1,6 +1,6 @@
 """A flight as a story in space and time: who was where, what was active, what was violated."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -19,6 +19,7 @@ Places: TypeAlias = npt.NDArray[np.float64]
 """Points of the plane, in distance units; the last axis has x and y."""
 
 _MOST_PLACES = 20_000  # rows of a table of places
+_BOX = 32  # ticks of a way that a box is put around
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +85,9 @@ def places(recording: Recording, side: str) -> Places:
 
 def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
     """Yield which robots overlapped each other or an obstacle, as windows."""
+    near = _near(true)
     for k, robot in enumerate(mission.robots):
-        others = [(true[:, i], ROBOT_RADIUS, mission.robots[i].id) for i in range(k)]
+        others = [(true[:, i], ROBOT_RADIUS, mission.robots[i].id) for i in near(k)]
         for obstacle in mission.obstacles:
             centre = np.array([obstacle.area.center.x, obstacle.area.center.y])
             others.append((centre, obstacle.area.radius, obstacle.id))
@@ -95,15 +97,25 @@ def collisions(mission: Mission, true: Places) -> Iterator[Collision]:
                 yield Collision(f"{robot.id} and {name}", k, window)
 
 
+def _near(true: Places) -> Callable[[int], Iterable[int]]:
+    """Return what tells which robots before one may have met it, by the boxes around their ways."""
+    begins = np.arange(0, len(true), _BOX)
+    low, high = (reach.reduceat(true, begins) for reach in (np.fmin, np.fmax))
+    reach = 2.001 * ROBOT_RADIUS
+
+    def near(k: int) -> Iterable[int]:
+        apart = np.maximum(low[:, :k] - high[:, k, None], low[:, k, None] - high[:, :k])
+        return np.flatnonzero((apart < reach).all(axis=2).any(axis=0)).tolist()
+
+    return near
+
+
 def judged(recording: Recording) -> tuple[Judged, ...]:
     """Return what was said of each goal of a flight, in model order."""
+    verdicts = (recording[name].T for name in ("is_believed", "is_true", "missed"))
     return tuple(
-        Judged(
-            runs(recording["is_believed"][:, goal]),
-            runs(recording["is_true"][:, goal]),
-            first(recording["missed"][:, goal] > 0),
-        )
-        for goal in range(recording["is_true"].shape[1])
+        Judged(runs(believed), runs(true), first(missed > 0))
+        for believed, true, missed in zip(*verdicts, strict=True)
     )
 
 

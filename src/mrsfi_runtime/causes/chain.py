@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.observed import FORGED, HEADING, KNOWN, MEMORY, SENT, Quantities
-from mrsfi_runtime.engine.recording import Record, Recording, Records
+from mrsfi_runtime.engine.recording import Part, Record, Recording, Records
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 
@@ -146,8 +146,9 @@ _JUDGED = ("is_believed", "is_true", "missed")
 
 
 def _verdicts(mission: Mission, flight: Recording, twin: Recording) -> Iterator[FirstVerdicts]:
+    pairs = [(flight[name] > 0, twin[name] > 0) for name in _JUDGED]
     for g, goal in enumerate(mission.goal_ids):
-        judged = [_judged(flight[name][:, g] > 0, twin[name][:, g] > 0) for name in _JUDGED]
+        judged = [_judged(found[:, g], otherwise[:, g]) for found, otherwise in pairs]
         if any(judged):
             yield FirstVerdicts(goal, *judged)
 
@@ -171,11 +172,11 @@ class _Pair(NamedTuple):
 
     name: str
     quantities: Quantities
-    found: Records
-    otherwise: Records
+    found: Part
+    otherwise: Part
 
 
-def _pairs(found: Records, otherwise: Records, lists: Mapping[str, Quantities]) -> list[_Pair]:
+def _pairs(found: Part, otherwise: Part, lists: Mapping[str, Quantities]) -> list[_Pair]:
     return [
         _Pair(name, quantities, found[name], otherwise[name]) for name, quantities in lists.items()
     ]

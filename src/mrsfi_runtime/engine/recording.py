@@ -1,7 +1,16 @@
-"""Every tick of a flight as arrays, in one layout for all engines."""
+"""Every tick of a flight, in one layout for all engines; a long flight is kept compressed.
 
-from collections.abc import Callable, Mapping, MutableSequence
-from typing import Any, TypeAlias, get_args, get_type_hints
+What compresses well is how a quantity changes from tick to tick, as most do little or not at all:
+words of 8 bytes are kept as their differences, quantity by quantity, and those that stay the same
+are not kept at all.
+"""
+
+import weakref
+import zlib
+from collections.abc import Callable, Iterator, Mapping, MutableSequence
+from functools import cached_property
+from tempfile import SpooledTemporaryFile
+from typing import Any, NamedTuple, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -14,17 +23,11 @@ from mrsfi_runtime.model.faults import Specification
 Records: TypeAlias = npt.NDArray[Any]
 """A structured array."""
 
-Recording: TypeAlias = Records
-"""A flight, shape ``(n_ticks,)``, of ``moment_type``.
+CHUNK = 8 << 20
+"""Bytes of ticks that are recorded, compressed and read in one go."""
 
-``recording["world"]`` and ``recording["belief"]`` have the lists of ``kernel.packing.COLUMNS``:
-``recording["world"]["robots"]["x"]`` has shape ``(n_ticks, n_robots)``. What goals remember is in
-``recording["world"]["goals"]["memory"]``, shape ``(n_ticks, n_goals, N_MEMORY)``. The verdicts are
-named as those of ``Verdicts``; ``recording["is_true"]`` has shape ``(n_ticks, n_goals)``.
-"""
-
-Record: TypeAlias = Callable[[Specification], Recording]
-"""Flies fault specifications, all in the weather of one mission seed, and returns every tick."""
+_FEWEST = 8  # ticks of a chunk
+_IN_MEMORY = 16 << 20  # bytes of what is compressed before it goes to a file
 
 SIDES = ("world", "belief")
 """The states of a tick: truth and belief."""
@@ -63,28 +66,193 @@ def moment_type(state: State) -> np.dtype[Any]:
     )
 
 
+class _Column(NamedTuple):
+    """A quantity of all of a kind, and which words of a tick hold it."""
+
+    layout: np.dtype[Any]
+    words: npt.NDArray[np.uint64]
+
+
+class Recording:
+    """All ticks of a flight.
+
+    ``recording["world"]`` and ``recording["belief"]`` have the lists of ``kernel.packing.COLUMNS``:
+    ``recording["world"]["robots"]["x"]`` is an array of shape ``(n_ticks, n_robots)``. What goals
+    remember is in ``recording["world"]["goals"]["memory"]``, shape ``(n_ticks, n_goals,
+    N_MEMORY)``. The verdicts are named as those of ``Verdicts``; ``recording["is_true"]`` has shape
+    ``(n_ticks, n_goals)``. An array is read anew when it is asked for; a number in place of a name
+    asks for that tick.
+
+    Parameters
+    ----------
+    dtype
+        Layout of a tick, ``moment_type``.
+    """
+
+    def __init__(self, dtype: np.dtype[Any]) -> None:
+        self.dtype = dtype
+        self.chunk = max(_FEWEST, CHUNK // dtype.itemsize)
+        self._last: Records = np.zeros(0, dtype)
+        self._n_before = 0
+        self._places: list[dict[tuple[str, ...], tuple[int, int]]] = []
+        self._decoded: tuple[int, Records] | None = None
+
+    def __len__(self) -> int:
+        return self._n_before + len(self._last)
+
+    def __getitem__(self, which: str | int) -> Any:
+        return Part(self, (), self.dtype)[which]
+
+    def append(self, moments: Records) -> None:
+        """Add ticks, ``chunk`` of them unless they are the last."""
+        if len(self._last):
+            self._places.append({path: self._keep(path) for path in self._columns})
+            self._n_before += len(self._last)
+        self._last = moments
+
+    def moments(self) -> Iterator[Records]:
+        """Yield all ticks, ``chunk`` after ``chunk``."""
+        for chunk in range(len(self._places)):
+            yield self._decode(chunk)
+        yield self._last
+
+    def moment(self, tick: int) -> Any:
+        """Return a tick; one after the other is fast."""
+        chunk, place = divmod(range(len(self))[tick], self.chunk)
+        if chunk == len(self._places):
+            return self._last[place]
+        if self._decoded is None or self._decoded[0] != chunk:
+            self._decoded = chunk, self._decode(chunk)
+        return self._decoded[1][place]
+
+    def column(self, path: tuple[str, ...]) -> Records:
+        """Return a quantity at all ticks, by the names that lead to it."""
+        last = self._last
+        for name in path:
+            last = last[name]
+        if not self._places:
+            return last
+        layout, words = self._columns[path]
+        before = [self._read(chunk, path).view(layout) for chunk in range(len(self._places))]
+        return np.concatenate([*(part.reshape(-1, *words.shape) for part in before), last])
+
+    @cached_property
+    def _columns(self) -> Mapping[tuple[str, ...], _Column]:
+        words = np.arange(self.dtype.itemsize // 8, dtype=np.uint64).view(self.dtype)
+        return dict(_leaves((), words[0]))
+
+    @cached_property
+    def _stream(self) -> "SpooledTemporaryFile[bytes]":
+        stream = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the recording
+        weakref.finalize(self, stream.close)
+        return stream
+
+    def _keep(self, path: tuple[str, ...]) -> tuple[int, int]:
+        """Compress a quantity of the last chunk, and return where it is kept."""
+        words = _as_words(self._last)[:, self._columns[path].words.ravel()]
+        steps = np.diff(words, axis=0)
+        is_changing = steps.any(axis=0)
+        kept = words[0].tobytes() + is_changing.tobytes() + steps[:, is_changing].T.tobytes()
+        return self._stream.seek(0, 2), self._stream.write(zlib.compress(kept, 1))
+
+    def _read(self, chunk: int, path: tuple[str, ...]) -> npt.NDArray[np.uint64]:
+        """Return the words of a quantity in a compressed chunk, shape ``(chunk, n_words)``."""
+        place, size = self._places[chunk][path]
+        self._stream.seek(place)
+        kept = zlib.decompress(self._stream.read(size))
+        n = self._columns[path].words.size
+        is_changing = np.frombuffer(kept, np.bool_, n, 8 * n)
+        steps = np.frombuffer(kept, np.uint64, offset=9 * n).reshape(-1, self.chunk - 1)
+        words = np.empty((self.chunk, n), np.uint64)
+        words[:] = np.frombuffer(kept, np.uint64, n)
+        words[1:, is_changing] += np.cumsum(steps, axis=1, dtype=np.uint64).T
+        return words
+
+    def _decode(self, chunk: int) -> Records:
+        """Return the ticks of a compressed chunk."""
+        moments = np.zeros(self.chunk, self.dtype)
+        words = _as_words(moments)
+        for path, column in self._columns.items():
+            words[:, column.words.ravel()] = self._read(chunk, path)
+        return moments
+
+
+class Part:
+    """What has a name in each tick of a recording, and names of its own."""
+
+    def __init__(self, whole: Recording, path: tuple[str, ...], dtype: np.dtype[Any]) -> None:
+        self.dtype = dtype
+        self._whole = whole
+        self._path = path
+
+    def __len__(self) -> int:
+        return len(self._whole)
+
+    def __getitem__(self, which: str | int) -> Any:
+        if isinstance(which, str):
+            path, dtype = (*self._path, which), self.dtype[which].base
+            return (
+                self._whole.column(path)
+                if dtype.names is None
+                else type(self)(self._whole, path, dtype)
+            )
+        records = self._whole.moment(which)
+        for name in self._path:
+            records = records[name]
+        return records
+
+
+def _leaves(path: tuple[str, ...], words: Records) -> Iterator[tuple[tuple[str, ...], _Column]]:
+    """Yield the columns of records in whose place the numbers of their words stand."""
+    if words.dtype.names is None:
+        yield path, _Column(words.dtype, words.view(np.uint64))
+    else:
+        for name in words.dtype.names:
+            yield from _leaves((*path, name), words[name])
+
+
+def _as_words(moments: Records) -> npt.NDArray[np.uint64]:
+    return moments.view(np.uint64).reshape(len(moments), -1)
+
+
+Record: TypeAlias = Callable[[Specification], Recording]
+"""Flies fault specifications, all in the weather of one mission seed, and returns every tick."""
+
+
 class Recorder:
     """Observer that records a flight, like that of a state of the mission."""
 
     def __init__(self, state: State) -> None:
-        self._recording: Recording = np.zeros(state.mission.duration, moment_type(state))
+        self._recording = Recording(moment_type(state))
+        self._n_ticks = min(self._recording.chunk, state.mission.duration)
+        self._moments: Records = np.zeros(self._n_ticks, self._recording.dtype)
         n_words = recorded_type(state).itemsize // 8
-        self._packed = np.zeros((len(SIDES), state.mission.duration, n_words))
+        self._packed = np.zeros((len(SIDES), self._n_ticks, n_words))
+        self._n_seen = 0
 
     def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
         """Record a tick."""
-        tick = world.mission.tick
+        if self._n_seen == self._n_ticks:
+            self._flush()
         for rows, state in zip(self._packed, (world, belief), strict=True):
             numbers = np.frombuffer(state_bytes(state))
-            rows[tick, : len(numbers)] = numbers
+            rows[self._n_seen, : len(numbers)] = numbers
+            rows[self._n_seen, len(numbers) :] = 0.0
         for name in VERDICTS:
-            self._recording[name][tick] = getattr(verdicts, name)
+            self._moments[name][self._n_seen] = getattr(verdicts, name)
+        self._n_seen += 1
 
     def recording(self) -> Recording:
-        """Return what was seen until now."""
-        for rows, side in zip(self._packed, SIDES, strict=True):
-            _unpack(rows, self._recording[side])
+        """Return what was seen."""
+        self._flush()
         return self._recording
+
+    def _flush(self) -> None:
+        moments = self._moments[: self._n_seen].copy()
+        for rows, side in zip(self._packed, SIDES, strict=True):
+            _unpack(rows[: self._n_seen], moments[side])
+        self._recording.append(moments)
+        self._n_seen = 0
 
 
 def _unpack(rows: npt.NDArray[np.float64], states: Records) -> None:

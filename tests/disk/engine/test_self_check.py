@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.engine.compiled.self_check import require_same, trials
+from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import FaultPool
@@ -54,7 +55,9 @@ def recorded(reference, change=lambda _recording: None):
     """Return what records flights on the reference engine, but for a change."""
 
     def record(specification, n_ticks):
-        recording = reference.record(specification)[:n_ticks]
+        (moments,) = reference.record(specification).moments()
+        recording = Recording(moments.dtype)
+        recording.append(moments[:n_ticks])
         change(recording)
         return recording
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mrsfi_runtime.analysis.story import Window, collisions, judged, places, seen
-from mrsfi_runtime.engine.recording import Recording
+from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
 
@@ -170,10 +170,12 @@ def _resolution(steps: dict[str, float], stride: int) -> str:
 
 def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ...]]:
     """Yield where obstacles were believed to be elsewhere: window, place, ID and radius."""
-    true, believed = recording["world"]["obstacles"], recording["belief"]["obstacles"]
+    true, believed = (
+        np.stack([recording[side]["obstacles"][axis] for axis in "xy"]) for side in SIDES
+    )
     for k, obstacle in enumerate(mission.obstacles):
-        x, y = (believed[name][:, k] for name in ("x", "y"))
-        is_wrong = (x != true["x"][:, k]) | (y != true["y"][:, k])
+        x, y = believed[:, :, k]
+        is_wrong = (believed != true)[:, :, k].any(axis=0)
         if not is_wrong.any():
             continue
         moved = np.flatnonzero((np.diff(x) != 0) | (np.diff(y) != 0)) + 1
@@ -187,13 +189,14 @@ def _displaced(mission: Mission, recording: Recording) -> Iterator[tuple[Any, ..
 def _samples(mission: Mission, recording: Recording) -> Iterator[tuple[int, str, float, float]]:
     """Yield the samples that truly counted: tick, ID of the goal, and where."""
     goals = recording["world"]["goals"]
+    count, *places = (goals[name] for name in ("count", "sampled_x", "sampled_y"))
     for k, goal in enumerate(mission.goals):
         if goal.terms.sensor is None:
             continue
-        counted = np.flatnonzero(np.diff(goals["count"][:, k], prepend=0) > 0)
+        counted = np.flatnonzero(np.diff(count[:, k], prepend=0) > 0)
         for tick in counted.tolist():
-            place = goals["sampled_x"][tick, k], goals["sampled_y"][tick, k]
-            yield tick, goal.id, float(place[0]), float(place[1])
+            x, y = (float(each[tick, k]) for each in places)
+            yield tick, goal.id, x, y
 
 
 def _events(mission: Mission, flown: Flown) -> Iterator[tuple[int, str]]:

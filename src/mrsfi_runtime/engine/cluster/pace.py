@@ -21,7 +21,9 @@ class Pace:
         self._seconds = found if self._seconds is None else (self._seconds + found) / 2
 
     def chunk_size(self, n_specifications: int, n_workers: int) -> int:
-        """Return how many of some specifications to evaluate in one go; all workers get some."""
+        """Return how many of some specifications to evaluate in one go, all workers alike."""
         seconds = _FIRST_GUESS if self._seconds is None else self._seconds
-        fair = -(-n_specifications // max(n_workers, 1))
-        return max(1, min(fair, int(CHUNK_SECONDS / max(seconds, 1e-6))))
+        n_workers = max(n_workers, 1)
+        most = max(1, int(CHUNK_SECONDS / max(seconds, 1e-6))) * n_workers
+        n_rounds = max(1, -(-n_specifications // most))
+        return max(1, -(-n_specifications // (n_rounds * n_workers)))

@@ -26,7 +26,7 @@ class Flights:
     inbox`` the same of the states themselves. ``weather`` has the valid samples of each sensor,
     tick after tick. ``results`` has a row a specification: the words of the last truth and belief,
     then the verdicts; ``moments`` one for each tick to be kept, of ``n_moments``. ``at`` receives
-    the number of the specification that flies.
+    the number of the specification that flies, and says from which tick on and before which.
     """
 
     n_moments: int
@@ -48,7 +48,7 @@ _state, _plan, _verdicts = seen_as(State), seen_as(Plan), seen_as(Verdicts)
 
 @kernel
 def fly_many(flights: Flights, first: int, last: int) -> int:
-    """Fly the specifications ``first … last - 1`` of a batch."""
+    """Fly the specifications ``first … last - 1`` of a batch, each from the first tick or on."""
     functions = MissionFunctions(dispatch.progress, dispatch.check, dispatch.react, dispatch.apply)
     world = _state(flights.states[0])
     belief = _state(flights.states[1])
@@ -56,23 +56,25 @@ def fly_many(flights: Flights, first: int, last: int) -> int:
     n_sensors = len(world.sensors)
     n_recorded = len(getattr(world, RECORDED))
     n_words = 2 * n_recorded + 7 * len(world.goals)
+    begin, end = flights.at[1], flights.at[2]
     for k in range(first, last):
         flights.at[0] = k
-        n_fresh = len(flights.fresh)
-        copy(flights.fresh, 0, flights.world, 0, n_fresh)
-        copy(flights.fresh, 0, flights.belief, 0, n_fresh)
-        copy(flights.fresh, 0, flights.inbox, 0, n_fresh)
         plan = _plan(flights.plans[k])
         verdicts = _verdicts(flights.verdicts[k])
         row = k * n_words
-        issue(belief, world, plan, 0)
-        for tick in range(world.mission.duration):
+        if begin == 0:
+            n_fresh = len(flights.fresh)
+            copy(flights.fresh, 0, flights.world, 0, n_fresh)
+            copy(flights.fresh, 0, flights.belief, 0, n_fresh)
+            copy(flights.fresh, 0, flights.inbox, 0, n_fresh)
+            issue(belief, world, plan, 0)
+        for tick in range(begin, end):
             valid = flights.weather[tick * n_sensors : (tick + 1) * n_sensors]
             move(world, valid, tick)
             send(world, inbox)
             answer(functions, world, belief, inbox, world, plan, verdicts, tick)
-            if tick < flights.n_moments:
-                moment = tick * n_words
+            if tick - begin < flights.n_moments:
+                moment = (tick - begin) * n_words
                 copy(flights.world, 0, flights.moments, moment, n_recorded)
                 copy(flights.belief, 0, flights.moments, moment + n_recorded, n_recorded)
                 copy(

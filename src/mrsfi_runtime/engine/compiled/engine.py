@@ -8,6 +8,7 @@ Source paper, section III-G and Figure 4, without the bus between the two sides.
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
+from itertools import chain, pairwise
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from mrsfi_runtime.engine.compiled.frames import Frame, Fresh, fresh_of
 from mrsfi_runtime.engine.compiled.layout import read_recorded
 from mrsfi_runtime.engine.compiled.self_check import SECONDS, require_same, trials
 from mrsfi_runtime.engine.flights import Engine, Evaluated
-from mrsfi_runtime.engine.recording import VERDICTS, Recording, moment_type
+from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.hosting.lockstep import Observer
@@ -89,9 +90,21 @@ class CompiledEngine(Engine):
     ) -> Recording | None:
         """Return the first ticks of a flight; ``None`` if the reference engine is to repeat it."""
         batch = self._batch([specification], self.code.pool)
-        recording: Recording = np.zeros(n_ticks, self._moment_type)
-        fresh = self._fresh(self.seed if seed is None else seed)
-        return None if self._fly(batch, fresh, 0, 1, recording) else recording
+        return self._recorded(batch, self.seed if seed is None else seed, n_ticks)
+
+    def _recorded(self, batch: Batch, seed: int, n_ticks: int) -> Recording | None:
+        """Fly a batch of one, and return its first ticks; ``None`` if that failed."""
+        frame = Frame(self._fresh(seed), self._fly_many.calls, batch, (0, 1))
+        recording = Recording(self._moment_type)
+        begins = [*range(0, max(n_ticks, 1), recording.chunk)]
+        for begin, end in pairwise([*begins, self.code.mission.duration]):
+            n_kept = min(recording.chunk, n_ticks - begin)
+            moments: Records = np.zeros(n_kept, self._moment_type)
+            frame.keep(moments, begin, end)
+            if self._fly(frame, 0, 1):
+                return None
+            recording.append(moments)
+        return recording
 
     def _evaluate(
         self,
@@ -103,9 +116,8 @@ class CompiledEngine(Engine):
     ) -> Outcome:
         self.require_same()
         batch = self._batch([specification], pool)
-        n_ticks = self.code.mission.duration if observer else 0
-        recording: Recording = np.zeros(n_ticks, self._moment_type)
-        if self._fly(batch, self._fresh(seed), 0, 1, recording):
+        recording = self._recorded(batch, seed, self.code.mission.duration if observer else 0)
+        if recording is None:
             return self._reference.evaluate(
                 specification, seed, pool=pool, observer=observer, tallies=tallies
             )
@@ -138,7 +150,7 @@ class CompiledEngine(Engine):
         size = -(-n // self._n_threads)
         firsts = range(0, n, size)
         failed = self._threads.map(
-            lambda first: self._fly(batch, fresh, first, min(first + size, n)), firsts
+            lambda first: self._fly_some(batch, fresh, first, min(first + size, n)), firsts
         )
         again = {k for some in failed for k in some}
         return [
@@ -160,23 +172,16 @@ class CompiledEngine(Engine):
 
         return Batch(plans, self._moment_type, allowed)
 
-    def _fly(
-        self,
-        batch: Batch,
-        fresh: Fresh,
-        first: int,
-        last: int,
-        recording: Recording | None = None,
-    ) -> list[int]:
-        """Fly some specifications of a batch, and return which of them failed.
+    def _fly_some(self, batch: Batch, fresh: Fresh, first: int, last: int) -> list[int]:
+        return self._fly(Frame(fresh, self._fly_many.calls, batch, (first, last)), first, last)
 
-        A recording receives as many ticks of the last one as it has room for. All have failed if
-        one of them wrote to a table, as it may have misled those after it.
+    def _fly(self, frame: Frame, first: int, last: int) -> list[int]:
+        """Fly some specifications of a frame, and return which of them failed.
+
+        All have failed if one of them wrote to a table, as it may have misled those after it.
         """
         failed = []
         everyone = list(range(first, last))
-        recording = np.zeros(0, self._moment_type) if recording is None else recording
-        frame = Frame(fresh, self._fly_many.calls, batch, (first, last), recording)
         while first < last:
             try:
                 self._fly_many(frame, first, last)
@@ -193,7 +198,7 @@ class CompiledEngine(Engine):
         """Let an observer see recorded ticks."""
         world = initial_state(self.code.mission, seed)
         belief = initial_state(self.code.mission, seed)
-        for tick, moment in enumerate(recording):
+        for tick, moment in enumerate(chain.from_iterable(recording.moments())):
             world.mission.tick = belief.mission.tick = tick
             read_recorded(world, moment["world"])
             read_recorded(belief, moment["belief"])

@@ -62,7 +62,7 @@ def require_same(
             continue
         for tick, (expected, found) in enumerate(zip(seen, _moments(recording), strict=True)):
             if expected != found:
-                what = _difference(reference.code.mission, recording[0], expected, found)
+                what = _difference(reference.code.mission, recording.moment(0), expected, found)
                 acting = [one.fault for one in specification if one.start <= tick <= one.finish]
                 where, under = reference.code.directory, ", ".join(acting) or "no fault"
                 raise EvaluationError(f"{where}: {what} at tick {tick} under {under}; {_HINT}")
@@ -99,9 +99,10 @@ def _seen(
 
 def _moments(recording: Recording) -> Iterator[list[Any]]:
     """Yield every tick as ``_seen`` has it."""
-    columns = [recording[name].tolist() for name in VERDICTS]
-    sides = [[bytes(row) for row in packed(recording[side])] for side in SIDES]
-    return map(list, zip(*columns, *sides, strict=True))
+    for moments in recording.moments():
+        columns = [moments[name].tolist() for name in VERDICTS]
+        sides = [[bytes(row) for row in packed(moments[side])] for side in SIDES]
+        yield from map(list, zip(*columns, *sides, strict=True))
 
 
 def _difference(
