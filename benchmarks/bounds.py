@@ -18,7 +18,7 @@ from mrsfi_runtime.causes.cover import Cover
 from mrsfi_runtime.causes.weakness import FaultSet, Yardstick
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Score

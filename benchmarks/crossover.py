@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification

@@ -18,7 +18,7 @@ from mrsfi_runtime.engine.cluster.connection import Cluster
 from mrsfi_runtime.engine.cluster.pool import ClusterPool
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import COMPILED, REFERENCE, EngineSettings
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 
 MISSION = Path("generated/uuv_sampling")
 ENGINES = (

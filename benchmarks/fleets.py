@@ -5,7 +5,7 @@ from math import ceil, sqrt
 from pathlib import Path
 
 from m2t.generate import generate
-from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.generated_code import MissionCode, load_code
 
 _SPACING = 60.0  # between neighbours at the start
 _ROBOTS_PER_OBSTACLE = 4

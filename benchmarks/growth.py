@@ -22,11 +22,11 @@ from types import MappingProxyType
 from benchmarks.fleets import fleet
 from benchmarks.measuring import MEBI, Aims, drawn, exponent, run
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
-from mrsfi_runtime.mission import MissionCode, load_code
-from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.search.run import run_campaign
 
 MISSION = Path("generated") / "uuv_sampling"
 N_FAULTS, N_TICKS = 20, 1_000

@@ -25,13 +25,13 @@ from benchmarks.measuring import MEBI, Aims, Run, drawn, run_in
 from mrsfi.campaign_folders import manifest_of
 from mrsfi.folders import campaign_file, find_mission
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
-from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import fault_ticks
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import EngineRecord
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, Generation
 from mrsfi_runtime.search.fitness import Judge
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.steps import swapped

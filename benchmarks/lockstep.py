@@ -32,7 +32,7 @@ from typing import Any
 from benchmarks.measuring import Others, drawn, run
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 
 GENERATED = Path("generated") / "uuv_sampling"
 CLIENTS = ("asyncio", "twisted")

@@ -14,7 +14,7 @@ from random import Random
 from statistics import linear_regression
 from typing import Any
 
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification

@@ -47,8 +47,8 @@ ROOMS = {
         unit/engine disk/engine disk/test_imported_copies.py conformance/test_compiled.py
         conformance/test_region_lint.py conformance/test_engines.py integration/test_workers.py
     """,
-    "hosting": """
-        unit/hosting unit/transport integration/test_lost_sides.py
+    "cosimulation": """
+        unit/cosimulation unit/transport integration/test_lost_sides.py
         integration/test_reordering_server.py integration/test_rosbridge.py
     """,
     "record": "unit/record disk/record integration/record e2e/test_replay_and_report.py",

@@ -17,9 +17,9 @@ from typing import Any
 
 from benchmarks.fleets import fleet
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
-from mrsfi_runtime.mission import MissionCode, load_code
-from mrsfi_runtime.record.campaign import CampaignStore
-from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.generated_code import MissionCode, load_code
+from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.search.run import run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 

@@ -25,7 +25,7 @@ from benchmarks.drawn_missions import generated as code_of
 from benchmarks.measuring import mrsfi
 from mrsfi import load
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import Fault, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission

@@ -219,7 +219,7 @@ class Report:
 
 
 @dataclass(frozen=True, slots=True)
-class Findings:
+class NodeReport:
     """Places findings about objects at the lines of their nodes."""
 
     nodes: Mapping[Any, "Node"]

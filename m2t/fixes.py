@@ -10,14 +10,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from m2t.constraints.faults import (
+from m2t.constraints.fault_rules import (
     Pairs,
     broken_ticks,
     exchanged_bounds,
     exchanged_draw,
     exchanged_window,
 )
-from m2t.constraints.mission import repeated, strangers
+from m2t.constraints.mission_rules import repeated, strangers
 from m2t.diagnostics import Diagnostic
 from m2t.incomplete import delete_incomplete
 from m2t.load import Inspection, LoadedModels

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from m2t.constraints.faults import fault_types
+from m2t.constraints.fault_rules import fault_types
 from m2t.elements import contained, values
 from m2t.load import LoadedModels
 from m2t.metaclasses import is_kind, slots

@@ -9,10 +9,10 @@ from typing import Any
 
 from m2t.check.references import referred_files, resolve
 from m2t.check.structure import ModelTree, ReadModel, check_claims, check_structure
-from m2t.constraints.faults import check_faults
+from m2t.constraints.fault_rules import check_faults
 from m2t.constraints.identity import check_identities
-from m2t.constraints.mission import check_mission
-from m2t.diagnostics import Diagnostic, Findings, Report
+from m2t.constraints.mission_rules import check_mission
+from m2t.diagnostics import Diagnostic, NodeReport, Report
 from m2t.metamodels import load_metamodels
 from m2t.objects import ModelLoader
 from m2t.read.addresses import local_path
@@ -206,7 +206,7 @@ class _Loading:
         Constraints of sense are checked on objects, hence only on what is sound.
         """
         known = load_metamodels()
-        findings = Findings(self._loader.nodes, self._report)
+        findings = NodeReport(self._loader.nodes, self._report)
         mission = self._load(mission_path, known.mission_class, None)
         if mission.root is not None and mission.is_whole:
             check_mission(mission.root, findings)

@@ -6,7 +6,7 @@ from typing import Any
 
 from pyecore.ecore import EClass, EEnum, EObject
 
-from m2t.diagnostics import Findings, shown
+from m2t.diagnostics import NodeReport, shown
 from m2t.metaclasses import Slot, conforms, features, is_kind, is_read, lineage, slots
 from m2t.metamodel_contract import CONTRACT, SUPERTYPES, Need
 from m2t.metamodel_reader import VALUE_TYPES
@@ -17,7 +17,7 @@ _STORED: Mapping[str, bool] = MappingProxyType(
 )
 
 
-def check_package(package: Any, root_class: str, findings: Findings) -> None:
+def check_package(package: Any, root_class: str, findings: NodeReport) -> None:
     """Check the package of a metamodel, whose models begin with ``root_class``.
 
     If what mrsfi reads cannot be looked for, because something else is wrong, it is a
@@ -40,7 +40,7 @@ def check_package(package: Any, root_class: str, findings: Findings) -> None:
         _check_meaning(kind, findings)
 
 
-def _check_names(elements: Iterable[Any], findings: Findings) -> None:
+def _check_names(elements: Iterable[Any], findings: NodeReport) -> None:
     seen: dict[str, Any] = {}
     for element in elements:
         first = seen.setdefault(element.name, element)
@@ -51,7 +51,7 @@ def _check_names(elements: Iterable[Any], findings: Findings) -> None:
             findings.add(element, "UniqueId", finding)
 
 
-def _check_feature(slot: Slot, findings: Findings) -> None:
+def _check_feature(slot: Slot, findings: NodeReport) -> None:
     """Refuse features that hold nothing, whose values no file keeps, or Python cannot name."""
     feature = slot.feature
     lower, upper = feature.lowerBound, feature.upperBound
@@ -83,7 +83,7 @@ def _missed(text: str, kind: Any) -> str:
     return "" if values.has(text) else values.described
 
 
-def _check_contract(package: Any, root_class: str, findings: Findings) -> None:
+def _check_contract(package: Any, root_class: str, findings: NodeReport) -> None:
     """Check that the classes and features are there that code reads."""
     seen = set()
     for name, needs in CONTRACT[package.name].items():
@@ -119,7 +119,7 @@ def _meets(slot: Slot, need: Need) -> bool:
     )
 
 
-def _check_meaning(kind: Any, findings: Findings) -> None:
+def _check_meaning(kind: Any, findings: NodeReport) -> None:
     """Check that code knows the elements of a class as one thing only."""
     read = [known for known in lineage(kind) if is_read(known) and not known.abstract]
     names = [

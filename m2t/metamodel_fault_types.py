@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 from pyecore.ecore import EAnnotation, EClass
 
-from m2t.diagnostics import Findings, shown
+from m2t.diagnostics import NodeReport, shown
 from m2t.metaclasses import features, is_kind, lineage
 from m2t.metamodel_contract import BOUNDS, MEANING, OURS
 from mrsfi_runtime.model.fault_types import (
@@ -50,7 +50,7 @@ _ROLE_OF_RANGE = MappingProxyType(
 )
 
 
-def read_fault_types(package: Any, findings: Findings) -> Mapping[str, FaultType]:
+def read_fault_types(package: Any, findings: NodeReport) -> Mapping[str, FaultType]:
     """Return the fault types of a sound package of faults by name, in the order of the file.
 
     ``findings`` knows the elements of all packages, of which no other has meanings.
@@ -71,7 +71,7 @@ def read_fault_types(package: Any, findings: Findings) -> Mapping[str, FaultType
 class _Reader:
     """Reads fault types; remembers what was said, and what says a word that is unknown."""
 
-    def __init__(self, findings: Findings) -> None:
+    def __init__(self, findings: NodeReport) -> None:
         self._findings = findings
         self._add = findings.add
         self._read: dict[Any, Said] = {}

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from m2t.diagnostics import Findings, Report
+from m2t.diagnostics import NodeReport, Report
 from m2t.metamodel_check import check_package
 from m2t.metamodel_fault_types import read_fault_types
 from m2t.metamodel_reader import MetamodelReader
@@ -92,7 +92,7 @@ def read_metamodels(folder: Path) -> Metamodels:
     """
     report = Report()
     reader = MetamodelReader(report)
-    findings = Findings(reader.nodes, report)
+    findings = NodeReport(reader.nodes, report)
     packages = []
     for name, root_class in ((MISSION_FILE, MISSION_ROOT), (FAULTS_FILE, FAULTS_ROOT)):
         packages.append(reader.read(read_root(folder / name, report)))

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeAlias
 
-from m2t.constraints.faults import fault_types
+from m2t.constraints.fault_rules import fault_types
 from m2t.elements import copies
 from m2t.load import LoadedModels, load_mission_folder
 from m2t.metaclasses import slots

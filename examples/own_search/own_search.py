@@ -12,13 +12,13 @@ from random import Random
 
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.fitness import Findings, Score
+from mrsfi_runtime.search.fitness import FitnessInput, Score
 from mrsfi_runtime.search.loop import GenerationSummary
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 
 
-def unseen_danger(findings: Findings) -> float:
+def unseen_danger(findings: FitnessInput) -> float:
     """Return the ticks at which a goal was violated and nobody knew, and the samples missed."""
     return float(sum(findings.outcome.masked)) + 1000.0 / (1.0 + sum(findings.outcome.samples))
 

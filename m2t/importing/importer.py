@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from m2t.check.attribute_values import MAX_NAME_LENGTH
-from m2t.constraints.faults import check_faults
-from m2t.constraints.mission import check_mission
-from m2t.diagnostics import Findings, Report, shown
+from m2t.constraints.fault_rules import check_faults
+from m2t.constraints.mission_rules import check_mission
+from m2t.diagnostics import NodeReport, Report, shown
 from m2t.elements import contained
 from m2t.importing.campaign_files import campaign_files
 from m2t.importing.identities import give_ids
@@ -136,7 +136,7 @@ def _require_sound(mission: Any, pools: list[Any], reader: PublishedReader, repo
         for element in contained(root):
             reader.require_all(element)
     report.require_no_errors()
-    findings = Findings(reader.origins, report)
+    findings = NodeReport(reader.origins, report)
     check_mission(mission, findings)
     for root in pools:
         check_faults(root, mission.duration, findings)

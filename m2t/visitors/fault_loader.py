@@ -3,7 +3,7 @@
 from collections.abc import Container, Mapping
 from typing import Any, TypeAlias
 
-from m2t.constraints.faults import fault_types
+from m2t.constraints.fault_rules import fault_types
 from m2t.elements import is_set
 from m2t.environment import Call, Expression, Name, Table, literal
 from m2t.load import LoadedModels

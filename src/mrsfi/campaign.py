@@ -21,9 +21,9 @@ from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.regressions import Regression
+from mrsfi_runtime.record.store import CampaignStore, Evaluation
 
 if TYPE_CHECKING:
     from mrsfi_runtime.causes.weakness import Weakness

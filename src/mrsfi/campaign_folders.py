@@ -15,15 +15,15 @@ from mrsfi.project import from_here, project, root
 from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.columns import top
 from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
+from mrsfi_runtime.generated_code import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.imported_copies import IMPORTED, copied_files
-from mrsfi_runtime.mission import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.folder import CampaignFolder, hashes
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.store import CampaignStore, Evaluation
 
 _VERSIONED = ("mrsfi", "deap", "numpy", "pyecore")
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from mrsfi.evolving import require_searchable
 from mrsfi_runtime.engine.flights import Evaluator
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.comparison import Comparison, as_json, compare

@@ -11,7 +11,7 @@ from mrsfi_runtime.transport.server_address import without_token
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.flights import Engine, Evaluator
-    from mrsfi_runtime.mission import MissionCode
+    from mrsfi_runtime.generated_code import MissionCode
 
 Tell: TypeAlias = Callable[[str], None]
 """Takes one line about how things go."""

@@ -12,11 +12,11 @@ from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.imported_files import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.mission import MissionCode
-from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import CampaignProgress, require_settings, run_campaign
+from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.search.run import CampaignProgress, require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 
 

@@ -16,13 +16,13 @@ from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.explanation import explain as find_out
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
-from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 from mrsfi_runtime.record.regressions import folder_of
 from mrsfi_runtime.record.settings import VIOLATIONS, CampaignSettings
+from mrsfi_runtime.record.store import Evaluation
 
 CAUSE_SET, SIMPLEST = "cause set", "simplest form"
 """What specifications are that come of an explanation."""

@@ -31,7 +31,7 @@ class Flight:
     specification
         Under what.
     seed
-        Mission seed: the weather.
+        Mission seed.
     outcome
         What was counted, and a digest of it all.
     recording

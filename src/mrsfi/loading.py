@@ -13,7 +13,7 @@ from mrsfi.folders import MissionFolders
 from mrsfi_runtime.engine.flights import require_effects
 from mrsfi_runtime.errors import SpecificationError, UsageError
 from mrsfi_runtime.files import write_atomically
-from mrsfi_runtime.mission import MissionCode, load_code, pool_from_text
+from mrsfi_runtime.generated_code import MissionCode, load_code, pool_from_text
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission

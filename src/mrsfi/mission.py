@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from mrsfi.flight import Flight
     from mrsfi.regressions import Checked
     from mrsfi_runtime.engine.flights import Evaluated
-    from mrsfi_runtime.mission import MissionCode
+    from mrsfi_runtime.generated_code import MissionCode
     from mrsfi_runtime.model.mission import Mission as Model
-    from mrsfi_runtime.search.campaign import CampaignProgress
+    from mrsfi_runtime.search.run import CampaignProgress
     from mrsfi_runtime.study.comparison import Comparison
 
 
@@ -188,7 +188,7 @@ class Mission:
         faults
             As ``timed`` returns them, or the file of a fault specification; none if left out.
         seed
-            Mission seed: the weather.
+            Mission seed: decides which samples are valid.
         engine
             ``reference``, ``compiled``, ``auto`` or ``rosbridge``, or settings in detail.
 
@@ -343,7 +343,7 @@ class Mission:
             If the folder is another comparison's.
         """
         from mrsfi.comparing import compared, settings_of, write_compared  # noqa: PLC0415
-        from mrsfi_runtime.mission import load_code  # noqa: PLC0415
+        from mrsfi_runtime.generated_code import load_code  # noqa: PLC0415
         from mrsfi_runtime.study.runs import only_comparison  # noqa: PLC0415
 
         if isinstance(algorithms, str) or not algorithms or len({*algorithms}) < len(algorithms):

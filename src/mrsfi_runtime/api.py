@@ -1,9 +1,9 @@
 """The names that generated code may import, and nothing else."""
 
-from mrsfi_runtime.hosting.interface_parts import RobotInterface, SensorInterface
-from mrsfi_runtime.hosting.simulation_parts import SimulatedRobot, SimulatedSensor
-from mrsfi_runtime.hosting.team_topics import RobotTopics, SensorTopics
-from mrsfi_runtime.hosting.world import initial_state, move
+from mrsfi_runtime.cosimulation.interface_parts import RobotInterface, SensorInterface
+from mrsfi_runtime.cosimulation.simulation_parts import SimulatedRobot, SimulatedSensor
+from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
+from mrsfi_runtime.cosimulation.world import initial_state, move
 from mrsfi_runtime.kernel import commands, forecast, geometry, guidance, randomness
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.goal_tasks import table as goal_tasks

@@ -17,9 +17,9 @@ from mrsfi_runtime.engine.compiled.layout import laid_out
 from mrsfi_runtime.engine.compiled.likeness import Checked
 from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.engine.compiled.views import seen_as
+from mrsfi_runtime.generated_code import load_code, load_module
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.mission import load_code, load_module
 from tests.support.edited import COLLECTIVE
 from tests.support.tree import ROOT
 

@@ -7,12 +7,12 @@ import pytest
 
 from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
-from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.search.run import run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.cli import workspace
 from tests.support.interrupted import MISSION, SEARCH, begin, digest, evaluations, killed_after

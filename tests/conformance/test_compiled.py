@@ -11,8 +11,8 @@ from numba.core.errors import TypingError
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.mission import load_code
 from tests.conformance.regions import compiled
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, indented, write_body
@@ -45,7 +45,7 @@ FLY = """
 import sys
 from pathlib import Path
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 with EngineSettings("compiled").open(load_code(Path(sys.argv[1])), 1) as engine:
     engine.evaluate(())
     print(int(engine.is_new))

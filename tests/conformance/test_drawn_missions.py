@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from m2t.generate import generate
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
-from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.shapes import (

@@ -17,7 +17,7 @@ FLY = """
 import json, sys
 from pathlib import Path
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 
 code = load_code(Path(sys.argv[1]))
 found = []

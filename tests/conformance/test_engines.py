@@ -8,10 +8,10 @@ from itertools import product
 
 import pytest
 
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, SpecificationError
-from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import limits

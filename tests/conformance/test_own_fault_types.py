@@ -11,14 +11,14 @@ from random import Random
 import pytest
 
 from m2t.generate import generate
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.compiled.compilation_errors import CompilationError
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.targets import conflicts

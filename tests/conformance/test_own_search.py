@@ -9,7 +9,7 @@ import pytest
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import EvaluateMany, run_campaign
+from mrsfi_runtime.search.run import EvaluateMany, run_campaign
 from tests.support.search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "own_search"

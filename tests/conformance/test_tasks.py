@@ -8,8 +8,8 @@ import pytest
 
 from m2t.generate import generate
 from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.goal_tasks.table import TASKS as KNOWN
-from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.models.generation import write_mission

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.errors import EvaluationError, GenerationError
-from mrsfi_runtime.mission import load_code, load_module
+from mrsfi_runtime.generated_code import load_code, load_module
 from mrsfi_runtime.model.semantics import RELEASES, SEMANTICS
 from tests.support.tree import ROOT
 

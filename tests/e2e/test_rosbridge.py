@@ -10,7 +10,7 @@ from contextlib import closing
 
 import pytest
 
-from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import (
     MISSION,
     SMALL,

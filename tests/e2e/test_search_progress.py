@@ -7,7 +7,7 @@ import pytest
 from mrsfi_runtime.cli import progress
 from mrsfi_runtime.cli.progress import FlightProgress, PlainLines, share_done
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import CampaignProgress
+from mrsfi_runtime.search.run import CampaignProgress
 from tests.support.cli import MISSION, mrsfi
 
 

@@ -78,7 +78,7 @@ def test_in_more_mission_seeds_it_says_in_how_many_each_holds(place, told):
     assert all(one["seeds"]["of"] == 3 for one in again)
     assert min(held) >= 1  # the campaign's own
     assert max(held) == 3
-    of_one = {"seeds": {"held": 1, "of": 1}, "label": "of this weather"}
+    of_one = {"seeds": {"held": 1, "of": 1}, "label": "of this seed"}
     assert [one | of_one for one in again] == told
 
 

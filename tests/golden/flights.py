@@ -11,9 +11,9 @@ from random import Random
 
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.mission import load_code
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.search.space import SearchSpace

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from tests.independent.simulation import Flight, Mission, Timed, read_faults
 
 MEASURES = ("believed", "true", "phantom", "masked", "missed")

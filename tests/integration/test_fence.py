@@ -11,7 +11,7 @@ from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.errors import WorkerLost
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.edited import edited
 from tests.tiers import slow
@@ -41,7 +41,7 @@ import sys
 from pathlib import Path
 from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.errors import WorkerLost
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 
 late = (TimedFault("f9", 700, 750, (0.0, 0.0, 0.0)),)

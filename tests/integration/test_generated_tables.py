@@ -4,7 +4,7 @@ from pathlib import Path
 
 from m2t.generate import diff, generate
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from tests.support.models.copies import edit
 from tests.support.models.generation import copy_models
 

@@ -8,7 +8,7 @@ import pytest
 
 from m2t.generate import generate, stale
 from mrsfi_runtime.errors import GenerationError, ModelError, ProtectedRegionError
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from tests.support.models.copies import edit
 from tests.support.models.generation import FILES, ROOT, contents, copy_models, run_module
 

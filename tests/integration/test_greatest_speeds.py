@@ -8,7 +8,7 @@ from m2t.fixes import mend
 from m2t.generate import diff, generate
 from m2t.load import inspect_folder, load_mission_folder
 from m2t.saving import save
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from tests.support.models.copies import MISSION, edit
 from tests.support.models.generation import copy_models
 

@@ -7,12 +7,12 @@ import pytest
 
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.engine.compiled.layout import read_recorded
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.kernel.initial import initial_state
-from mrsfi_runtime.mission import load_code
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.search.run import run_campaign
 from tests.golden.flights import EFFECTS, effects
 from tests.golden.frozen import outcome_digest
 from tests.support.tree import ROOT

@@ -3,9 +3,9 @@
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.hosting.waiting import Patience
 from tests.support.page_simulator import page_simulator
 from tests.support.rosbridge import FLIGHT_SEED, Relay, code_of, digests, reference_digests
 from tests.tiers import slow

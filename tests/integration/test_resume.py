@@ -10,9 +10,9 @@ from time import monotonic, sleep
 import pytest
 
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.cli import mrsfi, workspace
 from tests.support.interrupted import (
     MISSION,

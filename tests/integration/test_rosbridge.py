@@ -11,12 +11,12 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout, UsageError
-from mrsfi_runtime.hosting.waiting import Patience
 from tests.support.processes import is_running
 from tests.support.rosbridge import (
     FLIGHT_SEED,

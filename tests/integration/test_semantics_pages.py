@@ -12,7 +12,7 @@ from mrsfi_runtime.kernel.randomness import (
     seed_key,
     uniform,
 )
-from mrsfi_runtime.kernel.weather import sample_chances
+from mrsfi_runtime.kernel.samples import sample_chances
 from mrsfi_runtime.model.fault_types import FaultType, Field
 from tests.support.tree import ROOT
 

@@ -14,7 +14,7 @@ from mrsfi_runtime.analysis.page.content import Told, flight_page
 from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.outcome import TOLD
 from mrsfi_runtime.record.named_faults import named_faults

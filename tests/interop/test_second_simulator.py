@@ -16,7 +16,7 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from tests.support.bags import read_bag
 from tests.support.cli import (
     MISSION,

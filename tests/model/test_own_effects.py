@@ -9,7 +9,7 @@ from m2t.generate import generate
 from m2t.metamodels import read_metamodels
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from tests.support.cli import MISSION, ROOT
 from tests.support.own_metamodels import add_fault_type, copy_metamodels, meaning, metamodels_of

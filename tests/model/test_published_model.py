@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from m2t.constraints.faults import fault_types
+from m2t.constraints.fault_rules import fault_types
 from m2t.load import LoadedModels, load_mission_folder
 from tests.support.models.copies import MODELS
 

@@ -8,7 +8,7 @@ from m2t.generate import fault_loader_text
 from m2t.load import inspect_specification, load_mission_folder, load_specification
 from m2t.specification import SpecificationRow, write_specification
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.mission import pool_from_text
+from mrsfi_runtime.generated_code import pool_from_text
 from tests.support.models.copies import FAULTS, copy_models, edit
 
 ROWS: list[SpecificationRow] = [

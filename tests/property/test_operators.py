@@ -13,7 +13,7 @@ from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.targets import conflicts
-from mrsfi_runtime.search.estimation import FaultModel
+from mrsfi_runtime.search.eda import FaultModel
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
 from mrsfi_runtime.search.space import Candidate, SearchSpace

@@ -10,10 +10,10 @@ from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.model.mission import Area, Coordinates
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record import database, encoding
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, Generation
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, Generation
 from tests.support.search import PAPER_FAULTS
 
 _IN_MEMORY = Path("in memory")

@@ -11,8 +11,8 @@ from time import monotonic, sleep
 from mrsfi.folders import find_mission
 from mrsfi_runtime.cli.evolve import begun
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore, Evaluation
 from tests.support.processes import is_running
 
 MISSION = "tight_margins"
@@ -25,11 +25,11 @@ from hashlib import sha256
 from pathlib import Path
 from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.search.run import run_campaign
 
 evaluated = 0
 

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Evaluation
 from tests.support.campaigns import evaluation
 
 GOALS = ("g1", "g3")

@@ -10,12 +10,12 @@ from typing import Any
 
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.fitness import Findings, Score
+from mrsfi_runtime.search.fitness import FitnessInput, Score
 from mrsfi_runtime.search.loop import GenerationSummary
 from mrsfi_runtime.search.space import SearchSpace
 
 
-def truly_violated(findings: Findings) -> float:
+def truly_violated(findings: FitnessInput) -> float:
     """Return the true violations of all goals: a fitness of one's own."""
     return float(sum(findings.outcome.true))
 

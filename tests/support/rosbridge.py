@@ -23,7 +23,7 @@ from websockets.exceptions import ConnectionClosed
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 from tests.support.cli import command_line
 from tests.support.trace import TraceDigest
 from tests.support.tree import ROOT

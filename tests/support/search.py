@@ -8,7 +8,7 @@ from random import Random
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import Evaluation, FailedEvaluation, Generation
+from mrsfi_runtime.record.store import Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from tests.support.world import paper_code

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrsfi_runtime.record import encoding
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.store import CampaignStore, Evaluation
 
 Rows: TypeAlias = NDArray[np.intp]
 """Indexes of evaluations, ascending."""

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from mrsfi_runtime.analysis.columns import Columns, Rows
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.store import Evaluation
 
 _MOST_DRAWN = 10_000  # points of a cloud of which none is left out
 _N_CELLS = 200  # of either axis, for clouds of more

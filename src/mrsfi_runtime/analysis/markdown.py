@@ -19,10 +19,10 @@ from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import flown_by
-from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure, ticks, violated
 from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows, named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Evaluation
 
 _BELIEVED_TRUE = "believed by the collective intelligence / true in the simulation"
 _MISSED = "and the tick from which on it was certain that the goal's purpose is not met, if it was"

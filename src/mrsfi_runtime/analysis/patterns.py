@@ -19,7 +19,7 @@ from math import erfc, sqrt
 from statistics import linear_regression
 
 from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.record.campaign import Generation
+from mrsfi_runtime.record.store import Generation
 
 
 @dataclass(frozen=True, slots=True)

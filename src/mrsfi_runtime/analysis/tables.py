@@ -10,8 +10,8 @@ from typing import TextIO, TypeAlias
 from mrsfi_runtime.analysis.fronts import Front, Harm
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Mission
 from mrsfi_runtime.model.outcome import TOLD
-from mrsfi_runtime.record.campaign import Flown
 from mrsfi_runtime.record.measure import Measure, ticks
+from mrsfi_runtime.record.store import Flown
 
 Cell: TypeAlias = str | int | float | None
 Rows: TypeAlias = list[tuple[Cell, ...]]

@@ -7,7 +7,7 @@ from functools import partial
 from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor
 from mrsfi_runtime.causes.chain import Chain, chains
 from mrsfi_runtime.causes.counts import ALL_OR_NONE, Column, Counts, Flights
-from mrsfi_runtime.causes.firmness import N_SEEDS, Firmness, firmness
+from mrsfi_runtime.causes.robustness import N_SEEDS, Robustness, robustness
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
@@ -35,7 +35,7 @@ class Cause:
     chains
         What each fault of the cause set changes first, against the cause set without it, in the
         first mission seed.
-    firmness
+    robustness
         What each count under the cause set is in ``N_SEEDS`` mission seeds, the first one on.
     n_flown
         How many flights each part of this took.
@@ -49,7 +49,7 @@ class Cause:
     kept: Counts
     outcome: Outcome
     chains: tuple[Chain, ...]
-    firmness: tuple[Firmness, ...]
+    robustness: tuple[Robustness, ...]
     n_flown: Mapping[str, int]
 
     @property
@@ -80,8 +80,8 @@ def find_cause(
         record = partial(engine.record, seed=flights.mission_seeds[0])
         linked = chains(record, engine.code.mission, cause) if cause else ()
     with flights.on("other mission seeds"):
-        weathers = following(flights.mission_seeds[0], N_SEEDS)
-        firm = firmness([flights.counts_in(cause, seed) for seed in weathers])
+        seeds = following(flights.mission_seeds[0], N_SEEDS)
+        firm = robustness([flights.counts_in(cause, seed) for seed in seeds])
     return Cause(
         specification=specification,
         columns=flights.columns,
@@ -91,6 +91,6 @@ def find_cause(
         kept=flights.counts(cause),
         outcome=flights.outcome(cause),
         chains=linked,
-        firmness=firm,
+        robustness=firm,
         n_flown=dict(flights.n_flown),
     )

@@ -1,6 +1,6 @@
 """How a fault comes to break a goal: the first differences that it makes, one after the other.
 
-Both flights meet the same weather, so that every difference comes from the fault.
+Both flights have the same mission seed, so that every difference comes from the fault.
 """
 
 import math

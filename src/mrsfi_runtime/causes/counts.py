@@ -12,7 +12,7 @@ from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.measure import Measure
 
 EvaluateIn: TypeAlias = Callable[[Sequence[Specification], int], Iterable[Evaluated]]
-"""Evaluates fault specifications in the weather of a mission seed, as an ``Evaluator`` does."""
+"""Evaluates fault specifications with a mission seed, as an ``Evaluator`` does."""
 
 
 class Column(NamedTuple):
@@ -75,7 +75,7 @@ class Flights:
         self.n_flown[self._purpose] += n_flights
 
     def fly(self, specifications: Iterable[Specification], seed: int | None = None) -> None:
-        """Fly specifications all at once, as far as they are not known, in one weather or in all.
+        """Fly specifications all at once, as far as they are not known, with one seed or all.
 
         If the mission's own code fails in one of them, that is an ``EvaluationError``.
         """
@@ -101,7 +101,7 @@ class Flights:
         return self._counts([self._known[specification, seed] for seed in self.mission_seeds])
 
     def counts_in(self, specification: Specification, seed: int) -> Counts:
-        """Return the violations under a specification in the weather of one seed."""
+        """Return the violations under a specification with one mission seed."""
         self.fly([specification], seed)
         return self._counts([self._known[specification, seed]])
 

@@ -187,7 +187,7 @@ class Known:
     ) -> Iterator[tuple[Column, Specification]]:
         """Yield a form for each column that a minimal set breaks: few, and long at work.
 
-        What is long at work breaks a goal in any weather, if any form of its faults does.
+        What is long at work breaks a goal with any seed, if any form of its faults does.
         """
         left = {*broken}
         shown = {each: left & self._isolated(each) for each in self._forms[faults]}
@@ -257,8 +257,8 @@ class Weakness:
 
     @property
     def label(self) -> str:
-        """``firm`` if it holds in all of several mission seeds, or else ``of this weather``."""
-        return "firm" if self.n_held == self.n_seeds > 1 else "of this weather"
+        """``firm`` if it holds in all of several mission seeds, or else ``of this seed``."""
+        return "firm" if self.n_held == self.n_seeds > 1 else "of this seed"
 
     def as_json(self) -> dict[str, Any]:
         """Return it as plain values."""

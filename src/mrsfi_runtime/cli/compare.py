@@ -23,7 +23,7 @@ from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import TransportError, UsageError
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.comparison import Comparison
 from mrsfi_runtime.study.folder import ComparisonFolder

@@ -10,10 +10,10 @@ import click
 
 from mrsfi.engines import evaluator
 from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
 from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError, expected
-from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.server_address import CLIENTS, Client
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from mrsfi_runtime.engine.flights import Evaluator
-    from mrsfi_runtime.mission import MissionCode
+    from mrsfi_runtime.generated_code import MissionCode
 
 SIMULATION = "simulation"
 BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")

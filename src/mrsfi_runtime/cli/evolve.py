@@ -30,10 +30,10 @@ from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import EvaluationError, TransportError, UsageError, WorkerLost
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore
 
 _FREE = frozenset(
     {"resume", "ratio", "no_explain", "is_json"}

@@ -65,7 +65,7 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
     if seed is not None or generated is not None:
         option = "--generated" if seed is None else "--seed"
         raise click.UsageError(
-            f"{option} needs --faults; a campaign has code and weather of its own"
+            f"{option} needs --faults; a campaign has code and mission seed of its own"
         )
     if is_all:
         harvest_now(_run(target), engine, workers, is_json=is_json)

@@ -12,13 +12,13 @@ from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal
 from mrsfi_runtime.causes.chain import First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
-from mrsfi_runtime.causes.firmness import N_SEEDS
 from mrsfi_runtime.causes.labels import BYSTANDER, GoalCauses
+from mrsfi_runtime.causes.robustness import N_SEEDS
 from mrsfi_runtime.causes.sentence import sentences
 from mrsfi_runtime.cli.console import counted
 from mrsfi_runtime.cli.tables import fault_tables, plain_table
 from mrsfi_runtime.cli.terminal import print_table
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.record.measure import NONE, Measure, ticks
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
@@ -71,7 +71,7 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
             click.echo(f"{said}\n")
         print_table("First differences that each fault makes", _chain_table(shown, found))
         title = f"Violations under the cause set in {N_SEEDS} mission seeds"
-        print_table(title, _firmness_table(found))
+        print_table(title, _robustness_table(found))
     _print_labels(shown, found)
     for part, n_flown in found.n_flown.items():
         click.echo(f"{n_flown:>6} flights  {part}")
@@ -161,10 +161,10 @@ def _verdicts(first: FirstVerdicts) -> str:
     return f"{first.goal}:{'/'.join(cells)}"
 
 
-def _firmness_table(found: Explanation) -> Table:
+def _robustness_table(found: Explanation) -> Table:
     rows = [
         (*column, f"{firm.median:g}", firm.least, firm.most, firm.n_violated)
-        for column, firm in zip(found.cause.columns, found.cause.firmness, strict=True)
+        for column, firm in zip(found.cause.columns, found.cause.robustness, strict=True)
         if firm.most
     ]
     header = ("median", "least", "most", "seeds violated")
@@ -262,7 +262,7 @@ def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
             }
             for place, fault in enumerate(shown.faults)
         ],
-        "firmness": [asdict(firm) for firm in cause.firmness],
+        "firmness": [asdict(firm) for firm in cause.robustness],
         "sentences": list(sentences(cause, shown.faults)),
         "n_flown": dict(found.n_flown),
     }

@@ -15,7 +15,7 @@ from mrsfi_runtime.record.settings import CampaignSettings
 
 if TYPE_CHECKING:
     from mrsfi_runtime.kernel.state import State
-    from mrsfi_runtime.search.campaign import CampaignProgress
+    from mrsfi_runtime.search.run import CampaignProgress
 
 _LINES = 100
 """About how many plain lines a long search prints."""

@@ -9,9 +9,9 @@ from mrsfi.versions import installed_version
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.engines import FlightFiles
 from mrsfi_runtime.cli.progress import FlightProgress
+from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.engine.flights import Engine, PlainEngine
 from mrsfi_runtime.files import whole_file, written_file
-from mrsfi_runtime.hosting.lockstep import Observer
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification

@@ -18,8 +18,8 @@ from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded
 from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.cli.terminal import print_table, progress_console
 from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.named_faults import named_faults
+from mrsfi_runtime.record.store import Evaluation
 
 
 def replay(

@@ -11,9 +11,9 @@ from rich.text import Text
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Goal, Mission
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
-from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import MISSED_FROM, NONE, UNKNOWN, Measure, missed_from, ticks
 from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, NamedFault, fault_rows
+from mrsfi_runtime.record.store import Evaluation
 
 
 def plain_table(

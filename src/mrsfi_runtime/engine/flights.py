@@ -7,15 +7,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self, TypeAlias
 
+from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
+from mrsfi_runtime.cosimulation.own_effects import guarded
+from mrsfi_runtime.cosimulation.sides import SimInterface
 from mrsfi_runtime.errors import EvaluationError, SpecificationError, WorkerLost
 from mrsfi_runtime.fence import fenced
-from mrsfi_runtime.hosting.lockstep import Flight, Observer
-from mrsfi_runtime.hosting.own_effects import guarded
-from mrsfi_runtime.hosting.sides import SimInterface
+from mrsfi_runtime.generated_code import MissionCode, failed
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally, Plan, plan
 from mrsfi_runtime.kernel.packing import state_bytes
-from mrsfi_runtime.mission import MissionCode, failed
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
@@ -52,7 +52,7 @@ class Evaluator(ABC):
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
     ) -> Iterator[Evaluated]:
-        """Evaluate in the weather of one seed, and yield the results in order, as they come."""
+        """Evaluate with one mission seed, and yield the results in order, as they come."""
 
     @abstractmethod
     def close(self) -> None:
@@ -60,7 +60,7 @@ class Evaluator(ABC):
 
 
 class Engine(Evaluator):
-    """Flies the mission itself, in the weather of its seed where none is named."""
+    """Flies the mission itself, with its own mission seed where none is named."""
 
     def __init__(self, code: MissionCode, seed: int) -> None:
         self.code = code

@@ -216,7 +216,7 @@ def _as_words(moments: Records) -> npt.NDArray[np.uint64]:
 
 
 Record: TypeAlias = Callable[[Specification], Recording]
-"""Flies fault specifications, all in the weather of one mission seed, and returns every tick."""
+"""Flies fault specifications, all of one mission seed, and returns every tick."""
 
 
 class Recorder:

@@ -7,9 +7,9 @@ References
 Source paper, section III-G and Figure 4.
 """
 
+from mrsfi_runtime.cosimulation.lockstep import Flight
 from mrsfi_runtime.engine.flights import PlainEngine
-from mrsfi_runtime.hosting.lockstep import Flight
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.transport.local_bus import LocalBus
 
 

@@ -15,6 +15,11 @@ from dataclasses import replace
 from multiprocessing import Pipe
 from subprocess import DEVNULL, Popen, TimeoutExpired
 
+from mrsfi_runtime.cosimulation.bundle import BundlingTransport
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.lockstep import Flight
+from mrsfi_runtime.cosimulation.lockstep_topics import GO_BUNDLE
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine import simulation_process
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.errors import (
@@ -23,12 +28,7 @@ from mrsfi_runtime.errors import (
     TransportTimeout,
     UsageError,
 )
-from mrsfi_runtime.hosting.bundle import BundlingTransport
-from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
-from mrsfi_runtime.hosting.lockstep import Flight
-from mrsfi_runtime.hosting.lockstep_topics import GO_BUNDLE
-from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from mrsfi_runtime.transport.server_address import Client
 

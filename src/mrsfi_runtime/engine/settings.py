@@ -4,14 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Self
 
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import EvaluationError, UsageError, expected
-from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.transport.server_address import Client
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.compiled.engine import CompiledEngine
     from mrsfi_runtime.engine.flights import Engine
-    from mrsfi_runtime.mission import MissionCode
+    from mrsfi_runtime.generated_code import MissionCode
 
 AUTO, REFERENCE, COMPILED, ROSBRIDGE = "auto", "reference", "compiled", "rosbridge"
 ENGINES = (AUTO, REFERENCE, COMPILED, ROSBRIDGE)

@@ -15,11 +15,11 @@ from threading import Thread
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings
+from mrsfi_runtime.cosimulation.bundle import BundlingTransport
+from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import MrsfiError, TransportError
-from mrsfi_runtime.hosting.bundle import BundlingTransport
-from mrsfi_runtime.hosting.simulation_host import SimulationHost
-from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport

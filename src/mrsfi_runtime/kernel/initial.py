@@ -7,6 +7,7 @@ from mrsfi_runtime.kernel.goal_tasks.table import number
 from mrsfi_runtime.kernel.neighbours import LISTED, STRAYS, n_buckets, stride
 from mrsfi_runtime.kernel.obstacles import mapped
 from mrsfi_runtime.kernel.randomness import PURPOSE_HEADING, choice, seed_key
+from mrsfi_runtime.kernel.samples import sample_chances
 from mrsfi_runtime.kernel.state import (
     ChartedState,
     CommandState,
@@ -22,7 +23,6 @@ from mrsfi_runtime.kernel.state import (
     State,
     SwitchState,
 )
-from mrsfi_runtime.kernel.weather import sample_chances
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Area, Coordinates, Goal, Mission, Robot
 
 DIRECTIONS = tuple(

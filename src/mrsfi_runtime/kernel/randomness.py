@@ -1,7 +1,7 @@
 """Stateless randomness: a hash of (mission seed, tick, entity, purpose).
 
 There is no stream to keep in step, so every order of evaluation draws the same values, and
-two fault specifications of one campaign meet the same weather. The arithmetic stays below
+two fault specifications of one campaign meet the same chances. The arithmetic stays below
 64 bits after masking, which makes it identical in the interpreter and in compiled code.
 
 References

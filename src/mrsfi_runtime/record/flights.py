@@ -13,7 +13,7 @@ _OUTCOME = (*encoding.COUNTS, "digest")
 
 @dataclass(frozen=True, slots=True)
 class RecordedFlight:
-    """What came of a specification in the weather of a mission seed.
+    """What came of a specification with a mission seed.
 
     Attributes
     ----------

@@ -8,8 +8,8 @@ from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Evaluation
 
 
 @dataclass(frozen=True, slots=True)

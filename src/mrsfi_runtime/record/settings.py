@@ -82,7 +82,7 @@ class CampaignSettings:
     goals
         IDs of the goals that ``focused`` and the Pareto front look at; none means all.
     seed, mission_seed
-        Seeds of the search and of the mission's weather.
+        Seeds of the search and of the mission.
     evaluations
         Number of evaluations after which the run ends, exactly, in place of
         ``generations``: how controls are given as many as another run had.

@@ -22,7 +22,7 @@ from deap import algorithms, base, tools
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.estimation import FaultModel
+from mrsfi_runtime.search.eda import FaultModel
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.guided import guided
 from mrsfi_runtime.search.individuals import (

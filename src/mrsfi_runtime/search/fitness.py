@@ -20,7 +20,7 @@ from mrsfi_runtime.search.user_functions import chosen
 
 
 @dataclass(frozen=True, slots=True)
-class Findings:
+class FitnessInput:
     """What a fitness function judges: all that one evaluation found.
 
     ``violations`` is the count that the campaign chose, believed by default, of every goal in
@@ -46,14 +46,17 @@ class Score(NamedTuple):
     outcome: Outcome | None = None
 
 
-FitnessFunction: TypeAlias = Callable[[Findings], float]
+Findings = FitnessInput
+"""The name of 0.1, for one more release."""
+
+FitnessFunction: TypeAlias = Callable[[FitnessInput], float]
 """From findings to a number >= 0; more is more critical."""
 
 _TOTAL = 0.3
 _DISTINCT = 0.7
 
 
-def weighted(findings: Findings) -> float:
+def weighted(findings: FitnessInput) -> float:
     """Return violations of all goals, and the number of goals violated, weighted.
 
     References
@@ -63,7 +66,7 @@ def weighted(findings: Findings) -> float:
     return _TOTAL * sum(findings.violations) + _DISTINCT * _n_distinct(findings)
 
 
-def weighted_normalised(findings: Findings) -> float:
+def weighted_normalised(findings: FitnessInput) -> float:
     """Return equation (1) with both terms as shares of what is possible, 0 … 1.
 
     Notes
@@ -75,7 +78,7 @@ def weighted_normalised(findings: Findings) -> float:
     return _TOTAL * total + _DISTINCT * _n_distinct(findings) / n_goals
 
 
-def focused(findings: Findings) -> float:
+def focused(findings: FitnessInput) -> float:
     """Return the violations of the chosen goals.
 
     References
@@ -95,7 +98,7 @@ def goal_vector(violations: Sequence[int], goals: Sequence[int]) -> tuple[int, .
     return tuple(violations[goal] for goal in goals)
 
 
-def _n_distinct(findings: Findings) -> int:
+def _n_distinct(findings: FitnessInput) -> int:
     return sum(1 for violations in findings.violations if violations)
 
 
@@ -123,7 +126,9 @@ class Judge:
 
     def score(self, outcome: Outcome) -> Score:
         """Return the fitness and the goal vector of one outcome."""
-        findings = Findings(outcome, getattr(outcome, self._measure), self._goals, self._duration)
+        findings = FitnessInput(
+            outcome, getattr(outcome, self._measure), self._goals, self._duration
+        )
         fitness = self._fitness(findings)
         if not isinstance(fitness, Real):
             found = type(fitness).__name__

@@ -7,7 +7,7 @@ from typing import TypeAlias
 from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, FailedEvaluation, Generation
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, FailedEvaluation, Generation
 
 WORST_FITNESS = 0.0
 """Fitness of a specification whose evaluation failed; that of one without a violation."""

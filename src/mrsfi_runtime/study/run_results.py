@@ -9,9 +9,9 @@ from moocore import hypervolume
 
 from mrsfi_runtime.analysis.fronts import non_dominated, score
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.campaign import Evaluation
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Evaluation
 
 MOST_OBJECTIVES = 7
 """Of a hypervolume that is computed; its cost grows exponentially with their number."""

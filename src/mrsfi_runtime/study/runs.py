@@ -12,21 +12,21 @@ import mrsfi_runtime
 from mrsfi_runtime.causes.cover import ALGORITHMS
 from mrsfi_runtime.engine.imported_files import imported_files
 from mrsfi_runtime.errors import GenerationError, RecordError
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.imported_copies import IMPORTED
-from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.folder import hashes, only_writer
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import run_campaign
+from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.resumable_record import EvaluateMany
+from mrsfi_runtime.search.run import run_campaign
 from mrsfi_runtime.semantics_of_code import generated_semantics
 from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.run_results import RunResult, measure_run
 
 _VARIED = ("algorithm", "seed")
-_DECISIVE = ("model", "kernel", "hosting", "record", "search", "causes")
+_DECISIVE = ("model", "kernel", "cosimulation", "record", "search", "causes")
 """Rooms of mrsfi whose source decides what a search finds."""
 
 

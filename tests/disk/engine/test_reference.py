@@ -6,7 +6,7 @@ import pytest
 
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, GenerationError
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.edited import edited
 from tests.support.world import ROOT, paper_code

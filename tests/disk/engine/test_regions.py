@@ -6,7 +6,7 @@ from mrsfi_runtime.api import kernel
 from mrsfi_runtime.engine.compiled.compiler import register
 from mrsfi_runtime.engine.compiled.reach import CompilationError
 from mrsfi_runtime.engine.compiled.regions import own_regions
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from tests.support.cli import edit
 from tests.support.edited import COLLECTIVE, edited
 from tests.support.tree import ROOT

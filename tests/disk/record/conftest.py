@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import SETTINGS
 
 

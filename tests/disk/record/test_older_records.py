@@ -8,9 +8,9 @@ import pytest
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.semantics import SEMANTICS
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import evaluation
 from tests.support.older_records import DIGEST_OF_1, recorded_by_1
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import evaluation
 
 NOBODY = 65534

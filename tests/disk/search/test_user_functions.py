@@ -6,7 +6,7 @@ import pytest
 
 from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.campaign import require_settings, run_campaign
+from mrsfi_runtime.search.run import require_settings, run_campaign
 from mrsfi_runtime.search.user_functions import chosen
 from tests.support.search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
 

@@ -15,10 +15,10 @@ from mrsfi_runtime.analysis.report import (
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.record.campaign import CampaignStore, Generation
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, fault_rows, named_faults
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore, Generation
 from tests.support.campaigns import (
     evaluation,
     generations_of_evaluations,

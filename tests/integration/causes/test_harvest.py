@@ -11,11 +11,11 @@ from mrsfi_runtime.causes.weakness import MEASURES, faults_of
 from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, RecordError, WorkerLost
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault, fault_ticks
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore, Evaluation
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import varied_specification
 from tests.support.rendezvous import PLANTED, harmless, write_rendezvous

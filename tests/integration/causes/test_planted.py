@@ -12,7 +12,7 @@ from mrsfi_runtime.causes.explanation import explain
 from mrsfi_runtime.cli.explained import Shown, print_explanation
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import ReplayMismatch
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
@@ -64,7 +64,7 @@ def test_one_fault_alone(engine):
     assert {(each.believed, each.true, each.missed) for each in chain.verdicts} == {
         (at_deadline,) * 3
     }
-    assert {(firm.median, firm.n_violated) for firm in found.cause.firmness} == {(50, 20), (0, 0)}
+    assert {(firm.median, firm.n_violated) for firm in found.cause.robustness} == {(50, 20), (0, 0)}
 
 
 def test_two_faults_only_together(engine):

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import evaluation
 
 WRITER = """
@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 sys.path[:0] = {path!r}
 from mrsfi_runtime.record import database
-from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation
@@ -64,7 +64,7 @@ import resource, sys
 from pathlib import Path
 sys.path[:0] = {path!r}
 from mrsfi_runtime.errors import RecordError
-from mrsfi_runtime.record.campaign import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import evaluation

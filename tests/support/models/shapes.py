@@ -12,7 +12,7 @@ from random import Random
 
 from m2t.generate import generate
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.mission import MissionCode, load_code
+from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.fault_types import FaultType, Field, Mode
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import Gate

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from m2t.constraints.faults import fault_types
+from m2t.constraints.fault_rules import fault_types
 from m2t.load import LoadedFile, LoadedModels, load_mission_folder
 from m2t.read.nodes import Spelling
 from m2t.saving import saved

@@ -16,10 +16,10 @@ from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.analysis.tables import evaluations_table, listed_step
 from mrsfi_runtime.errors import RecordError, SpecificationError, UsageError
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.encoding import fault_texts, specification_text
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.campaigns import columns_of, evaluation, store_of
 from tests.support.measures import FLOWN_TWICE, GOALS, HIDING, MASKED, MEANS
 from tests.support.search import paper_mission, pool_of

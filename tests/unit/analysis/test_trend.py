@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mrsfi_runtime.analysis.patterns import GenerationFitness, Trend, find_trend
-from mrsfi_runtime.record.campaign import Generation
+from mrsfi_runtime.record.store import Generation
 
 
 def trend_of(*means: float) -> Trend:

@@ -141,7 +141,7 @@ def test_a_set_holds_in_a_seed_if_it_breaks_the_goal_and_no_part_of_it_does():
 
     assert (one.faults, one.n_held, one.n_seeds) == (("f6",), 2, 3)
     assert (two.faults, two.n_held, two.n_seeds) == (("f4", "f5"), 2, 3)
-    assert two.label == "of this weather"
+    assert two.label == "of this seed"
     assert in_seeds(MISSION, [two], _outcomes, (1, 3))[0].label == "firm"
 
 

@@ -4,9 +4,9 @@ import pytest
 
 from mrsfi.engines import recorded_engine
 from mrsfi_runtime.cli.engines import EngineOptions
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.hosting.waiting import Patience
 
 URL = "ws://127.0.0.1:9090"
 BUS = EngineSettings("rosbridge", url=URL, client="twisted", has_simulation=False)

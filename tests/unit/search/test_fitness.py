@@ -4,7 +4,7 @@ from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import (
     FITNESS_FUNCTIONS,
-    Findings,
+    FitnessInput,
     Judge,
     Score,
     averaged,
@@ -15,8 +15,8 @@ from tests.support.search import outcome_of, paper_mission
 VIOLATIONS = (10, 0, 5, 0, 0, 85)
 
 
-def findings_of(violations: tuple[int, ...], duration: int = 1000) -> Findings:
-    return Findings(outcome_of(*violations), violations, (0, 2), duration)
+def findings_of(violations: tuple[int, ...], duration: int = 1000) -> FitnessInput:
+    return FitnessInput(outcome_of(*violations), violations, (0, 2), duration)
 
 
 @pytest.mark.parametrize(

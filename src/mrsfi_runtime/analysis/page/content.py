@@ -25,8 +25,8 @@ from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import CampaignStore
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+from mrsfi_runtime.record.store import CampaignStore
 
 MOST_LISTED = 5000
 """Evaluations that the page lists, at most."""

@@ -56,7 +56,7 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     help="Campaign file: case_NAME.toml beside the models, or any TOML file.",
 )
 @click.option("--seed", type=int, help="Seed of the search.")
-@click.option("--mission-seed", type=int, help="Seed of the mission's weather.")
+@click.option("--mission-seed", type=int, help="Mission seed: decides the samples.")
 @click.option(
     "--algorithm",
     metavar="NAME",

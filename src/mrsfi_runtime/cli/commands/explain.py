@@ -76,7 +76,7 @@ yet is flown and recorded, as at the end of mrsfi evolve, and printed as by mrsf
     "--seed",
     type=click.IntRange(0),
     show_default="that of RUN, else 1",
-    help="With --faults: seed of the weather.",
+    help="With --faults: mission seed.",
 )
 @click.option(
     "--out",

@@ -45,9 +45,7 @@ met.
     metavar="FILE",
     help="Fly under this fault specification.",
 )
-@click.option(
-    "--seed", type=click.IntRange(0), default=1, show_default=True, help="Seed of the weather."
-)
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
 @recording_options
 @engine_options(BOTH, CI, SIMULATION)
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")

@@ -14,7 +14,7 @@ from mrsfi_runtime.engine.cluster.shipment import Shipment
 from mrsfi_runtime.engine.cluster.worker import Chunk
 from mrsfi_runtime.engine.flights import Evaluated, Evaluator
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
 
 _N_AHEAD = 2  # chunks for each worker, so that the next is there when one is done

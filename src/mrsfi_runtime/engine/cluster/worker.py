@@ -13,7 +13,7 @@ from mrsfi_runtime.engine.cluster.shipment import Shipment
 from mrsfi_runtime.engine.flights import Engine, Evaluated, FailedFlight
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import MrsfiError, TransportError
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Specification
 
 

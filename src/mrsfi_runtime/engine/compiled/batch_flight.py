@@ -23,7 +23,7 @@ class Flights:
 
     ``states`` are the directories of truth, belief and inbox, ``plans`` and ``verdicts`` has one a
     specification. ``fresh`` is what changes in a state, before the first tick, ``world, belief,
-    inbox`` the same of the states themselves. ``weather`` has the valid samples of each sensor,
+    inbox`` the same of the states themselves. ``samples`` has the valid ones of each sensor,
     tick after tick. ``results`` has a row a specification: the words of the last truth and belief,
     then the verdicts; ``moments`` one for each tick to be kept, of ``n_moments``. ``at`` receives
     the number of the specification that flies, and says from which tick on and before which.
@@ -36,7 +36,7 @@ class Flights:
     world: list[int]
     belief: list[int]
     inbox: list[int]
-    weather: bytes
+    samples: bytes
     plans: list[int]
     verdicts: list[int]
     results: list[int]
@@ -69,7 +69,7 @@ def fly_many(flights: Flights, first: int, last: int) -> int:
             copy(flights.fresh, 0, flights.inbox, 0, n_fresh)
             issue(belief, world, plan, 0)
         for tick in range(begin, end):
-            valid = flights.weather[tick * n_sensors : (tick + 1) * n_sensors]
+            valid = flights.samples[tick * n_sensors : (tick + 1) * n_sensors]
             move(world, valid, tick)
             send(world, inbox)
             answer(functions, world, belief, inbox, world, plan, verdicts, tick)

@@ -24,7 +24,7 @@ from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.engine.compiled.regions import ROLES, Region, own_regions
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.fence import TimeLimitReached, apart, fenced, words
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.compiled.layout import Words

@@ -12,6 +12,8 @@ from itertools import chain, pairwise
 
 import numpy as np
 
+from mrsfi_runtime.cosimulation.lockstep import Observer
+from mrsfi_runtime.cosimulation.own_effects import allowed_columns
 from mrsfi_runtime.engine.compiled.batch import Batch
 from mrsfi_runtime.engine.compiled.compiled_flight import CompiledFlight
 from mrsfi_runtime.engine.compiled.frames import Frame, Fresh, fresh_of
@@ -21,12 +23,10 @@ from mrsfi_runtime.engine.flights import Engine, Evaluated
 from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
-from mrsfi_runtime.hosting.lockstep import Observer
-from mrsfi_runtime.hosting.own_effects import allowed_columns
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, OwnRow, plan_rows
-from mrsfi_runtime.mission import MissionCode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission

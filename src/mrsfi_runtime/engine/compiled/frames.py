@@ -7,22 +7,22 @@ import numpy as np
 import numpy.typing as npt
 
 from mrsfi_runtime.engine.compiled.batch import Batch
-from mrsfi_runtime.engine.compiled.layout import StateLayout, Words, laid_out, weather_table
+from mrsfi_runtime.engine.compiled.layout import StateLayout, Words, laid_out, sample_table
 from mrsfi_runtime.engine.recording import Records
 from mrsfi_runtime.kernel.state import State
 
 
 class Fresh(NamedTuple):
-    """What a seed decides: a state before the first tick, and the weather that is to come."""
+    """What a seed decides: a state before the first tick, and the valid samples of each tick."""
 
     layout: StateLayout
     words: Words
-    weather: npt.NDArray[np.uint8]
+    samples: npt.NDArray[np.uint8]
 
 
 def fresh_of(state: State) -> Fresh:
     """Return what a state before the first tick decides."""
-    return Fresh(*laid_out(state), weather_table(state))
+    return Fresh(*laid_out(state), sample_table(state))
 
 
 class Frame:
@@ -35,7 +35,7 @@ class Frame:
         self._states = [fresh.words.copy() for _ in range(3)]
         directories = [layout.directory(words, calls) for words in self._states]
         plans, held = batch.plans(*span)
-        self._at = np.array([0, 0, len(fresh.weather)], np.int64)
+        self._at = np.array([0, 0, len(fresh.samples)], np.int64)
         self._n_moments = np.zeros(1, np.int64)
         self._moments: Records = np.zeros(0, np.int64)
         arrays: list[npt.NDArray[Any]] = [
@@ -44,13 +44,13 @@ class Frame:
             _addresses(directories),
             fresh.words[:n],
             *(words[:n] for words in self._states),
-            fresh.weather,
+            fresh.samples,
             _addresses(plans),
             _addresses(batch.verdicts),
             batch.results,
             self._moments,
         ]
-        sizes = [array.nbytes // (1 if array is fresh.weather else 8) for array in arrays]
+        sizes = [array.nbytes // (1 if array is fresh.samples else 8) for array in arrays]
         sizes[0] = 1
         self._kept = (arrays, directories, plans, held, calls, batch)
         addresses = [array.ctypes.data for array in arrays]

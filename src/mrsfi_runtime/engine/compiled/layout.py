@@ -18,8 +18,8 @@ from mrsfi_runtime.engine.compiled.directories import (
 from mrsfi_runtime.engine.recording import Records, recorded_type
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
+from mrsfi_runtime.kernel.samples import reached
 from mrsfi_runtime.kernel.state import MissionState, State
-from mrsfi_runtime.kernel.weather import reached
 
 Words = npt.NDArray[np.int64]
 
@@ -106,8 +106,8 @@ def _parts(kind: type, record: Any, first: int) -> Iterator[tuple[int, tuple[np.
             yield place, (entry.layout, listed if is_plain else [astuple(each) for each in listed])
 
 
-def weather_table(state: State) -> npt.NDArray[np.uint8]:
-    """Return what ``kernel.weather.weather`` does, shape ``(n_ticks, n_sensors)``, read-only."""
+def sample_table(state: State) -> npt.NDArray[np.uint8]:
+    """Return what ``kernel.samples.valid_samples`` does, shape ``(n_ticks, n_sensors)``."""
     ticks: Any = np.arange(state.mission.duration, dtype=np.uint64)  # drawn all at once
     table = np.empty((len(ticks), len(state.sensors)), np.uint8)
     for sensor, chances in enumerate(reached(state)):

@@ -5,9 +5,9 @@ from types import CodeType, FunctionType
 from typing import Any, NamedTuple
 
 from mrsfi_runtime.engine.compiled.reach import CompilationError, is_kernel
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.kernel.goal_tasks.reference import FUNCTIONS
 from mrsfi_runtime.kernel.goal_tasks.table import number
-from mrsfi_runtime.mission import MissionCode
 
 ROLES = tuple(FUNCTIONS)
 EFFECT = "apply"

@@ -11,9 +11,9 @@ from typing import IO, TypeAlias
 from mcap.records import Schema
 from mcap_ros2.writer import Writer
 
-from mrsfi_runtime.hosting.lockstep_topics import CLOCK
-from mrsfi_runtime.hosting.team_topics import RobotTopics, SensorTopics
-from mrsfi_runtime.hosting.truth import true_values
+from mrsfi_runtime.cosimulation.lockstep_topics import CLOCK
+from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
+from mrsfi_runtime.cosimulation.truth import true_values
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.kernel.state import State

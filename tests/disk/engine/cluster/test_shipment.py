@@ -3,7 +3,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from mrsfi_runtime.engine.cluster.shipment import Shipment
-from mrsfi_runtime.mission import load_code
+from mrsfi_runtime.generated_code import load_code
 from tests.support.world import ROOT
 
 GENERATED = ROOT / "generated" / "tight_margins"

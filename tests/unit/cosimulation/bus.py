@@ -5,11 +5,11 @@ from contextlib import contextmanager
 from queue import SimpleQueue
 from threading import Thread
 
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import TransportClosed
-from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
-from mrsfi_runtime.hosting.simulation_host import SimulationHost
-from mrsfi_runtime.hosting.waiting import Patience
-from mrsfi_runtime.mission import MissionCode
+from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.topics import (
     FailureListener,

@@ -5,9 +5,9 @@ References
 Source paper, section III-F.
 """
 
+from mrsfi_runtime.cosimulation.heard import Heard
+from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.hosting.heard import Heard
-from mrsfi_runtime.hosting.team_topics import RobotTopics, SensorTopics
 from mrsfi_runtime.kernel.state import RobotState, SensorState
 from mrsfi_runtime.transport.topics import PubSub
 

@@ -13,9 +13,9 @@ from types import CodeType, ModuleType
 from typing import Any
 from zlib import crc32
 
+from mrsfi_runtime.cosimulation.sides import SimInterface, Simulation
 from mrsfi_runtime.errors import EvaluationError, GenerationError, SpecificationError, WorkerLost
 from mrsfi_runtime.fence import TimeLimitReached, fenced, words
-from mrsfi_runtime.hosting.sides import SimInterface, Simulation
 from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.kernel.flight import MissionFunctions
 from mrsfi_runtime.model.faults import FaultPool

@@ -2,9 +2,9 @@
 
 import pytest
 
+from mrsfi_runtime.cosimulation.heard import Heard
+from mrsfi_runtime.cosimulation.truth import take_true_values, true_values
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.hosting.heard import Heard
-from mrsfi_runtime.hosting.truth import take_true_values, true_values
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.topics import Topic

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from mrsfi_runtime.engine.compiled.layout import weather_table
+from mrsfi_runtime.engine.compiled.layout import sample_table
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
-from mrsfi_runtime.kernel.weather import sample_chances, weather
+from mrsfi_runtime.kernel.samples import sample_chances, valid_samples
 from mrsfi_runtime.model.mission import Robot, Sensor
 from tests.support.world import mission, robot
 
@@ -23,10 +23,10 @@ def test_every_number_is_that_of_the_bounds_that_a_draw_of_its_own_is_not_below(
     rates = (1, 2, 5, 1000)
     state = initial_state(mission(robots=(carrier(*rates),), duration=300), seed)
 
-    found = [list(row) for row in weather(state)]
+    found = [list(row) for row in valid_samples(state)]
 
     key = state.mission.seed
-    assert found == weather_table(state).tolist()
+    assert found == sample_table(state).tolist()
     assert found == [
         [
             sum(draw(key, tick, k, PURPOSE_SAMPLES) >= bound for bound in sample_chances(rate))
@@ -37,22 +37,22 @@ def test_every_number_is_that_of_the_bounds_that_a_draw_of_its_own_is_not_below(
 
 
 def test_one_sample_a_tick_is_valid_on_average():
-    found = weather_table(initial_state(mission(duration=20_000), 1))
+    found = sample_table(initial_state(mission(duration=20_000), 1))
 
     assert found.shape == (20_000, 4)
     assert found.mean(axis=0) == pytest.approx([1.0] * 4, rel=0.03)
 
 
-def test_no_flight_changes_the_weather_of_those_after_it():
+def test_no_flight_changes_the_samples_of_those_after_it():
     with pytest.raises(ValueError, match="read-only"):
-        weather_table(initial_state(mission(), 1))[0, 0] = 7
+        sample_table(initial_state(mission(), 1))[0, 0] = 7
 
 
 def test_a_mission_may_do_without_sensors():
     without = initial_state(mission(robots=(carrier(),)), 1)
 
-    assert weather(without) == (b"",) * 100
-    assert weather_table(without).shape == (100, 0)
+    assert valid_samples(without) == (b"",) * 100
+    assert sample_table(without).shape == (100, 0)
 
 
 def test_chances_are_those_of_the_binomial_with_mean_one():

@@ -1,7 +1,7 @@
 """The true state of a robot as one message: for the judge of true verdicts, never for the CI."""
 
+from mrsfi_runtime.cosimulation.heard import Heard
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.hosting.heard import Heard
 from mrsfi_runtime.kernel.state import State
 
 

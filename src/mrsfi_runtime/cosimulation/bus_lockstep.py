@@ -8,16 +8,10 @@ import secrets
 from contextlib import suppress
 from time import monotonic, sleep
 
-from mrsfi_runtime.errors import (
-    MrsfiError,
-    ProtocolError,
-    TransportError,
-    TransportTimeout,
-)
-from mrsfi_runtime.hosting.counted_topics import CountedTopics
-from mrsfi_runtime.hosting.heard import Heard
-from mrsfi_runtime.hosting.lockstep import Flight
-from mrsfi_runtime.hosting.lockstep_topics import (
+from mrsfi_runtime.cosimulation.counted_topics import CountedTopics
+from mrsfi_runtime.cosimulation.heard import Heard
+from mrsfi_runtime.cosimulation.lockstep import Flight
+from mrsfi_runtime.cosimulation.lockstep_topics import (
     CLOCK,
     FAILURE,
     GO,
@@ -31,9 +25,15 @@ from mrsfi_runtime.hosting.lockstep_topics import (
     Tick,
     numbers,
 )
-from mrsfi_runtime.hosting.sides import SimInterface
-from mrsfi_runtime.hosting.truth import take_true_values
-from mrsfi_runtime.hosting.waiting import Completion, Patience
+from mrsfi_runtime.cosimulation.sides import SimInterface
+from mrsfi_runtime.cosimulation.truth import take_true_values
+from mrsfi_runtime.cosimulation.waiting import Completion, Patience
+from mrsfi_runtime.errors import (
+    MrsfiError,
+    ProtocolError,
+    TransportError,
+    TransportTimeout,
+)
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.model.mission import Mission

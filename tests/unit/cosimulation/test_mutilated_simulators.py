@@ -2,12 +2,12 @@
 
 import pytest
 
+from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.hosting.bus_lockstep import BusLockstep
 from tests.support.page_simulator import join_page_simulator
 from tests.support.world import paper_code
-from tests.unit.hosting.bus import PATIENCE, QueuedBus
-from tests.unit.hosting.test_bus_lockstep import BusEngine
+from tests.unit.cosimulation.bus import PATIENCE, QueuedBus
+from tests.unit.cosimulation.test_bus_lockstep import BusEngine
 
 CODE = paper_code(40)
 POSITION = 'publish(f"/{robot}/position", x=at[0], y=at[1], z=0.0)'

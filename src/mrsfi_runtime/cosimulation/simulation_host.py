@@ -5,9 +5,8 @@ References
 Source paper, section III-F.
 """
 
-from mrsfi_runtime.errors import MrsfiError, ProtocolError
-from mrsfi_runtime.hosting.counted_topics import CountedTopics
-from mrsfi_runtime.hosting.lockstep_topics import (
+from mrsfi_runtime.cosimulation.counted_topics import CountedTopics
+from mrsfi_runtime.cosimulation.lockstep_topics import (
     CLOCK,
     FAILURE,
     GO,
@@ -21,8 +20,9 @@ from mrsfi_runtime.hosting.lockstep_topics import (
     Setup,
     numbers,
 )
-from mrsfi_runtime.hosting.sides import Simulation
-from mrsfi_runtime.hosting.waiting import Completion, Patience
+from mrsfi_runtime.cosimulation.sides import Simulation
+from mrsfi_runtime.cosimulation.waiting import Completion, Patience
+from mrsfi_runtime.errors import MrsfiError, ProtocolError
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import SEMANTICS, flown_by
 from mrsfi_runtime.transport.topics import Payload, Transport

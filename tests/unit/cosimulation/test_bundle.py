@@ -5,9 +5,9 @@ from functools import partial
 
 import pytest
 
+from mrsfi_runtime.cosimulation.bundle import BundlingTransport
+from mrsfi_runtime.cosimulation.lockstep_topics import GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.hosting.bundle import BundlingTransport
-from mrsfi_runtime.hosting.lockstep_topics import GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.topics import Topic
 

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from mrsfi_runtime.cosimulation.counted_topics import GRACE, CountedTopics
 from mrsfi_runtime.errors import ProtocolError, TransportError, TransportTimeout
-from mrsfi_runtime.hosting.counted_topics import GRACE, CountedTopics
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.topics import Topic
 

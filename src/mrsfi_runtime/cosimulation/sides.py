@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from mrsfi_runtime.hosting.interface_parts import RobotInterface, SensorInterface
+from mrsfi_runtime.cosimulation.interface_parts import RobotInterface, SensorInterface
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.transport.topics import PubSub

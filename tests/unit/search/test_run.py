@@ -12,7 +12,7 @@ from mrsfi_runtime.model.faults import Specification, fault_ticks
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.algorithms import ALGORITHMS
-from mrsfi_runtime.search.campaign import CampaignProgress, EvaluateMany, run_campaign
+from mrsfi_runtime.search.run import CampaignProgress, EvaluateMany, run_campaign
 from tests.support.search import (
     MemoryRecorder,
     evaluate_stand_in,

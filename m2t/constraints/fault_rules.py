@@ -8,8 +8,8 @@ Source paper, section III-B b).
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-from m2t.constraints.mission import number
-from m2t.diagnostics import Findings
+from m2t.constraints.mission_rules import number
+from m2t.diagnostics import NodeReport
 from m2t.elements import is_set, values
 from m2t.metaclasses import is_kind, slots
 from m2t.metamodel_contract import BOUNDS
@@ -20,7 +20,7 @@ Pairs: TypeAlias = list[tuple[str, str]]
 """Names of features of which the value of the first must not be above that of the second."""
 
 
-def check_faults(specification: Any, duration: int, findings: Findings) -> None:
+def check_faults(specification: Any, duration: int, findings: NodeReport) -> None:
     """Check a fault specification whose structure is sound, for a mission's duration in ticks."""
     for fault in specification.faults:
         _check_window(fault, duration, findings)
@@ -84,7 +84,7 @@ def broken_ticks(kind: Any) -> list[str]:
     ]
 
 
-def _check_window(fault: Any, duration: int, findings: Findings) -> None:
+def _check_window(fault: Any, duration: int, findings: NodeReport) -> None:
     has_start, has_finish = is_set(fault, "start"), is_set(fault, "finish")
     if has_start != has_finish:
         given, missing = ("start", "finish") if has_start else ("finish", "start")
@@ -111,7 +111,7 @@ def _check_window(fault: Any, duration: int, findings: Findings) -> None:
         )
 
 
-def _check_parameters(kind: Any, findings: Findings) -> None:
+def _check_parameters(kind: Any, findings: NodeReport) -> None:
     drawn = [("RandomBoundsOrdered", *pair) for pair in exchanged_draw(kind)]
     searched = [("SearchBoundsOrdered", *pair) for pair in exchanged_bounds(kind)]
     for constraint, low, high in drawn + searched:
@@ -130,7 +130,7 @@ def _check_parameters(kind: Any, findings: Findings) -> None:
         )
 
 
-def _check_field(kind: Any, findings: Findings) -> None:
+def _check_field(kind: Any, findings: NodeReport) -> None:
     """Check that the affected message carries what the fault falsifies."""
     message = getattr(kind, "affectedMessage", None)
     if message is None:

@@ -5,8 +5,8 @@ References
 Source paper, section III-F.
 """
 
-from mrsfi_runtime.hosting.team_topics import RobotTopics, SensorTopics
-from mrsfi_runtime.hosting.truth import true_values
+from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
+from mrsfi_runtime.cosimulation.truth import true_values
 from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.transport.topics import Payload, PubSub

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeAlias
 
-from mrsfi_runtime.hosting.sides import SimInterface
+from mrsfi_runtime.cosimulation.sides import SimInterface
 from mrsfi_runtime.kernel.effects.commands import Orders, issue
 from mrsfi_runtime.kernel.flight import MissionFunctions, Verdicts, answer, no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state

@@ -9,8 +9,15 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from mrsfi_runtime.cosimulation.lockstep_topics import (
+    FAILURE,
+    GO,
+    GO_BUNDLE,
+    SETUP,
+    TICK,
+    TICK_BUNDLE,
+)
 from mrsfi_runtime.errors import ProtocolError
-from mrsfi_runtime.hosting.lockstep_topics import FAILURE, GO, GO_BUNDLE, SETUP, TICK, TICK_BUNDLE
 from mrsfi_runtime.transport.topics import Payload, Publisher, Topic, Transport
 
 _ALONE = (SETUP, FAILURE)

@@ -13,7 +13,7 @@ from typing import Any
 from pyecore.ecore import EObject
 
 from m2t.constraints.contact import Discs
-from m2t.diagnostics import Findings, listed, shown
+from m2t.diagnostics import NodeReport, listed, shown
 from m2t.elements import is_set
 from m2t.metaclasses import base_class, is_kind
 from m2t.write.xmi import java_double
@@ -29,7 +29,7 @@ _LENGTHS = {
 }
 
 
-def check_mission(mission: Any, findings: Findings) -> None:
+def check_mission(mission: Any, findings: NodeReport) -> None:
     """Check a mission whose structure is sound."""
     for robot in mission.robots:
         _check_robot(mission, robot, findings)
@@ -89,7 +89,7 @@ def _ids(elements: Any) -> str:
     return listed([str(element.ID) for element in elements]) or "none"
 
 
-def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:
+def _check_robot(mission: Any, robot: Any, findings: NodeReport) -> None:
     if is_set(robot, "maxSpeed") and robot.speed > robot.maxSpeed:
         findings.add(
             robot,
@@ -114,7 +114,7 @@ def _check_robot(mission: Any, robot: Any, findings: Findings) -> None:
         )
 
 
-def _check_property_names(station: Any, findings: Findings) -> None:
+def _check_property_names(station: Any, findings: NodeReport) -> None:
     properties = (station.intProperties, station.stringProperties, station.doubleProperties)
     for entry in repeated(chain(*properties)):
         findings.add(
@@ -125,7 +125,7 @@ def _check_property_names(station: Any, findings: Findings) -> None:
         )
 
 
-def _check_area(mission: Any, area: Any, findings: Findings) -> None:
+def _check_area(mission: Any, area: Any, findings: NodeReport) -> None:
     outer = mission.missionArea
     if distance(point(area.center), point(outer.center)) + area.radius > outer.radius:
         findings.add(
@@ -136,7 +136,7 @@ def _check_area(mission: Any, area: Any, findings: Findings) -> None:
         )
 
 
-def _check_starts(mission: Any, findings: Findings) -> None:
+def _check_starts(mission: Any, findings: NodeReport) -> None:
     """Check that no robot starts in contact with an obstacle or with a robot before it."""
     others: Discs[Any] = Discs(distance)
     for obstacle in mission.obstacles:
@@ -155,7 +155,7 @@ def _check_starts(mission: Any, findings: Findings) -> None:
         others.add(robot, place, ROBOT_RADIUS + ROBOT_RADIUS)
 
 
-def _check_goal(mission: Any, goal: Any, findings: Findings) -> None:
+def _check_goal(mission: Any, goal: Any, findings: NodeReport) -> None:
     if goal in goal.dependentGoals:
         findings.add(
             goal,
@@ -170,7 +170,7 @@ def _check_goal(mission: Any, goal: Any, findings: Findings) -> None:
         _check_message(goal, message, findings)
 
 
-def _check_figures(mission: Any, element: Any, findings: Findings) -> None:
+def _check_figures(mission: Any, element: Any, findings: NodeReport) -> None:
     """Check that no figure is so far outside its mission that it was meant in another unit."""
     base, width = base_class(element.eClass).name, 2 * mission.missionArea.radius
     limits = dict.fromkeys(_LENGTHS.get(base, ()), (width, f"an area {number(width)} wide"))
@@ -186,7 +186,7 @@ def _check_figures(mission: Any, element: Any, findings: Findings) -> None:
             )
 
 
-def _check_gather_samples(_: Any, goal: Any, findings: Findings) -> None:
+def _check_gather_samples(_: Any, goal: Any, findings: NodeReport) -> None:
     if goal.area is None:
         findings.add(
             goal,
@@ -203,7 +203,7 @@ def _check_gather_samples(_: Any, goal: Any, findings: Findings) -> None:
         )
 
 
-def _check_avoid_collision(_: Any, goal: Any, findings: Findings) -> None:
+def _check_avoid_collision(_: Any, goal: Any, findings: NodeReport) -> None:
     found = strangers(goal)
     if found:
         findings.add(
@@ -214,7 +214,7 @@ def _check_avoid_collision(_: Any, goal: Any, findings: Findings) -> None:
         )
 
 
-def _check_visit(mission: Any, goal: Any, findings: Findings) -> None:
+def _check_visit(mission: Any, goal: Any, findings: NodeReport) -> None:
     if goal.task.deadline >= mission.duration:
         findings.add(
             goal.task,
@@ -224,7 +224,7 @@ def _check_visit(mission: Any, goal: Any, findings: Findings) -> None:
         )
 
 
-def _check_fixed_distance(_: Any, goal: Any, findings: Findings) -> None:
+def _check_fixed_distance(_: Any, goal: Any, findings: NodeReport) -> None:
     if len(goal.members) < 2:
         findings.add(
             goal,
@@ -233,7 +233,7 @@ def _check_fixed_distance(_: Any, goal: Any, findings: Findings) -> None:
         )
 
 
-_TASK_CHECKS: dict[str, Callable[[Any, Any, Findings], None]] = {
+_TASK_CHECKS: dict[str, Callable[[Any, Any, NodeReport], None]] = {
     "GatherSamples": _check_gather_samples,
     "AvoidCollision": _check_avoid_collision,
     "Visit": _check_visit,
@@ -241,7 +241,7 @@ _TASK_CHECKS: dict[str, Callable[[Any, Any, Findings], None]] = {
 }
 
 
-def _check_message(goal: Any, message: Any, findings: Findings) -> None:
+def _check_message(goal: Any, message: Any, findings: NodeReport) -> None:
     sender = message.sender
     if sender is message.receiver:
         findings.add(
@@ -267,7 +267,7 @@ def _check_message(goal: Any, message: Any, findings: Findings) -> None:
             )
 
 
-def _check_field(sender: Any, entry: Any, findings: Findings) -> None:
+def _check_field(sender: Any, entry: Any, findings: NodeReport) -> None:
     carried = [sensor.type.name for sensor in getattr(sender, "sensors", ())]
     sensor_types = [literal.name for literal in _sensor_type(sender).eLiterals]
     if entry.name not in (*ROBOT_FIELDS, *sensor_types):

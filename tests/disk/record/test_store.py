@@ -12,8 +12,8 @@ from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import MOST
 from mrsfi_runtime.record import encoding
-from mrsfi_runtime.record.campaign import CampaignStore, FailedEvaluation, Generation
 from mrsfi_runtime.record.manifest import EngineRecord, Manifest
+from mrsfi_runtime.record.store import CampaignStore, FailedEvaluation, Generation
 from tests.support.campaigns import SETTINGS, evaluation, outcome
 
 MANIFEST = Manifest(

@@ -1,4 +1,4 @@
-"""The weather of a mission seed: how many samples of every sensor are valid, tick by tick.
+"""What a mission seed decides: how many samples of every sensor are valid, tick by tick.
 
 It hangs on nothing that happens in a flight, so it is drawn once for all flights of a seed.
 """
@@ -13,7 +13,7 @@ from mrsfi_runtime.kernel.state import State
 
 CHANCE_PRECISION = 2**32
 
-Weather: TypeAlias = tuple[bytes, ...]
+Samples: TypeAlias = tuple[bytes, ...]
 """Valid samples of each sensor, a row a tick, each below 256; ``kernel.motion.move`` adds them."""
 
 
@@ -45,17 +45,17 @@ def reached(state: State) -> Iterator[tuple[int, ...]]:
         yield state.chances[sensor.first_chance : sensor.first_chance + sensor.n_chances]
 
 
-def weather(state: State) -> Weather:
-    """Return the weather of a mission and seed, from a state before its first tick.
+def valid_samples(state: State) -> Samples:
+    """Return the valid samples of a mission and seed, from a state before its first tick.
 
-    It needs no numpy, whose import takes longer; ``engine.compiled.layout.weather_table`` draws
+    It needs no numpy, whose import takes longer; ``engine.compiled.layout.sample_table`` draws
     the same for many robots at once.
     """
     return _drawn(state.mission.seed, state.mission.duration, tuple(reached(state)))
 
 
 @lru_cache(maxsize=8)
-def _drawn(seed: int, duration: int, chances: tuple[tuple[int, ...], ...]) -> Weather:
+def _drawn(seed: int, duration: int, chances: tuple[tuple[int, ...], ...]) -> Samples:
     return tuple(
         bytes(
             bisect_right(bounds, draw(seed, tick, sensor, PURPOSE_SAMPLES))

@@ -6,6 +6,7 @@ from threading import Thread
 
 import pytest
 
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import (
@@ -15,11 +16,10 @@ from mrsfi_runtime.errors import (
     TransportError,
     TransportTimeout,
 )
-from mrsfi_runtime.hosting.waiting import Patience
 from mrsfi_runtime.model.semantics import SEMANTICS
 from tests.support.trace import traced
 from tests.support.world import paper_code, specification
-from tests.unit.hosting.bus import PATIENCE, sides
+from tests.unit.cosimulation.bus import PATIENCE, sides
 
 CODE = paper_code(60)
 HASTY = Patience(tick=0.5, handshake=5.0)

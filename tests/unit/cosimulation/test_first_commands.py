@@ -4,7 +4,7 @@ from functools import partial
 
 import pytest
 
-from mrsfi_runtime.hosting.lockstep import Flight
+from mrsfi_runtime.cosimulation.lockstep import Flight
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import plan
 from mrsfi_runtime.transport.local_bus import LocalBus

@@ -21,9 +21,9 @@ from mrsfi_runtime.imported_copies import importing
 from mrsfi_runtime.model.faults import FaultPool, Specification, fault_ticks
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.campaign import CampaignStore, Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.settings import MINIMISING, CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.search.algorithms import ALGORITHMS, begin_search
 from mrsfi_runtime.search.fitness import (
     FITNESS_FUNCTIONS,

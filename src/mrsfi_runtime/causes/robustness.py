@@ -1,4 +1,4 @@
-"""Whether a cause set breaks goals in other weather too, or only by chance in its own."""
+"""Whether a cause set breaks goals with other mission seeds too, or only by chance with its own."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ N_SEEDS = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Firmness:
+class Robustness:
     """What a count is in several mission seeds.
 
     Attributes
@@ -28,9 +28,9 @@ class Firmness:
     n_violated: int
 
 
-def firmness(by_seed: Sequence[Counts]) -> tuple[Firmness, ...]:
+def robustness(by_seed: Sequence[Counts]) -> tuple[Robustness, ...]:
     """Return what each count is over mission seeds, one entry a column."""
     return tuple(
-        Firmness(median(counts), min(counts), max(counts), sum(map(bool, counts)))
+        Robustness(median(counts), min(counts), max(counts), sum(map(bool, counts)))
         for counts in zip(*by_seed, strict=True)
     )

@@ -1,7 +1,0 @@
-from mrsfi_runtime.causes.firmness import Firmness, firmness
-
-
-def test_it_is_median_range_and_in_how_many_seeds_a_goal_is_violated():
-    by_seed = [(0, 5), (0, 1), (7, 3), (9, 2)]
-
-    assert firmness(by_seed) == (Firmness(3.5, 0, 9, 2), Firmness(2.5, 1, 5, 4))
