@@ -1,10 +1,15 @@
-"""What ``mrsfi generate`` takes."""
+"""The command ``mrsfi generate``."""
 
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from mrsfi_runtime.cli.commands.missions import generated_option, mission_argument
+from mrsfi_runtime.errors import GenerationError
+
+if TYPE_CHECKING:
+    from mrsfi.folders import MissionFolders
 
 _HELP = """Generate the middleware of MISSION into generated/NAME/.
 
@@ -27,8 +32,37 @@ Examples:
 @click.option("--check", is_flag=True, help="Write nothing; exit code 4 if a file is stale.")
 @click.option("--diff", is_flag=True, help="Write nothing; print what would change.")
 @click.option("--force", is_flag=True, help="Overwrite edits made outside protected regions.")
-def command(**given: Any) -> None:
+def command(mission: str, generated: Path | None, check: bool, diff: bool, force: bool) -> None:
     """Generate the middleware of MISSION into generated/NAME/."""
-    from mrsfi_runtime.cli.generate import generate
+    from mrsfi.folders import find_mission
+    from mrsfi.models import generation_difference
+    from mrsfi_runtime.cli.metamodels import tell_of_metamodels
 
-    generate(**given)
+    folders = find_mission(mission, generated)
+    if sum((check, diff, force)) > 1:
+        raise click.UsageError("--check, --diff and --force exclude each other")
+    tell_of_metamodels()
+    if check:
+        folders.require_fresh()
+        click.echo(f"fresh: {folders.generated}")
+    elif diff:
+        click.echo(generation_difference(folders.models, folders.generated), nl=False)
+    else:
+        _write(folders, force=force)
+
+
+def _write(folders: "MissionFolders", *, force: bool) -> None:
+    from mrsfi.models import generate
+    from mrsfi_runtime.unfilled import unfilled_regions
+
+    result = generate(folders.models, folders.generated, force=force)
+    for verb, names in (
+        ("written", result.written),
+        ("removed", result.removed),
+        ("unchanged", result.unchanged),
+    ):
+        for name in names:
+            click.echo(f"{verb:<9}  {folders.generated / name}")
+    unfilled = unfilled_regions(folders.generated)
+    if unfilled:
+        raise GenerationError("\n".join(map(str, unfilled)))

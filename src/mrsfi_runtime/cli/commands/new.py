@@ -1,7 +1,6 @@
-"""What ``mrsfi new`` takes."""
+"""The command ``mrsfi new``: a project of a team's own."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -30,8 +29,13 @@ Examples:
     metavar="FILE",
     help="Begin with a model published for the paper's prototype.",
 )
-def command(**given: Any) -> None:
-    """Make the folder of a new project."""
-    from mrsfi_runtime.cli.new import new
+def command(name: str, source: str | None, published: Path | None) -> None:
+    """Make the folder of a new project, and say how to go on."""
+    from mrsfi.starting import start
 
-    new(**given)
+    if source is not None and published is not None:
+        raise click.UsageError("--from and --import exclude each other")
+    folder = start(name, source, published)
+    click.echo(f"made       {folder}/, with the mission models/{name}")
+    click.echo(f"next       cd {folder} && make evolve")
+    click.echo(f"then       mrsfi keep runs/{name}-a-1 --weakness 1 && make regressions")

@@ -1,10 +1,12 @@
-"""What ``mrsfi rename`` takes."""
+"""The command ``mrsfi rename``."""
 
-from typing import Any
+from collections.abc import Mapping
+from pathlib import Path
 
 import click
 
 from mrsfi_runtime.cli.commands.missions import generated_option, mission_argument
+from mrsfi_runtime.cli.console import print_changes, tell
 
 _HELP = """Give elements of MISSION other IDs, everywhere at once.
 
@@ -43,8 +45,18 @@ def _names(_: click.Context, __: click.Parameter, words: tuple[str, ...]) -> dic
 @click.argument("names", metavar="OLD=NEW...", nargs=-1, required=True, callback=_names)
 @generated_option
 @click.option("--diff", is_flag=True, help="Write nothing; print what would change.")
-def command(**given: Any) -> None:
-    """Give elements of a mission other IDs."""
-    from mrsfi_runtime.cli.rename import rename
+def command(mission: str, names: Mapping[str, str], generated: Path | None, diff: bool) -> None:
+    """Give elements of a mission other IDs, or print what that would change."""
+    from mrsfi.folders import find_mission
+    from mrsfi.renaming import rename, renaming
+    from mrsfi_runtime.cli.metamodels import tell_of_metamodels
 
-    rename(**given)
+    tell_of_metamodels()
+    renamed = (renaming if diff else rename)(find_mission(mission, generated), names)
+    if diff:
+        print_changes(renamed.respelt, renamed.difference)
+    else:
+        for path in renamed.paths:
+            click.echo(f"written    {path}")
+    for path, line, name in renamed.scripts:
+        tell(f"{path}:{line}: names {name}; a script that writes these models has to follow")

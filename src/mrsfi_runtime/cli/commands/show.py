@@ -1,7 +1,6 @@
-"""What ``mrsfi show`` takes."""
+"""The command ``mrsfi show``: how goals break, in words and in pictures."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -24,8 +23,19 @@ Written into the folder: figures/weakness_* as PNG and SVG, and their numbers in
 @click.command(name="show", help=_HELP)
 @click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
 @click.argument("number", metavar="[N]", required=False, type=click.IntRange(1))
-def command(**given: Any) -> None:
-    """Draw how goals break, and say so."""
-    from mrsfi_runtime.cli.show import show_ways
+def command(run: Path, number: int | None) -> None:
+    """Print each way to break a goal as soon as it is drawn, and its pictures."""
+    from mrsfi.campaign_folders import open_campaign
+    from mrsfi.reporting import show
+    from mrsfi.weaknesses import harvested
+    from mrsfi_runtime.analysis.weaknesses import said
 
-    show_ways(**given)
+    with open_campaign(run) as campaign:
+        found = harvested(campaign)
+        if number is None:
+            click.echo(f"{said(campaign.mission.goal_ids, found.ways, found.n_flights)}\n")
+        for each in show(campaign, number):
+            click.echo(f"{each.way.number}  {each.title}")
+            for line in (*each.sentences, *each.figures):
+                click.echo(f"    {line}")
+            click.echo()
