@@ -26,20 +26,10 @@ Rows: TypeAlias = NDArray[np.intp]
 class Columns:
     """The evaluations of a campaign, each of which has a row.
 
-    Attributes
-    ----------
-    goals
-        IDs of the goals whose violations were read.
-    fitness
-        What evaluations are ranked by, shape ``(n_evaluations,)``.
-    violations
-        The campaign's own measure, shape ``(n_evaluations, n_goals)``.
-    costs
-        How much each has of what is minimised, shape ``(n_evaluations,)``; 0 if nothing is.
-    distinct
-        The first of every specification, whose faults may stand in any order.
-    tried
-        How often each fault of the pool, by its ID, stands in the distinct specifications.
+    ``fitness`` is what they are ranked by, ``violations`` the campaign's own measure, shape
+    ``(n_evaluations, n_goals)``; ``costs`` say how much each has of what is minimised, 0 if nothing
+    is. ``distinct`` has the first of every specification, whose faults may stand in any order, and
+    ``tried`` how often each fault of the pool, by its ID, stands in these.
     """
 
     goals: tuple[str, ...]
@@ -52,21 +42,9 @@ class Columns:
 
     @classmethod
     def read(cls, store: CampaignStore, measure: Measure, goals: Sequence[str] = ()) -> Self:
-        """Read the evaluations of a campaign, some thousand at a time.
+        """Read the evaluations of a campaign, some thousand at a time, for goals by their IDs.
 
-        Parameters
-        ----------
-        measure
-            The campaign's own.
-        goals
-            IDs of those whose violations are asked for.
-
-        Raises
-        ------
-        UsageError
-            If the record lacks the violations of one of the goals.
-        RecordError
-            If the record cannot be read.
+        A goal whose violations the record lacks is a ``UsageError``.
         """
         measure.require(goals)
         reading = _Reading(measure, goals, store.n_evaluations)

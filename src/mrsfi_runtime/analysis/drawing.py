@@ -64,10 +64,7 @@ def drawn(drawing: Drawing) -> FigureFiles:
 class DrawingProcess:
     """A process that draws what it is asked to; it ends with the ``with`` block, or this one.
 
-    Parameters
-    ----------
-    ahead
-        Figures that it draws before they are asked for.
+    Figures ``ahead`` it draws before they are asked for.
     """
 
     def __init__(self, *ahead: Drawing) -> None:

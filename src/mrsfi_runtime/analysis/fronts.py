@@ -104,16 +104,7 @@ def find_front(
 ) -> Front:
     """Return the front of some evaluations; of equal vectors the earliest evaluation stands.
 
-    Parameters
-    ----------
-    measure
-        The campaign's own.
-    columns
-        Its evaluations.
-    goals
-        IDs of goals whose violations were read.
-    rows
-        Evaluations of distinct specifications; all if left out.
+    ``rows`` are evaluations of distinct specifications; all if left out.
     """
     rows = columns.distinct if rows is None else rows
     violations = columns.of(goals)[rows]
@@ -147,16 +138,10 @@ def thinned(vectors: NDArray[Any]) -> tuple[list[tuple[float, ...]], int]:
 
 @dataclass(frozen=True, slots=True)
 class Harm:
-    """The most harm that so few faults, or ticks of faults, were found to do.
+    """The most harm that was found with at most so many faults, or ticks of faults.
 
-    Attributes
-    ----------
-    cost
-        How many faults, or ticks of faults, a specification has at most.
-    n_violated
-        Most goals that one of these specifications violates, and ``n_violated_by`` its evaluation.
-    violations
-        Most violations of all looked at goals together, and ``violations_by`` their evaluation.
+    Most violated goals and most violations of all looked at goals together, each with its
+    evaluation.
     """
 
     cost: int
@@ -205,12 +190,8 @@ def _more(new: Harm, known: Harm) -> Harm:
 class Pick:
     """The point of a front that comes nearest to a wanted ratio.
 
-    Attributes
-    ----------
-    point
-        ``None`` if no specification violates a goal of the ratio.
-    goals
-        Goals of the front, in the order of the point's violations.
+    ``None`` if no specification violates a goal of the ratio; ``goals`` are those of the front, in
+    the order of the point's violations.
     """
 
     ratio: Ratio
@@ -231,13 +212,7 @@ class Pick:
 
 
 def parse_ratio(text: str) -> Ratio:
-    """Return the ratio that ``g3:g1=2:1`` asks for.
-
-    Raises
-    ------
-    UsageError
-        If the text says something else.
-    """
+    """Return the ratio that ``g3:g1=2:1`` asks for; any other text is a ``UsageError``."""
     match = _RATIO.fullmatch(text)
     if match is not None:
         first, second = match[1], match[2]
@@ -250,25 +225,12 @@ def parse_ratio(text: str) -> Ratio:
 
 
 def nearest_ratio(front: Front, wanted: str | Ratio) -> FrontPoint | None:
-    """Return the point of the front whose violations come nearest to a ratio.
+    """Return the point of the front that comes nearest to a ratio (paper, section V, RQ3).
 
-    Nearest is the smallest angle between the two goals' violations and the two parts of the
-    ratio, as vectors; of equal angles the point with more violations of the two goals.
-    Points that violate neither goal have no ratio.
-
-    Returns
-    -------
-    FrontPoint or None
-        ``None`` if no point violates either goal.
-
-    Raises
-    ------
-    UsageError
-        If the ratio makes no sense or the front is not over its goals.
-
-    References
-    ----------
-    Source paper, section V, RQ3.
+    Nearest is the smallest angle between the two goals' violations and the two parts of the ratio,
+    as vectors; of equal angles the point with more violations of the two goals. Points that violate
+    neither goal have no ratio: ``None`` if all are such. A ratio over other goals than the front's
+    is a ``UsageError``.
     """
     ratio = parse_ratio(wanted) if isinstance(wanted, str) else wanted
     if not set(ratio.goals) <= set(front.goals):

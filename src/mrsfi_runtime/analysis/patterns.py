@@ -37,14 +37,9 @@ class GenerationFitness:
 class Trend:
     """Fitness over the generations, and whether its mean goes up.
 
-    Attributes
-    ----------
-    slope, intercept
-        Least-squares line through the means: fitness per generation, and at generation 0.
-    tau
-        Kendall's tau-b between generation and mean, in [-1, 1]; 0 if all means are equal.
-    p_value
-        Two-sided, of no trend; 1 with fewer than two generations or all means equal.
+    The line is that of least squares through the means, from generation 0. ``tau`` is Kendall's
+    tau-b between generation and mean, in [-1, 1], 0 if all means are equal; ``p_value`` is
+    two-sided, of no trend, and 1 with fewer than two generations or all means equal.
     """
 
     generations: tuple[GenerationFitness, ...]
@@ -62,11 +57,9 @@ class Trend:
 def find_trend(generations: Iterable[Generation]) -> Trend:
     """Return the fitness of each generation and the trend of the means.
 
-    Notes
-    -----
-    The p-value takes Kendall's S as normally distributed, with the correction for ties and
-    for continuity (the Mann-Kendall test). That is rough below some ten generations, and
-    generations of one search are not independent: read it as a description, not a proof.
+    The p-value takes Kendall's S as normally distributed, with the correction for ties and for
+    continuity (the Mann-Kendall test). That is rough below some ten generations, and generations of
+    one search are not independent: read it as a description, not a proof.
     """
     rows = tuple(
         GenerationFitness(
@@ -106,20 +99,11 @@ def _kendall(values: Sequence[float]) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True)
 class TypePattern:
-    """How often one fault type occurs in the top specifications.
+    """How often one fault type occurs in the top: timed faults, and specifications with one.
 
-    Attributes
-    ----------
-    n_occurrences
-        Timed faults of the type in the top specifications.
-    n_specifications
-        Top specifications that contain it.
-    share
-        Of the top specifications' timed faults, in [0, 1].
-    pool_share, campaign_share
-        Of the pool's faults, and of the timed faults of all specifications, in [0, 1].
-    pool_expected, campaign_expected
-        Occurrences that the top would have if its shares were those.
+    ``share`` is of the top's timed faults, ``pool_share`` of the pool's faults, ``campaign_share``
+    of all specifications' timed faults, each in [0, 1]; the top would have as many as
+    ``…_expected`` if its shares were those.
     """
 
     type: str
@@ -135,16 +119,9 @@ class TypePattern:
 def find_patterns(
     top: Sequence[Specification], tried: Mapping[str, int], pool: FaultPool
 ) -> tuple[TypePattern, ...]:
-    """Count every fault type of the pool, most occurrences first, then by name.
+    """Count every fault type of the pool in the top, most occurrences first, then by name.
 
-    Parameters
-    ----------
-    top
-        The specifications looked at.
-    tried
-        How often each fault of the pool, by its ID, stands in those of the campaign.
-    pool
-        What the faults are of.
+    ``tried`` says how often each fault, by its ID, stands in the campaign's specifications.
     """
     in_top = _types(Counter(timed.fault for each in top for timed in each), pool)
     in_campaign = _types(tried, pool)

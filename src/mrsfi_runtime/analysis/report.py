@@ -74,35 +74,10 @@ def write_report(
 ) -> Summary:
     """Write everything a person or a script wants from a campaign, finished or interrupted.
 
-    Parameters
-    ----------
-    folder
-        Campaign folder. Of an earlier report there, every file is replaced or removed.
-    mission, pool
-        What the campaign ran on.
-    write_specification
-        Writes one critical specification as XMI.
-    record
-        Flies what the page shows; where that fails, the page says why.
-    ratio
-        Ratio of violations to pick by, such as ``g3:g1=2:1``.
-    draw
-        Draws the figures.
-    show
-        Shows what the report says, once all but the page and the figures is written. Figures are
-        finished whatever becomes of it.
-
-    Returns
-    -------
-    Summary
-        What the report says.
-
-    Raises
-    ------
-    RecordError
-        If the campaign cannot be read, or its folder not be written.
-    UsageError
-        If the ratio makes no sense.
+    Every file of an earlier report is replaced or removed. What the page shows is flown by
+    ``record``; where that fails, the page says why. ``show`` is given what the report says once all
+    but the page and the figures is written; these are finished whatever becomes of it. A ``ratio``
+    is one to pick by, such as ``g3:g1=2:1``.
     """
     layout = CampaignFolder(folder)
     with CampaignStore.open(folder) as store:

@@ -44,20 +44,8 @@ class Collision:
 class Story:
     """What figures tell of a flight.
 
-    Attributes
-    ----------
-    title
-        What flew.
-    mission
-        On what mission.
-    faults
-        Its faults.
-    goals
-        When each goal was violated, in model order.
-    collisions
-        Who truly collided, and when.
-    true, believed
-        Where robots were, and were believed to be, shape ``(n_ticks, n_robots, 2)``.
+    Goals stand in model order; ``collisions`` are true ones; ``true`` and ``believed`` say where
+    robots were, and were believed to be, shape ``(n_ticks, n_robots, 2)``.
     """
 
     title: str
@@ -133,10 +121,7 @@ def first(flags: npt.NDArray[np.bool_]) -> int | None:
 def seen(mission: Mission, places: Places) -> tuple[float, float, float]:
     """Return the square around what a mission is about, and around places, shape ``(…, 2)``.
 
-    Returns
-    -------
-    tuple of float
-        Centre x, centre y and half width, in distance units.
+    It is centre x, centre y and half width, in distance units.
     """
     x, y, half = working_window(mission)
     reach = float(np.abs(places - (x, y)).max())

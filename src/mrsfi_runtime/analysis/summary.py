@@ -40,35 +40,13 @@ N_TOP = 10
 class Summary:
     """What a campaign found.
 
-    Attributes
-    ----------
-    place
-        Where the mission lies in its project.
-    measure
-        The violations that fitness, front and pick are about.
-    semantics
-        Version of the world's rules that the flights followed.
-    top
-        The most critical distinct specifications, at most ten, the worst for the mission first.
-    faults
-        The faults of each of them.
-    harvest
-        What is known of the ways in which goals break; ``None`` if nobody looked.
-    ways
-        These ways, in the order in which they are numbered.
-    contained
-        Those that each of the most critical specifications has.
-    sentences
-        How some of them come about, by their numbers: for each fault what it did.
-    front
-        Over the goals that the settings choose, or else those of the ratio, and over what they
-        minimise; ``None`` if it would be over fewer than two.
-    harm
-        The front of harm against what is minimised; ``None`` if nothing is.
-    pick
-        ``None`` if no ratio was asked for.
-    patterns, guilty
-        Fault types in the top, and in the ways.
+    ``place`` is where the mission lies in its project, ``semantics`` the version of the world's
+    rules. ``top`` are the most critical distinct specifications, at most ten, the worst first, with
+    the ``faults`` of each and the ways that it ``contained``. ``harvest`` is ``None`` if nobody
+    looked for ``ways``, which stand in the order of their numbers; ``sentences`` say by number what
+    each fault of some did. ``front`` is over the goals that settings or ratio choose and over what
+    is minimised, ``None`` if that is fewer than two; ``harm`` is the front of harm against what is
+    minimised. ``patterns`` are fault types in the top, ``guilty`` those in the ways.
     """
 
     folder: Path
@@ -120,13 +98,7 @@ def summarise(
     pool: FaultPool,
     ratio: str | None,
 ) -> tuple[Summary, Columns]:
-    """Return what the campaign in a folder found so far, and its evaluations.
-
-    Raises
-    ------
-    UsageError
-        If the ratio, or a goal of the ratio or the settings, makes no sense.
-    """
+    """Return what the campaign in a folder found so far, and its evaluations."""
     measure = Measure.of(store.settings, mission)
     wanted = None if ratio is None else parse_ratio(ratio)
     goals = _front_goals(store.settings, wanted)

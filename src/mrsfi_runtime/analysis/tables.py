@@ -24,10 +24,7 @@ _MOST_LISTED = 100_000  # evaluations of a table
 def working_window(mission: Mission) -> tuple[float, float, float]:
     """Return the square around all robots' starts, obstacles and goal areas, with a margin.
 
-    Returns
-    -------
-    tuple of float
-        Centre x, centre y and half width, in distance units.
+    It is centre x, centre y and half width, in distance units.
     """
     discs = [(disc.x, disc.y, disc.radius) for disc in mission.goal_discs]
     discs += [(robot.position.x, robot.position.y, ROBOT_RADIUS) for robot in mission.robots]

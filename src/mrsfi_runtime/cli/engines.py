@@ -43,14 +43,8 @@ def options_as(
 ) -> Callable[[F], F]:
     """Return the decorator that gives a command options, and passes them as one argument.
 
-    Parameters
-    ----------
-    name
-        Of the argument.
-    kind
-        Its dataclass; its fields are named as the parameters of the options.
-    options
-        Decorators of click, in the order of the help.
+    The argument is a dataclass whose fields are named as the options' parameters; the options are
+    decorators of click, in the order of the help.
     """
 
     def decorate(command: F) -> F:
@@ -81,19 +75,9 @@ class EngineOptions:
     def settings(
         self, recorded: EngineRecord | None = None, default: str = REFERENCE
     ) -> EngineSettings:
-        """Return the settings, those of a record where the command line says nothing.
+        """Return the settings: as the command line says, or else a record, or else the default.
 
-        Parameters
-        ----------
-        recorded
-            What ``recorded_engine`` returned, if anything.
-        default
-            Engine where neither names one.
-
-        Raises
-        ------
-        UsageError
-            If the options make no sense together.
+        Options that make no sense together are a ``UsageError``.
         """
         recorded = recorded or EngineRecord()
         name = self.engine or recorded.name or default
@@ -126,15 +110,7 @@ class EngineOptions:
 
 
 def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
-    """Give a command the options of the engine; it receives them as ``engine``.
-
-    Parameters
-    ----------
-    sides
-        Choices of --side.
-    default
-        The engine without --engine.
-    """
+    """Give a command the options of the engine, which it receives as ``engine``."""
     options = (
         click.option(
             "--engine",
@@ -182,13 +158,7 @@ class WorkerOptions:
     dask: str | None = None
 
     def require_sense(self, engine: EngineSettings) -> None:
-        """Refuse options that contradict each other or the engine.
-
-        Raises
-        ------
-        UsageError
-            If they do, or dask is not installed.
-        """
+        """Refuse options that contradict each other or the engine, or dask where it is missing."""
         engine.require_workers(self.workers or 1)
         if self.dask is None:
             return
@@ -213,19 +183,7 @@ class WorkerOptions:
     ) -> "AbstractContextManager[Evaluator]":
         """Return what evaluates specifications of a mission, as long as a body runs.
 
-        Parameters
-        ----------
-        seed
-            Mission seed of what is evaluated without naming one.
-        on_reached
-            Told who evaluates, before the mission is handed out.
-
-        Raises
-        ------
-        TransportError
-            If the cluster cannot be reached, or has no workers.
-        MrsfiError
-            If the engine cannot be opened.
+        ``on_reached`` is told who evaluates, before the mission is handed out.
         """
         return evaluator(code, seed, engine, self.workers, self.dask, tell, on_reached)
 
@@ -264,13 +222,7 @@ class FlightFiles:
         return tuple(path for path in astuple(self) if path is not None)
 
     def require_none(self, option: str) -> None:
-        """Refuse them beside an option that flies many times.
-
-        Raises
-        ------
-        UsageError
-            If any is wanted.
-        """
+        """Refuse them beside an option that flies many times."""
         if self.wanted:
             names = ", ".join(f"--{field.name}" for field in fields(self))
             raise click.UsageError(f"{names} are of one flight; {option} flies many")

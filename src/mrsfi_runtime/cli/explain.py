@@ -81,13 +81,7 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
 
 
 def _run(target: str) -> Path:
-    """Return the folder of a campaign.
-
-    Raises
-    ------
-    UsageError
-        If it is none, but the name of a mission.
-    """
+    """Return the folder of a campaign; the name of a mission is a ``UsageError`` that says so."""
     path = Path(target)
     if not CampaignFolder(path).database.is_file() and is_mission(target):
         raise UsageError(

@@ -31,13 +31,7 @@ _PACE = 8
 def search_progress(
     settings: CampaignSettings, begun: float = 0.0
 ) -> "Iterator[Callable[[CampaignProgress], None]]":
-    """Yield the function to call after each generation.
-
-    Parameters
-    ----------
-    begun
-        Share of the search that was done by an earlier run.
-    """
+    """Yield the function to call after each generation; ``begun`` is the share done before."""
     console = progress_console()
     if not console.is_terminal:
         yield PlainLines(settings, monotonic, begun)
@@ -67,14 +61,7 @@ def search_progress(
 class PlainLines:
     """Writes a line after a generation, at most some hundred in a search.
 
-    Parameters
-    ----------
-    settings
-        Say how long the search is.
-    clock
-        Seconds since any moment.
-    begun
-        Share of the search that was done by an earlier run.
+    ``begun`` is the share of it that was done before, ``clock`` counts seconds.
     """
 
     def __init__(
@@ -104,15 +91,7 @@ class PlainLines:
 
 
 class FlightProgress:
-    """Observer that tells how far a flight is, every few seconds.
-
-    Parameters
-    ----------
-    duration
-        Ticks of the mission.
-    clock
-        Seconds since any moment.
-    """
+    """Observer that tells how far a flight of some ticks is, every few seconds."""
 
     def __init__(self, duration: int, clock: Callable[[], float] = monotonic) -> None:
         self._duration = duration

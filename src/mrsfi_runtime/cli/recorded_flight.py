@@ -24,17 +24,7 @@ from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What a page says that a flight is.
-
-    Attributes
-    ----------
-    title
-        What is flown, in words.
-    command
-        Flies it again.
-    xmi
-        The specification as a file holds it; empty if none does.
-    """
+    """What a page says a flight is, what flies it again, and its specification as XMI."""
 
     title: str
     command: Sequence[str]

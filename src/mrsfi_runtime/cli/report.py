@@ -29,17 +29,7 @@ def report_anew(folder: Path | None, *, ratio: str | None, is_json: bool) -> Non
 def report(
     campaign: OpenCampaign, ratio: str | None, *, is_json: bool, draw: Draw | None = None
 ) -> None:
-    """Write the report into a campaign's folder and print what it says.
-
-    Parameters
-    ----------
-    ratio
-        Ratio of violations to pick by, such as ``g3:g1=2:1``.
-    is_json
-        Print for a script, not for a person.
-    draw
-        Draws the figures; without, a process begun for it does.
-    """
+    """Write the report into a campaign's folder and print what it says, or JSON for a script."""
 
     def show(summary: Summary) -> None:
         if is_json:

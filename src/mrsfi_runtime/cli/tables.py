@@ -88,11 +88,7 @@ _N_LEFT, _N_NARROW = 2, 6
 def fault_tables(faults: Sequence[NamedFault], outcome: Outcome) -> tuple[Table, Table]:
     """Return what each timed fault of a specification is, and what it did.
 
-    Returns
-    -------
-    tuple of Table
-        One with a column for everything; and one for where these do not fit, in which targets
-        stand above values.
+    The second table is for where the first does not fit: targets stand above values.
     """
     left, right, told = (
         FAULT_COLUMNS[:_N_LEFT],
@@ -150,14 +146,10 @@ def _ranked(
 ) -> tuple[Table, Table]:
     """Return rows of what came of goals, and of faults.
 
-    Each takes a line for violations as the collective intelligence believed them, one for
-    those that were true, and one for the tick from which on a goal was certain to be missed.
-
-    Returns
-    -------
-    tuple of Table
-        One with a column for each goal; and one for where these do not fit, which names the
-        goals that were violated, or missed: ``g3:509 g5:915``.
+    Each takes a line for violations as the collective intelligence believed them, one for those
+    that were true, and one for the tick from which on a goal was certain to be missed. The first
+    table has a column for each goal; the second, for where these do not fit, names the goals that
+    were violated, or missed: ``g3:509 g5:915``.
     """
     wide, narrow = plain_table((), header), plain_table((), header)
     for table in (wide, narrow):

@@ -44,17 +44,10 @@ class Quartiles:
 class RankTest:
     """How two samples compare.
 
-    Attributes
-    ----------
-    u
-        Mann-Whitney U of the first sample: pairs in which its value is the larger one, ties half.
-    p_value
-        Two-sided, of both samples having one distribution.
-    method
-        ``exact`` over all divisions of the pooled values, or ``normal``, with the corrections
-        for ties and continuity.
-    a12
-        Chance that a value of the first sample is larger than one of the second, ties half.
+    ``u`` is the Mann-Whitney U of the first sample: pairs in which its value is the larger one,
+    ties half; ``p_value`` is two-sided, of one distribution. ``method`` is ``exact`` over all
+    divisions of the pooled values, or ``normal``, with the corrections for ties and continuity.
+    ``a12`` is the chance that a value of the first sample is the larger one, ties half.
     """
 
     u: float
@@ -87,8 +80,6 @@ def _quantile(ordered: Sequence[float], share: float) -> float:
 def compare_ranks(first: Sequence[float], second: Sequence[float]) -> RankTest:
     """Compare two samples of at least one value each; infinite values are ranked, too.
 
-    Notes
-    -----
     Exact where at most 20,000 divisions of the pooled values into two such samples have to be
     enumerated (8 against 8), ties or not; beyond, and for a sample of one value, the normal
     approximation.
@@ -117,17 +108,7 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """A number by which runs are compared.
-
-    Attributes
-    ----------
-    name
-        In tables; ``title`` is for people.
-    is_more_better
-        Otherwise less is.
-    is_tested
-        Whether algorithms are tested on it; wall times are only told.
-    """
+    """A number by which runs are compared; wall times are only told, and not tested."""
 
     name: str
     title: str
@@ -138,15 +119,9 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True)
 class PairTest:
-    """Two algorithms on one measure.
+    """Two algorithms on one measure, turned so that ``a12`` above 0.5 says: the first does better.
 
-    Attributes
-    ----------
-    ranks
-        Of the first algorithm against the second, turned so that larger is better: ``a12`` above
-        0.5 means that the first does better.
-    holm_p_value
-        Adjusted for all pairs on this measure.
+    ``holm_p_value`` is adjusted for all pairs on this measure.
     """
 
     measure: str
@@ -163,15 +138,7 @@ class PairTest:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What the runs of some algorithms say about them.
-
-    Attributes
-    ----------
-    quartiles
-        By measure, then by algorithm.
-    tests
-        Of every pair of algorithms, by measure; none of a single algorithm.
-    """
+    """What the runs of some algorithms say: quartiles and tests of every pair, by measure."""
 
     algorithms: tuple[str, ...]
     seeds: tuple[int, ...]
@@ -186,14 +153,9 @@ class Comparison:
 
 
 def compare(algorithms: Sequence[str], runs: Sequence[RunResult]) -> Comparison:
-    """Compare algorithms by their runs, at least one each.
+    """Compare algorithms, in the order in which they are paired, by at least one run each.
 
-    Parameters
-    ----------
-    algorithms
-        In the order in which they are shown and paired.
-    runs
-        All on one mission, with one number of evaluations.
+    All runs are on one mission, with one number of evaluations.
     """
     ordered = tuple(sorted(runs, key=lambda run: (algorithms.index(run.algorithm), run.seed)))
     criteria = _criteria(ordered)

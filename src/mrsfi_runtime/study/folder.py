@@ -29,15 +29,7 @@ _SCRATCH = "unfinished-"
 
 
 class ComparisonFolder(CampaignFolder):
-    """Layout of the folder, which has copies, lock and figures where a campaign's has them.
-
-    Attributes
-    ----------
-    runs
-        One file for each finished run.
-    summary
-        What a script reads.
-    """
+    """Layout of the folder, which has copies, lock and figures where a campaign's has them."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
@@ -49,18 +41,7 @@ class ComparisonFolder(CampaignFolder):
         return self.runs / f"{algorithm}-{seed}.json"
 
     def keep(self, run: RunResult, subject: Mapping[str, Any]) -> None:
-        """Keep a finished run.
-
-        Parameters
-        ----------
-        subject
-            What all runs of the folder have in common, as values of JSON.
-
-        Raises
-        ------
-        RecordError
-            If the folder cannot be written.
-        """
+        """Keep a finished run; ``subject`` is what all of the folder have in common, as JSON."""
         content = {"schema": SCHEMA, "subject": subject, "result": run.as_json()}
         with _explained(self.path):
             _write(self.run_file(run.algorithm, run.seed), _text(content))
@@ -68,10 +49,7 @@ class ComparisonFolder(CampaignFolder):
     def kept(self, algorithm: str, seed: int, subject: Mapping[str, Any]) -> RunResult | None:
         """Return a run that is finished, or nothing.
 
-        Raises
-        ------
-        RecordError
-            If its file is damaged, of a newer version, or of another subject.
+        A file that is damaged, of a newer version or of another subject is a ``RecordError``.
         """
         path = self.run_file(algorithm, seed)
         if not path.is_file():
@@ -91,18 +69,7 @@ class ComparisonFolder(CampaignFolder):
         return result
 
     def write(self, comparison: Comparison, content: Mapping[str, Any]) -> None:
-        """Write tables, figures and summary; those of before are replaced.
-
-        Parameters
-        ----------
-        content
-            What a script reads.
-
-        Raises
-        ------
-        RecordError
-            If the folder cannot be written.
-        """
+        """Write tables, figures and summary; those of before are replaced."""
         with _explained(self.path):
             for name, table in _TABLES.items():
                 _write(self.path / f"{name}.csv", as_csv(table(comparison)))
@@ -114,13 +81,7 @@ class ComparisonFolder(CampaignFolder):
 
     @contextmanager
     def scratch(self) -> Iterator[Path]:
-        """Yield an empty folder that goes with the end of the body; a kill leaves it behind.
-
-        Raises
-        ------
-        RecordError
-            If none can be made.
-        """
+        """Yield an empty folder that goes with the end of the body; a kill leaves it behind."""
         with _explained(self.path):
             made = TemporaryDirectory(prefix=_SCRATCH, dir=self.path)
         with made as place:

@@ -21,24 +21,12 @@ MOST_OBJECTIVES = 7
 class RunResult:
     """What one algorithm found with one seed.
 
-    Attributes
-    ----------
-    improvements
-        Number of evaluations at which a fitness above all before was found, and the fitness.
-    at_once
-        For k = 1, 2, … the number of evaluations until one specification broke k goals;
-        ``None`` if none did. Shape ``(n_goals,)``.
-    together
-        The same for k goals broken by one or another of the specifications so far.
-    hypervolume
-        Share of the possible that the front reaches or exceeds, 0 … 1; see ``front_volume``.
-        ``None`` if it is over fewer than two objectives, or too many.
-    front_size
-        Different vectors of violations, and of what is minimised, that no other dominates.
-    seconds
-        Wall time of the search.
-    digest
-        Over all evaluations, as in the report of the same search by itself.
+    ``improvements`` are numbers of evaluations at which a fitness above all before was found, and
+    that. ``at_once`` has for k = 1, 2, … the number of evaluations until one specification broke k
+    goals, ``None`` if none did, shape ``(n_goals,)``; ``together`` the same for one or another of
+    those so far. ``hypervolume`` is the share of the possible that the front reaches, 0 … 1, see
+    ``front_volume``; ``front_size`` counts its different vectors. ``seconds`` are wall time.
+    ``digest`` is over all evaluations, as in the report of the same search by itself.
     """
 
     algorithm: str
@@ -70,13 +58,7 @@ class RunResult:
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Self:
-        """Return the result that ``as_json`` described.
-
-        Raises
-        ------
-        KeyError, TypeError, ValueError
-            If the values are not those of a result.
-        """
+        """Return the result that ``as_json`` described; other values raise as they are read."""
         counts = {name: _counts(values[name]) for name in ("at_once", "together")}
         improvements = tuple((int(place), float(best)) for place, best in values["improvements"])
         return cls(**{**values, **counts, "improvements": improvements})
@@ -100,15 +82,7 @@ def measure_run(
     seconds: float,
     digest: str,
 ) -> RunResult:
-    """Return what a search found.
-
-    Parameters
-    ----------
-    settings
-        Of the search; they say which violations and goals front and hypervolume look at.
-    evaluations
-        In the order in which they were asked for; they are gone through once.
-    """
+    """Return what a search found; its evaluations, in order, are gone through once."""
     columns = [mission.goal_ids.index(goal) for goal in settings.goals or mission.goal_ids]
     best = [mission.duration] * len(columns)
     measure = Measure.of(settings, mission)
@@ -150,24 +124,11 @@ def measure_run(
 def front_volume(front: Sequence[tuple[float, ...]], best: Sequence[int]) -> float | None:
     """Return the hypervolume of a front, as a share of the possible.
 
-    Parameters
-    ----------
-    front
-        Points of whole numbers from 0 on: violations, or how many fewer faults, or ticks of
-        faults, than a specification may have; more is better.
-    best
-        The best possible point, shape ``(n_objectives,)``.
-
-    Returns
-    -------
-    float or None
-        ``None`` with fewer than two objectives, or more than ``MOST_OBJECTIVES``.
-
-    Notes
-    -----
-    The reference point is one below nothing, ``(-1, …, -1)``. So a front whose points violate
-    one goal alone counts, and the volume is the number of whole vectors that the front reaches
-    or exceeds, over the number of all.
+    Points are whole numbers from 0 on, more is better: violations, or how many fewer faults, or
+    ticks of faults, than a specification may have; ``best`` is the best possible one. The reference
+    point is ``(-1, …, -1)``: so a front whose points violate one goal alone counts, and the volume
+    is the number of whole vectors that the front reaches or exceeds, over the number of all.
+    ``None`` with fewer than two objectives, or more than ``MOST_OBJECTIVES``.
     """
     if not 2 <= len(best) <= MOST_OBJECTIVES:
         return None

@@ -34,12 +34,8 @@ _DECISIVE = ("model", "kernel", "cosimulation", "record", "search", "causes")
 def only_comparison(path: Path, models: Path, generated: Path) -> Iterator[ComparisonFolder]:
     """Be the writer of a comparison while the body runs, and make its folder if it is new.
 
-    The folder keeps a copy of the models and of the generated code that its runs fly.
-
-    Raises
-    ------
-    RecordError
-        If it is another mission's, holds something else, or is written by another process.
+    The folder keeps a copy of the models and of the generated code that its runs fly. One that is
+    another mission's, holds something else or has another writer is a ``RecordError``.
     """
     folder = ComparisonFolder(path)
     if not folder.runs.is_dir():
@@ -130,28 +126,10 @@ def runs_of(
     code: MissionCode,
     evaluators: Sequence[EvaluateMany],
 ) -> Iterator[tuple[RunResult, bool]]:
-    """Yield the result of every algorithm with every seed; make and keep those that are missing.
+    """Yield the result of every algorithm with every seed, and whether it was made just now.
 
-    Parameters
-    ----------
-    settings
-        By algorithm.
-    n_seeds
-        Seeds are 1 to this number; all algorithms have their turn with a seed before the next.
-    evaluators
-        One for each of the mission seeds over which fitness is averaged.
-
-    Yields
-    ------
-    tuple[RunResult, bool]
-        A run, and whether it was made just now.
-
-    Raises
-    ------
-    RecordError
-        If the folder has results of something else, or cannot be written.
-    EvaluationError
-        If too many evaluations of a run failed.
+    Seeds are 1 to ``n_seeds``; all algorithms have their turn with a seed before the next. There is
+    an evaluator for each of the mission seeds over which fitness is averaged.
     """
     subjects = {name: _subject(one) for name, one in settings.items()}
     for seed in range(1, n_seeds + 1):

@@ -42,16 +42,8 @@ _COUNTS = (
 class Told:
     """What the page says of a specification that was flown.
 
-    Attributes
-    ----------
-    title, sentence
-        What it is, and why it breaks goals, in words.
-    faults, sentences
-        Its faults, and what each did, in words.
-    outcome
-        What flying it finds.
-    command, xmi
-        What flies it again, and the specification as a file holds it.
+    Why it breaks goals, what each fault did and what flies it again are in words; ``xmi`` is the
+    specification as a file holds it.
     """
 
     title: str
@@ -66,19 +58,7 @@ class Told:
 def flight_page(
     mission: Mission, told: Told, recording: Recording, facts: Iterable[tuple[str, Any]]
 ) -> dict[str, Any]:
-    """Return what the page shows of one flight.
-
-    Parameters
-    ----------
-    mission
-        What was flown.
-    told
-        What is said of the flight.
-    recording
-        The flight.
-    facts
-        Rows of the record: a name and a value.
-    """
+    """Return what the page shows of one flight; ``facts`` are named values of its record."""
     flown = Flown(told.title, told.faults, recording, {})
     return {
         "title": told.title,
@@ -98,17 +78,7 @@ def campaign_page(
     store: CampaignStore,
     shown: Sequence[dict[str, Any]],
 ) -> dict[str, Any]:
-    """Return what the page shows of a campaign.
-
-    Parameters
-    ----------
-    summary
-        What it found.
-    mission, pool, store
-        What it ran on, and its record.
-    shown
-        What ``told_content`` returned of ways to break goals.
-    """
+    """Return what the page shows of a campaign, and of the ways in which goals break."""
     step = max(1, -(-summary.n_evaluations // MOST_LISTED))
     header, *rows = evaluations_table(store.flown(step), summary.measure)
     return {

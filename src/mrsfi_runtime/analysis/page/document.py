@@ -18,14 +18,7 @@ _UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&\u202
 
 
 def document(content: Mapping[str, Any]) -> str:
-    """Return the page that shows some content.
-
-    Parameters
-    ----------
-    content
-        Plain values, as ``page.js`` reads them: title, mission, record, and either one flight
-        or what breaks goals, search and evaluations.
-    """
+    """Return the page that shows some content: plain values, as ``page.js`` reads them."""
     styles, scripts = ("\n".join(map(_asset, names)) for names in (_STYLES, _SCRIPTS))
     policy = (
         f"default-src 'none'; script-src '{_hash(scripts)}'; style-src '{_hash(styles)}'; "

@@ -25,19 +25,7 @@ _DIGITS = 6  # of the largest value of a series
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """A flight, and those without one of its faults each.
-
-    Attributes
-    ----------
-    title
-        What flew.
-    faults
-        Its faults.
-    recording
-        The flight.
-    others
-        For some faults, by their places: the flight without the fault.
-    """
+    """A flight, and those without one of its faults, by its place."""
 
     title: str
     faults: Sequence[NamedFault]
@@ -85,17 +73,7 @@ def fault_content(fault: NamedFault) -> dict[str, Any]:
 
 
 def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any]:
-    """Return what the page shows of a flight.
-
-    Parameters
-    ----------
-    mission
-        What was flown.
-    flown
-        The flight.
-    stride
-        Every so many-th tick is kept of positions, speeds and energies; see ``stride``.
-    """
+    """Return what the page shows of a flight, of motion every so many-th tick (``stride``)."""
     world = flown.recording["world"]["robots"]
     steps = {
         name: _step(world[name], flown.recording["belief"]["robots"][name]) for name in _SERIES
