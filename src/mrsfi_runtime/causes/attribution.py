@@ -34,15 +34,10 @@ Shares: TypeAlias = tuple[tuple[Fraction, ...], ...]
 
 @dataclass(frozen=True, slots=True)
 class Attribution:
-    """Shares of faults in counts.
+    """Shares of faults in counts, in ticks.
 
-    Attributes
-    ----------
-    shares
-        Ticks of each count that are due to each fault; each column sums to what the faults
-        together add to the count without faults.
-    margins
-        Half of the 95 % confidence interval of each share; ``None`` if they are exact.
+    Each column of ``shares`` sums to what the faults together add to the count without faults.
+    ``margins`` are half of the 95 % confidence intervals; ``None`` if shares are exact.
     """
 
     shares: Shares
@@ -52,8 +47,6 @@ class Attribution:
 def attribute(flights: Flights, specification: Specification) -> Attribution:
     """Return how much of each count is due to each fault of a specification.
 
-    Notes
-    -----
     A share is the mean of what the fault adds when it joins those before it, over all orders in
     which the faults can join; beyond ``N_EXACT`` faults over ``N_PERMUTATIONS`` drawn ones, the
     same in every call.

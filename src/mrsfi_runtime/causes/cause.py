@@ -18,27 +18,12 @@ from mrsfi_runtime.record.settings import following
 class Cause:
     """What a specification's violations are due to.
 
-    Attributes
-    ----------
-    specification
-        All its faults.
-    columns
-        What is counted.
-    counts, fault_free
-        Counts under all faults, and under none.
-    places
-        The cause set: the faults without which the violations would not be.
-    kept
-        Counts under the cause set.
-    outcome
-        What flying the cause set finds in the first mission seed.
-    chains
-        What each fault of the cause set changes first, against the cause set without it, in the
-        first mission seed.
-    robustness
-        What each count under the cause set is in ``N_SEEDS`` mission seeds, the first one on.
-    n_flown
-        How many flights each part of this took.
+    ``places`` are the cause set: the faults without which the violations would not be. ``counts``
+    are under all faults, ``fault_free`` under none, ``kept`` under the cause set, all by
+    ``columns``; ``outcome`` is what flying the cause set finds, and ``chains`` what each of its
+    faults changes first, against the set without it, both in the first mission seed. ``robustness``
+    says what each count under the cause set is in ``N_SEEDS`` mission seeds, the first one on, and
+    ``n_flown`` how many flights each part took.
     """
 
     specification: Specification

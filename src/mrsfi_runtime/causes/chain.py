@@ -16,17 +16,10 @@ from mrsfi_runtime.model.mission import Mission
 
 
 class Change(NamedTuple):
-    """A quantity that is another one.
+    """A quantity of a robot, sensor, obstacle or goal that differs, with the fault and without.
 
-    Attributes
-    ----------
-    owner
-        ID of the robot, sensor, obstacle or goal that has it.
-    quantity
-        What it is; positions are in distance units, headings in degrees, activation is 0 or 1,
-        ``memory[k]`` is a number that a goal remembers.
-    found, otherwise
-        With the fault, and without it.
+    Positions are in distance units, headings in degrees, activation is 0 or 1, ``memory[k]`` is a
+    number that a goal remembers.
     """
 
     owner: str
@@ -60,14 +53,7 @@ class FirstVerdict(NamedTuple):
 class FirstVerdicts(NamedTuple):
     """The first verdicts on a goal that differ; ``None`` where none does.
 
-    Attributes
-    ----------
-    goal
-        ID of the goal.
-    believed, true
-        Whether it is violated.
-    missed
-        Whether it is certain to be missed.
+    Whether it is believed or truly violated, and whether it is certain to be missed.
     """
 
     goal: str
@@ -80,16 +66,8 @@ class FirstVerdicts(NamedTuple):
 class Chain:
     """The first differences that a fault makes; ``None`` where it makes none.
 
-    Attributes
-    ----------
-    belief
-        In what the collective intelligence believes.
-    command
-        In what is sent to the robots.
-    truth
-        In what robots and sensors do.
-    verdicts
-        In the verdicts on those goals on which any differs.
+    In what is believed, in what is sent to the robots, in what robots and sensors do, and in the
+    verdicts on those goals on which any differs.
     """
 
     belief: First | None

@@ -33,16 +33,9 @@ ALL_OR_NONE = "all faults, and none"
 class Flights:
     """Flies fault specifications of a mission, each once, and counts violations.
 
-    Attributes
-    ----------
-    measure
-        Names the goals that are counted, and the violations, beside the true ones.
-    mission_seeds
-        Weathers that are counted together, the first one first.
-    columns
-        What is counted: for each goal first its violations in the measure, then the true ones.
-    n_flown
-        Number of flights until now, by what they were for.
+    ``columns`` are for each goal first its violations in the measure, then the true ones; counts
+    are over all ``mission_seeds``. ``n_flown`` has the number of flights until now, by what they
+    were for.
     """
 
     def __init__(

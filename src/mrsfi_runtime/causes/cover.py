@@ -21,15 +21,10 @@ from mrsfi_runtime.search.space import SearchSpace
 
 
 class Cover:
-    """The algorithm: see the module.
+    """The algorithm: see the module; ``known`` is what it has learnt until now.
 
     It ends after as many evaluations as the settings say, when all bounds are as low as they say,
     or where there is nothing left to try.
-
-    Attributes
-    ----------
-    known
-        What it has learnt until now.
     """
 
     def __init__(self, space: SearchSpace, settings: CampaignSettings) -> None:

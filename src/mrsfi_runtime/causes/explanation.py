@@ -18,23 +18,11 @@ from mrsfi_runtime.model.outcome import Outcome
 class Explanation:
     """Why a specification breaks goals.
 
-    Attributes
-    ----------
-    cause
-        What its violations are due to.
-    simplest, simplest_counts, simplest_outcome
-        The simplest form of the cause set, the counts under that, and what flying it finds in the
-        first mission seed.
-    minima
-        The different cause sets that shuffled orders gave, this one among them or not.
-    goals
-        What each goal's own violations are due to.
-    alone, left_out
-        Counts under each fault alone, and under all but it.
-    attribution
-        How much of each count is due to each fault of the cause set.
-    n_flown
-        How many flights each part of this took.
+    ``simplest`` is the simplest form of the cause set, with its counts and what flying it finds in
+    the first mission seed; ``minima`` are the different cause sets that shuffled orders gave;
+    ``goals`` say what each goal's own violations are due to. ``alone`` and ``left_out`` are counts
+    under each fault alone, and under all but it; ``attribution`` shares them among the cause set.
+    ``n_flown`` says how many flights each part took.
     """
 
     cause: Cause

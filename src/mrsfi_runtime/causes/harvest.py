@@ -54,22 +54,12 @@ _N_PAIR = 3  # flights in another seed for a pair: both faults, and each
 
 @dataclass(frozen=True, slots=True)
 class Harvest:
-    """What is known of a campaign.
+    """What is known of a campaign, of its first mission seed.
 
-    Attributes
-    ----------
-    known
-        Of its first mission seed.
-    weaknesses
-        With the number of mission seeds in which they hold.
-    n_flights
-        How many it took after the search, beside those for mildest forms.
-    outcomes
-        What came of what was flown for it in the first mission seed, unless it failed.
-    yardstick
-        What goals are judged by there; ``None`` if nothing is known yet.
-    mildest
-        The mildest form of what is the least that breaks each goal.
+    ``weaknesses`` have the number of mission seeds in which they hold; ``n_flights`` were taken for
+    them after the search, beside those for ``mildest`` forms, which are of what is the least that
+    breaks each goal. ``outcomes`` are of what was flown for it, unless it failed; ``yardstick`` is
+    what goals are judged by, ``None`` if nothing is known yet.
     """
 
     known: Known
@@ -117,27 +107,10 @@ def harvest(
 ) -> Harvest:
     """Find all the ways in which goals break, with flights that are recorded as they come.
 
-    Of a campaign that was interrupted here, only what is missing is flown.
-
-    Parameters
-    ----------
-    store
-        The campaign, whose search has ended.
-    evaluate_many
-        Flies.
-    record
-        Flies in the first mission seed, and returns every tick.
-    on_flown
-        Told what is known, how many flights were taken until now, and how many it may take.
-
-    Raises
-    ------
-    EvaluationError
-        If the mission's own code fails without faults.
-    RecordError
-        If the record cannot be written.
-    WorkerLost, TransportError
-        If somebody who flies is gone; what was flown before is kept.
+    Of a campaign that was interrupted here, only what is missing is flown. ``on_flown`` is told
+    what is known, how many flights were taken until now, and how many it may take. If the mission's
+    own code fails without faults, that is an ``EvaluationError``; if somebody who flies is gone,
+    what was flown before is kept.
     """
     before = known_by(space, store)
     if before is not None and before.n_flights:
@@ -275,13 +248,7 @@ def _probing(
 
 
 class _Flights:
-    """Flies what is not recorded, and records it.
-
-    Attributes
-    ----------
-    n_taken
-        How many flights were asked for, recorded or not.
-    """
+    """Flies what is not recorded, and records it; ``n_taken`` were asked for, recorded or not."""
 
     def __init__(self, store: CampaignStore, evaluate_many: EvaluateIn) -> None:
         self._store = store

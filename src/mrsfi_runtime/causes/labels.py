@@ -30,17 +30,7 @@ _RISE = Fraction("1.05")
 
 @dataclass(frozen=True, slots=True)
 class GoalCauses:
-    """What a goal's violations are due to.
-
-    Attributes
-    ----------
-    goal
-        ID of the goal.
-    places
-        Its own cause set.
-    labels
-        One for every fault of the specification.
-    """
+    """What a goal's violations are due to: its cause set, and a label for every fault."""
 
     goal: str
     places: Places

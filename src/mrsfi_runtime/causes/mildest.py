@@ -52,17 +52,11 @@ _TRUE = {
 
 @dataclass(frozen=True, slots=True)
 class Mildest:
-    """The mildest form that was found of a weakness.
+    """The mildest form that was found of a weakness, and the seeds with which it was sought.
 
-    Attributes
-    ----------
-    weakness
-        With that form as its witness, and the mission seeds in which it was sought.
-    sentence
-        From what on the goal breaks, and the strongest form tried that did not break it.
-    n_flights
-        How many flights it took, beside those without faults and those that are recorded. One that
-        serves several weaknesses counts for the first of them.
+    ``sentence`` says from what on the goal breaks, and the strongest form tried that did not break
+    it. ``n_flights`` leaves out those without faults and those that are recorded; one that serves
+    several weaknesses counts for the first of them.
     """
 
     weakness: Weakness
@@ -149,15 +143,9 @@ def mildest(
 ) -> tuple[Mildest, ...]:
     """Return the mildest form of each of some weaknesses, in their order.
 
-    Parameters
-    ----------
-    known
-        What was flown in the first of the seeds.
-    record
-        Flies in the first of the seeds: without faults, to see what is true, and each form.
-    seeds
-        Mission seeds in all of which a form has to break the goal, while no part of it does. Where
-        none of the forms that are tried first does, it is as many of the first of them as one does.
+    A form has to break the goal in all ``seeds``, while no part of it does; where none of those
+    tried first does, in as many of the first seeds as one does. ``known`` and ``record`` are of the
+    first.
     """
     deviation, flown = Deviation(space, record(())), _Flown(space, known, evaluate, seeds)
     least = [_mildest(deviation, known, each, flown) for each in found]

@@ -31,17 +31,9 @@ _Probe: TypeAlias = Generator[Specification, Broken, None]
 class Probing:
     """Asks for flights, turn by turn, and learns from what they break.
 
-    In each of the first turns every fault is alone in another form; then one specification for
-    each column, and half as many faults alone.
-
-    Parameters
-    ----------
-    n_faults
-        Faults of a random specification, at most.
-    n_alone
-        How many such first turns there are.
-    given
-        What a column is to be probed with in place of a random specification, if anything.
+    In each of ``n_alone`` first turns every fault is alone in another form; then one specification
+    of at most ``n_faults`` faults for each column, random or ``given``, and half as many faults
+    alone.
     """
 
     def __init__(

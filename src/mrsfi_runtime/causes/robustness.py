@@ -12,15 +12,7 @@ N_SEEDS = 20
 
 @dataclass(frozen=True, slots=True)
 class Robustness:
-    """What a count is in several mission seeds.
-
-    Attributes
-    ----------
-    median, least, most
-        Of the seeds.
-    n_violated
-        In how many of them it is above 0.
-    """
+    """What a count is in several mission seeds, and in how many of them above 0."""
 
     median: float
     least: int

@@ -11,13 +11,7 @@ from mrsfi_runtime.record.named_faults import NamedFault
 
 
 def sentences(cause: Cause, faults: Sequence[NamedFault]) -> tuple[str, ...]:
-    """Return for each fault of a cause set what it did, in words.
-
-    Parameters
-    ----------
-    faults
-        All faults of the specification.
-    """
+    """Return for each fault of a cause set, among all of a specification, what it did, in words."""
     return tuple(
         sentence(faults[place], chain)
         for place, chain in zip(cause.places, cause.chains, strict=True)
@@ -25,15 +19,7 @@ def sentences(cause: Cause, faults: Sequence[NamedFault]) -> tuple[str, ...]:
 
 
 def sentence(fault: NamedFault, chain: Chain) -> str:
-    """Say what a fault did, what was believed and sent then, what happened, and what was missed.
-
-    Parameters
-    ----------
-    fault
-        The timed fault.
-    chain
-        What it changed first.
-    """
+    """Say what a fault did, what was believed and sent then, what happened, and what was missed."""
     parts = [*(words for _, words in _differences(chain)), *map(_verdict, chain.verdicts)]
     window = f"from tick {fault.timed.start} to {fault.timed.finish}"
     done = f"{fault.name} ({fault.fault.type}) {_deed(fault)} {window}"

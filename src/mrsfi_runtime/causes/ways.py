@@ -11,18 +11,10 @@ from mrsfi_runtime.causes.weakness import MEASURES, Weakness
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """A way to break a goal: a least set of faults that does, and by which measures.
+    """A way to break a goal: a least set of the pool's faults that does, numbered from 1.
 
-    Attributes
-    ----------
-    number
-        Its place in the list of them, from 1.
-    goal, faults
-        IDs of the goal and of the pool's faults.
-    by
-        A weakness for each measure by which they break it, in the order of ``MEASURES``.
-    mildest
-        The mildest form in which they do, by the gravest measure, where one was looked for.
+    ``by`` has a weakness for each measure by which they break it, in the order of ``MEASURES``;
+    ``mildest`` is the mildest form, by the gravest measure, where one was looked for.
     """
 
     number: int

@@ -99,15 +99,9 @@ def form(specification: Specification) -> Specification:
 class Known:
     """What flights in one mission seed have shown: minimal sets by column, and every form tried.
 
-    Attributes
-    ----------
-    sets
-        The sets that are minimal as far as is known, in the order in which they were found.
-    flown
-        What each form that was tried breaks.
-    n_kept
-        How many random specifications without a set that is known to break a column have kept it,
-        one after the other, since the last such set was found.
+    Sets stand in the order in which they were found; ``flown`` has what each form breaks.
+    ``n_kept`` random specifications without a set that is known to break a column have kept it, one
+    after the other, since the last such set was found.
     """
 
     def __init__(self, mission: Mission) -> None:
@@ -218,26 +212,14 @@ def _shortness(specification: Specification) -> tuple[int, Specification]:
 
 @dataclass(frozen=True, slots=True)
 class Weakness:
-    """A goal, a measure, and a minimal set of faults that breaks it.
+    """A goal, a measure, and a minimal set of faults, by sorted IDs, that breaks it.
 
-    Attributes
-    ----------
-    column
-        The goal and the measure.
-    faults
-        IDs of the pool's faults, sorted.
-    witness
-        A form that breaks it: of those that break the most goals and measures for which its faults
-        are minimal, the one at work for the most ticks.
-    n_tried, n_broken
-        How many different forms of just these faults were flown, and how many broke it.
-    is_masked
-        Whether the collective intelligence does not believe the goal broken under the witness.
-    n_held, n_seeds
-        In how many mission seeds, of those that were looked at, the witness breaks it and no part
-        of the witness does.
-    since
-        The first tick at which the goal is broken under the witness, if that is known.
+    ``witness`` is a form that does: of those that break the most goals and measures for which its
+    faults are minimal, the one at work for the most ticks; under it the goal is broken from tick
+    ``since`` on, if that is known, and ``is_masked`` if the collective intelligence does not
+    believe it. ``n_tried`` forms of just these faults were flown, of which ``n_broken`` broke it.
+    In ``n_held`` of the ``n_seeds`` that were looked at, the witness breaks it and no part of the
+    witness does.
     """
 
     column: Column

@@ -15,12 +15,7 @@ _OUTCOME = (*encoding.COUNTS, "digest")
 class RecordedFlight:
     """What came of a specification with a mission seed.
 
-    Attributes
-    ----------
-    outcome
-        ``None`` if the mission's own code failed.
-    traceback
-        What it raised then.
+    If the mission's own code failed, ``outcome`` is ``None``, and ``traceback`` what it raised.
     """
 
     mission_seed: int
@@ -37,13 +32,7 @@ class RecordedFlight:
 
     @classmethod
     def from_row(cls, row: tuple[int, str, str]) -> Self:
-        """Return what such a row says.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If it makes no sense.
-        """
+        """Return what such a row says; ``ValueError`` or ``TypeError`` if it makes no sense."""
         seed, specification, text = row
         faults, (found, *rest) = encoding.lists([specification, text])
         known = encoding.specification(faults)

@@ -14,22 +14,11 @@ from mrsfi_runtime.record.store import Evaluation
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """The violations that a campaign looks at.
+    """The violations that a campaign looks at, one ``kind`` of ``COUNTED``.
 
-    Attributes
-    ----------
-    kind
-        One of ``COUNTED``.
-    n_seeds
-        Mission seeds over which the record keeps means; with 1 it keeps counts.
-    goals
-        IDs of the mission's goals, in the order of an outcome's counts.
-    chosen
-        IDs of the goals whose means are recorded, in the order of the record.
-    duration
-        Ticks of the mission.
-    minimised
-        One of ``COSTS`` of which a front has few beside many violations, if any.
+    The record keeps means over ``n_seeds`` mission seeds, of the ``chosen`` goals in this order;
+    with 1 it keeps counts, in the order of ``goals``. ``minimised`` is what of ``COSTS`` a front
+    has few of beside many violations, if any.
     """
 
     kind: str
@@ -71,13 +60,7 @@ class Measure:
         return self.n_seeds == 1 and self.kind in {"believed", "true"}
 
     def require(self, goals: Sequence[str]) -> None:
-        """Refuse goals of which the record does not keep this measure.
-
-        Raises
-        ------
-        UsageError
-            If the mission has no such goal, or its mean was not recorded.
-        """
+        """Refuse goals that the mission lacks, or whose mean is not recorded: a ``UsageError``."""
         _require(goals, self.goals, "a goal of the mission:")
         if self.n_seeds > 1:
             what = (

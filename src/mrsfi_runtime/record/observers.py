@@ -14,18 +14,11 @@ from mrsfi_runtime.record.events import Events
 
 
 class TraceTable:
-    """Observer that writes a CSV row a tick; floats are written so that no bit is lost.
+    """Observer that writes a CSV row a tick to a text file; no bit of a float is lost.
 
-    Columns are the tick, then per robot, sensor and goal its ID with ``.true`` and
-    ``.believed`` forms, for example ``r1.x.true``, ``s4.count.believed``, ``g3.violated.true``;
-    and last, for each goal, whether it is certain to be missed: ``g3.missed.true``.
-
-    Parameters
-    ----------
-    mission
-        Gives the column names.
-    stream
-        Open text file; the caller closes it.
+    Columns are the tick, then per robot, sensor and goal its ID with ``.true`` and ``.believed``
+    forms, for example ``r1.x.true``, ``s4.count.believed``, ``g3.violated.true``; and last, for
+    each goal, whether it is certain to be missed: ``g3.missed.true``.
     """
 
     _ROBOT_FIELDS = ("x", "y", "speed", "energy")
@@ -83,17 +76,7 @@ _BELIEVED: Mapping[str, Mapping[Field, tuple[str, ...]]] = MappingProxyType(
 
 
 class SimulationLog:
-    """Observer that writes the true state, what is believed otherwise, and what happened.
-
-    Parameters
-    ----------
-    mission
-        Gives the names.
-    stream
-        Open text file; the caller closes it.
-    events
-        Tells what happens.
-    """
+    """Observer that writes the true state, what is believed otherwise, and what happened."""
 
     def __init__(self, mission: Mission, stream: TextIO, events: Events) -> None:
         self._mission = mission

@@ -25,20 +25,10 @@ _KEYS = ("found", "violations", "mission_seeds", "goals", "max")
 class Regression:
     """A fault specification that must not do more harm than is kept.
 
-    Attributes
-    ----------
-    path
-        The file of its limits.
-    found
-        Where it comes from, and what it did, for people.
-    violations
-        What is limited, one of ``VIOLATIONS``, in ticks.
-    mission_seeds
-        Weathers in which it is flown; the limits hold in each.
-    limits
-        The most that a goal may have, by its ID; other goals are not looked at.
-    defect
-        Why nothing of this is known, if its files cannot be read.
+    ``limits`` are the most ticks of one of ``VIOLATIONS`` that goals may have, by their IDs, with
+    each of the ``mission_seeds``; other goals are not looked at. ``path`` is their file, ``found``
+    says for people where it comes from and what it did, and ``defect`` why nothing of this is
+    known, if its files cannot be read.
     """
 
     path: Path

@@ -34,17 +34,10 @@ _FEW = 256  # generations that are: the state of a random generator is a long te
 class Evaluation:
     """A fault specification, and what flying it gave.
 
-    Attributes
-    ----------
-    index
-        Place in the campaign, from 0, without gaps.
-    generation
-        Generation that asked for it, from 0.
-    fitness
-        What it is ranked by, first; more is more critical. If it is a mean over mission
-        seeds, the mean violations of each chosen goal follow.
-    fault_ticks
-        Ticks at which faults were active, summed over the timed faults.
+    ``index`` counts from 0 without gaps, as generations do. Of ``fitness`` the first is what it is
+    ranked by, more is more critical; if that is a mean over mission seeds, the mean violations of
+    each chosen goal follow. ``fault_ticks`` are those at which faults were active, summed over
+    them.
     """
 
     index: int

@@ -13,13 +13,7 @@ _RULE = "=" * 80
 
 
 def definition(name: str) -> str:
-    """Return the definition of a message, and after it those of all messages in it.
-
-    Parameters
-    ----------
-    name
-        Package and message, ``std_msgs/Bool``.
-    """
+    """Return the definition of a message, ``std_msgs/Bool``, and after it those of all in it."""
     nested = list(dict.fromkeys(_nested(name)))
     parts = [_definitions()[name], *(f"MSG: {each}\n{_definitions()[each]}" for each in nested)]
     return f"{_RULE}\n".join(parts)

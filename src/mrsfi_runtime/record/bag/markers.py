@@ -63,12 +63,7 @@ def map_markers(mission: Mission, frames: Sequence[str]) -> Message:
 class RobotMarkers:
     """Draws robots where they are and where they are believed to be, and misplaced obstacles.
 
-    Parameters
-    ----------
-    mission
-        Names the robots.
-    faults
-        Those of the flight; robots that an active one touches are drawn in another colour.
+    Robots that an active fault touches are drawn in another colour.
     """
 
     def __init__(self, mission: Mission, faults: Sequence[NamedFault]) -> None:

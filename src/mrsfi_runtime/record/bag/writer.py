@@ -50,16 +50,7 @@ _SECOND = 1_000_000_000  # nanoseconds
 class Bag:
     """Observer that writes a flight into an MCAP file of profile ``ros2``; tick k is k seconds.
 
-    Parameters
-    ----------
-    mission
-        Gives the names.
-    stream
-        Open binary file; the caller closes it after ``finish``.
-    faults
-        Those of the flight.
-    events
-        Tells what happens.
+    The caller closes the stream, a binary file, after ``finish``.
     """
 
     def __init__(
