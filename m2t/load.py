@@ -97,20 +97,8 @@ class Inspection:
 def load_mission_folder(folder: Path) -> LoadedModels:
     """Load ``mission.xmi`` and, if it exists, ``faults.xmi`` of a mission folder.
 
-    Parameters
-    ----------
-    folder
-        The mission folder.
-
-    Returns
-    -------
-    LoadedModels
-        Models without an error; warnings are left to ``inspect_folder``.
-
-    Raises
-    ------
-    ModelError
-        With all errors of both files, one a line.
+    All errors of both files are one ``ModelError``, one a line; warnings are left to
+    ``inspect_folder``.
     """
     return inspect_folder(folder).require_models()
 

@@ -13,24 +13,9 @@ from mrsfi_runtime.files import changing
 
 
 def save(models: LoadedModels) -> tuple[Path, ...]:
-    """Write loaded models back to their files: all of them, or none.
+    """Write loaded models back to their files, all of them or none; return those that changed.
 
-    Parameters
-    ----------
-    models
-        The models, changed or not.
-
-    Returns
-    -------
-    tuple of Path
-        The files whose content changed; the others are not touched.
-
-    Raises
-    ------
-    ModelError
-        As ``saved``; no file is written then.
-    UsageError
-        If a file cannot be written.
+    Models that cannot be saved are a ``ModelError``, files that cannot be written a ``UsageError``.
     """
     contents = saved(models)
     changed = {path: new for path, new in contents.items() if path.read_bytes() != new}

@@ -38,10 +38,7 @@ def compared(
 ) -> Comparison:
     """Make the runs that a comparison lacks, and return what all of them say.
 
-    Parameters
-    ----------
-    progress
-        Told each run, how many there are with it, and whether it was made just now.
+    ``progress`` is told each run, how many there are with it, and whether it was made just now.
     """
     seeds = next(iter(settings.values())).mission_seeds
     evaluators = [partial(evaluator.evaluate_many, seed=seed) for seed in seeds]

@@ -71,25 +71,11 @@ def evaluator(
 ) -> "Iterator[Evaluator]":
     """Yield what evaluates specifications of a mission, as long as the body runs.
 
-    Parameters
-    ----------
-    seed
-        Mission seed of what is evaluated without naming one.
-    workers
-        Processes or threads; as many as there are processors, or one where a server is named.
-    dask
-        Address of a cluster's scheduler, or ``local`` for one of this machine; without, no cluster.
-    tell
-        Told what does not compile, where the reference engine flies for that.
-    on_reached
-        Told who evaluates, before the mission is handed out.
-
-    Raises
-    ------
-    TransportError
-        If the cluster cannot be reached, or has no workers.
-    MrsfiError
-        If the engine cannot be opened.
+    ``seed`` is the mission seed of what is evaluated without naming one. There are as many workers
+    as processors, or one where a server is named; ``dask`` is the address of a scheduler, or
+    ``local`` for a cluster of this machine. ``tell`` is told what does not compile, ``on_reached``
+    who evaluates, before the mission is handed out. A cluster that is out of reach or without
+    workers is a ``TransportError``.
     """
     if dask is None:
         n_workers = workers or (1 if engine.url else _N_PROCESSORS)

@@ -66,10 +66,7 @@ class Case:
     ) -> Explanation | None:
         """Find out all about a specification; ``None`` if it violates nothing that is counted.
 
-        Raises
-        ------
-        ReplayMismatch
-            If it does not fly as it is recorded.
+        One that does not fly as it is recorded is a ``ReplayMismatch``.
         """
         flights = Flights(evaluator.evaluate_many, self.measure, self.mission_seeds)
         if subject.recorded is not None:

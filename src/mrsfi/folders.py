@@ -38,17 +38,9 @@ class MissionFolders:
         return str(from_here(self.models.resolve())) if self.place else self.name
 
     def require_fresh(self, loaded: LoadedModels | None = None) -> None:
-        """Refuse generated code that does not follow from the models.
+        """Refuse generated code that does not follow from the models, and name the stale files.
 
-        Parameters
-        ----------
-        loaded
-            The models, where they are loaded already.
-
-        Raises
-        ------
-        GenerationError
-            Naming the stale files, or saying that there are none yet.
+        The models are loaded, unless they are given.
         """
         names = stale(loaded or self.models, self.generated)
         if names and not (self.generated / _MISSION_CODE).is_file():
@@ -64,20 +56,7 @@ class MissionFolders:
 
 
 def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
-    """Return the folders of a mission.
-
-    Parameters
-    ----------
-    mission
-        Name of a folder under ``models``, or the path of a mission folder.
-    generated
-        Folder of the generated code, if it is not the usual one.
-
-    Raises
-    ------
-    UsageError
-        If there is no such mission.
-    """
+    """Return the folders of a mission, by its name or path; a ``UsageError`` if there is none."""
     for models in _places(mission):
         return folders_at(models, generated)
     place = project().models
@@ -112,10 +91,7 @@ def _places(mission: str) -> Iterator[Path]:
 def campaign_file(folders: MissionFolders, case: str) -> Path:
     """Return the campaign file that --case names: ``case_NAME.toml`` of a mission, or any file.
 
-    Raises
-    ------
-    UsageError
-        If there is none.
+    One that is missing is a ``UsageError``.
     """
     named = folders.models / f"case_{case}.toml"
     if named.is_file():

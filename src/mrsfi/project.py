@@ -31,10 +31,7 @@ _CHOSEN = "MRSFI_METAMODELS"
 class Project:
     """The folders of a project, each as short as a user would write it.
 
-    Attributes
-    ----------
-    metamodels
-        Those of the team; ``None`` if the project has none.
+    ``metamodels`` are those of the team; ``None`` if the project has none.
     """
 
     models: Path
@@ -46,10 +43,7 @@ class Project:
 def project() -> Project:
     """Return the project that the working folder is in.
 
-    Raises
-    ------
-    UsageError
-        If its settings cannot be read, or have a name or a value that means nothing.
+    Settings that cannot be read, or that mean nothing, are a ``UsageError``.
     """
     file = root() / SETTINGS
     given = _settings(file) if file.is_file() else {}

@@ -31,27 +31,12 @@ from mrsfi_runtime.record.settings import CampaignSettings, following
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What became of a kept weakness.
+    """What became of a kept weakness, in so many mission ``seeds`` and ``seconds``.
 
-    Attributes
-    ----------
-    regression
-        What is kept.
-    seeds
-        Mission seeds in which it is flown.
-    counts
-        What each goal that has a limit had at most, in those of them for which limits are kept,
-        by its ID; empty if it could not be flown.
-    others
-        The same in the other seeds; empty if there are none.
-    error
-        Why it could not be flown, if so.
-    gone
-        Faults of it that the pool of today does not have; it carries copies of them.
-    why
-        Of one that came back, what each fault of its cause did, in words.
-    seconds
-        How long it took.
+    ``counts`` has what each goal that has a limit had at most, by its ID, in those seeds for which
+    limits are kept, and is empty if it could not be flown, for which ``error`` says why; ``others``
+    has the same of the other seeds. ``gone`` are faults of it that the pool of today does not have;
+    it carries copies of them. ``why`` says of one that came back what each fault of its cause did.
     """
 
     regression: Regression

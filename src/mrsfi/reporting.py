@@ -26,19 +26,9 @@ def report(
 ) -> None:
     """Write the report of a campaign into its folder.
 
-    Parameters
-    ----------
-    ratio
-        Ratio of violations to pick by, such as ``g3:g1=2:1``.
-    draw
-        Draws the figures; without, a process of its own does.
-    show
-        Told what was found, before figures are drawn.
-
-    Raises
-    ------
-    UsageError
-        If the ratio makes no sense.
+    ``show`` is told what was found, before figures are drawn, by ``draw`` or a process begun for
+    it. A ``ratio`` of violations to pick by, such as ``g3:g1=2:1``, that makes no sense is a
+    ``UsageError``.
     """
     writer = specification_writer(campaign.folder.model)
     with _flying(campaign) as record, ExitStack() as opened:

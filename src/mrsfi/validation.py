@@ -28,16 +28,8 @@ _LONGEST_FLIGHT = 100_000
 class Validated:
     """What was found in a mission, or in a fault specification.
 
-    Attributes
-    ----------
-    name
-        Of the mission, or the path of the specification.
-    models
-        What is wrong with the models.
-    code
-        What is wrong with the generated code, and with the mission that flies without faults.
-    counts
-        How many elements sound models hold, by what they are.
+    Diagnostics of the models, and of the generated code and the flight without faults; and how many
+    elements sound models hold, by what they are.
     """
 
     name: str
@@ -62,19 +54,8 @@ class Validated:
 def validate(mission: str, generated: Path | None = None, tell: Tell = silent) -> Validated:
     """Check a mission by all constraints, fly it without faults, and look at its regions.
 
-    Parameters
-    ----------
-    mission
-        Name or folder of a mission, or path of an ``.xmi`` file with a fault specification.
-    generated
-        Folder of the generated code, if it is not the usual one.
-    tell
-        Told why the mission was not flown.
-
-    Raises
-    ------
-    UsageError
-        If there is no such mission.
+    It is named by name or folder, or is an ``.xmi`` file with a fault specification. ``tell`` is
+    told why it was not flown.
     """
     if mission.endswith(".xmi"):
         return Validated(mission, inspect_specification(Path(mission)).diagnostics)

@@ -110,16 +110,9 @@ def mildest(
 ) -> tuple[shrinking.Mildest, ...]:
     """Find the mildest form of each of some ways to break a goal, by its gravest measure.
 
-    Parameters
-    ----------
-    campaign, evaluator
-        A campaign that was harvested, and what flies it, some 30 times for each set.
-    record
-        Flies in the campaign's mission seed: without faults, to see what is true, and each form.
-    found
-        The ways, as a harvest numbers them.
-    n_seeds
-        Mission seeds, from the campaign's on, in which a form has to break the goal.
+    That takes some 30 flights for each; ``record`` flies with the campaign's mission seed, without
+    faults, to see what is true, and each form. A form has to break the goal in ``n_seeds`` mission
+    seeds, from the campaign's on.
     """
     space, known = SearchSpace.of(campaign.mission, campaign.pool), harvested(campaign).known
     shown = [way.shown for way in found]

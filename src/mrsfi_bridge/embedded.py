@@ -31,13 +31,6 @@ class LocalClient:
     """A client of the server in its own process; used in the server's thread only.
 
     What its callbacks raise is kept in ``EmbeddedBridge.failed``.
-
-    Parameters
-    ----------
-    hub
-        What all clients share.
-    failed
-        Where errors of callbacks go.
     """
 
     def __init__(self, hub: Hub, failed: FirstError) -> None:
@@ -46,22 +39,13 @@ class LocalClient:
         self._callbacks: dict[str, list[Callable[[dict[str, Any]], None]]] = {}
 
     def advertise(self, topic: str, type_name: str) -> None:
-        """Prepare to publish on a topic.
-
-        Raises
-        ------
-        ProtocolError
-            If the type is unknown or conflicts.
-        """
+        """Prepare to publish on a topic; a type unknown or in conflict is a ``ProtocolError``."""
         self._hub.broker.advertise(self, topic, type_name)
 
     def publish(self, topic: str, message: dict[str, Any]) -> None:
         """Deliver a message to all subscribers.
 
-        Raises
-        ------
-        ProtocolError
-            If the topic was not advertised or the message does not fit its type.
+        A topic that was not advertised, or a message of another type, is a ``ProtocolError``.
         """
         self._hub.broker.publish(self, topic, message)
 
@@ -70,10 +54,7 @@ class LocalClient:
     ) -> None:
         """Have a callback receive every message of a topic; it may not change them.
 
-        Raises
-        ------
-        ProtocolError
-            If the type is unknown or conflicts.
+        A type that is unknown or conflicts is a ``ProtocolError``.
         """
         callbacks = self._callbacks.setdefault(topic, [])
         callbacks.append(callback)
@@ -90,13 +71,7 @@ class LocalClient:
     def advertise_service(
         self, name: str, type_name: str, handler: Callable[[dict[str, Any]], dict[str, Any]]
     ) -> None:
-        """Have a function answer the calls of a service.
-
-        Raises
-        ------
-        ProtocolError
-            If the type is unknown.
-        """
+        """Have a function answer a service; a type that is unknown is a ``ProtocolError``."""
 
         def ask(call_id: str, request: dict[str, Any]) -> None:
             try:
@@ -164,25 +139,13 @@ class EmbeddedBridge:
             raise self._refusal
 
     def local_client(self) -> LocalClient:
-        """Return a client that needs no socket.
-
-        Raises
-        ------
-        NotRunningError
-            If the server does not run.
-        """
+        """Return a client that needs no socket; ``NotRunningError`` if the server does not run."""
         if self._server is None:
             raise NotRunningError("the embedded server does not run; start it first")
         return LocalClient(self._server.hub, self.failed)
 
     def call_soon(self, function: Callable[[], None]) -> None:
-        """Call a function in the server's thread; what it raises is kept in ``failed``.
-
-        Raises
-        ------
-        NotRunningError
-            If the server does not run.
-        """
+        """Call a function in the server's thread; what it raises is kept in ``failed``."""
         if self._loop is None:
             raise NotRunningError("the embedded server does not run")
         try:

@@ -13,19 +13,7 @@ from mrsfi_runtime.transport.topics import Payload, PubSub
 
 
 class SimulatedRobot:
-    """Publishes a robot of the true state, and has it obey its commands.
-
-    Parameters
-    ----------
-    transport
-        Moves the messages.
-    topics
-        Those of the robot.
-    world
-        The true state.
-    index
-        The robot's place in it.
-    """
+    """Publishes a robot of the true state, at a place in it, and has it obey its commands."""
 
     def __init__(self, transport: PubSub, topics: RobotTopics, world: State, index: int) -> None:
         self._index = index
@@ -64,19 +52,7 @@ class SimulatedRobot:
 
 
 class SimulatedSensor:
-    """Publishes a sensor of the true state, and has it obey its switch.
-
-    Parameters
-    ----------
-    transport
-        Moves the messages.
-    topics
-        Those of the sensor.
-    world
-        The true state.
-    index
-        The sensor's place in it.
-    """
+    """Publishes a sensor of the true state, at a place in it, and has it obey its switch."""
 
     def __init__(self, transport: PubSub, topics: SensorTopics, world: State, index: int) -> None:
         self._index = index

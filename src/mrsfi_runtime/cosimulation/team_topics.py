@@ -7,13 +7,7 @@ from mrsfi_runtime.transport.topics import Topic
 
 
 class RobotTopics:
-    """Topics of a robot: what the simulation says of it, what is true of it, and its commands.
-
-    Parameters
-    ----------
-    robot
-        Its ID in the model, as an identifier.
-    """
+    """Topics of a robot, by its identifier: what is said of it, what is true, its commands."""
 
     def __init__(self, robot: str) -> None:
         self.position = Topic(f"/{robot}/position", "geometry_msgs/Point")
@@ -25,13 +19,7 @@ class RobotTopics:
 
 
 class SensorTopics:
-    """Topics of a sensor: what the simulation says of it, and its switch.
-
-    Parameters
-    ----------
-    robot, sensor
-        The IDs of its robot and its own in the model, as identifiers.
-    """
+    """Topics of a sensor, by two identifiers: what the simulation says of it, and its switch."""
 
     def __init__(self, robot: str, sensor: str) -> None:
         self.samples = Topic(f"/{robot}/{sensor}/samples", "std_msgs/Int64")

@@ -49,30 +49,16 @@ class Outcome:
     digest: str
 
     def missed_since(self, duration: int) -> tuple[int | None, ...] | None:
-        """Return from which tick on each goal was certain to be missed.
+        """Return from which tick on each goal was certain to be missed, ``None`` if it was met.
 
-        Parameters
-        ----------
-        duration
-            Ticks of the mission.
-
-        Returns
-        -------
-        tuple[int | None, ...] or None
-            For each goal, ``None`` where it was met; ``None`` as a whole if that is not known.
+        ``None`` as a whole if that is not known.
         """
         if self.missed is None:
             return None
         return tuple(duration - ticks if ticks else None for ticks in self.missed)
 
     def told(self, duration: int) -> dict[str, tuple[int | None, ...]]:
-        """Return what came of each goal by the names in ``TOLD``; None where there is nothing.
-
-        Parameters
-        ----------
-        duration
-            Ticks of the mission.
-        """
+        """Return what came of each goal by the names in ``TOLD``; None where there is nothing."""
         unknown = (None,) * len(self.true)
         counts = [getattr(self, name) for name in COUNTED]
         found = (count or unknown for count in (*counts, self.missed_since(duration)))

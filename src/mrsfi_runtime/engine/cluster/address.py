@@ -10,13 +10,7 @@ LOCAL = "local"
 
 
 def require_address(text: str) -> None:
-    """Refuse what is no address of a scheduler, and any while dask is not installed.
-
-    Raises
-    ------
-    UsageError
-        If so.
-    """
+    """Refuse what is no address of a scheduler, and any while dask is not installed."""
     if find_spec("distributed") is None:
         raise UsageError(
             "--dask needs dask.distributed; install it with: pip install 'mrsfi[dask]'"

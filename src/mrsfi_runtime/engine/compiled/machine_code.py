@@ -97,10 +97,7 @@ def sources_key() -> str:
 def kernel_key() -> str:
     """Return a key of all that decides how the kernel compiles: its text, compiler, machine.
 
-    Raises
-    ------
-    UsageError
-        If there is no compiler.
+    Without a compiler it is a ``UsageError``.
     """
     if find_spec("numba") is None:
         raise UsageError("to compile takes numba; install it with: pip install 'mrsfi[fast]'")

@@ -24,10 +24,7 @@ class Region(NamedTuple):
 def own_regions(code: MissionCode) -> list[Region]:
     """Return the regions that a team wrote, in the order of their calls.
 
-    Raises
-    ------
-    CompilationError
-        If the functions of the mission do not call its goals' as generated code does.
+    Functions that do not call their goals' as generated code does are a ``CompilationError``.
     """
     tasks = [number(goal.task) for goal in code.mission.goals]
     found = []
