@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mrsfi import reporting
 from mrsfi.campaign_folders import open_campaign, open_to_fly
 from mrsfi.engines import evaluator, own_engine, silent
-from mrsfi.explaining import case_of_campaign, evaluation_of
+from mrsfi.explaining import evaluation_of, explainer_of_campaign
 from mrsfi.flight import Flight, fly
 from mrsfi.regressions import keep
 from mrsfi.weaknesses import harvested
@@ -144,7 +144,7 @@ class Campaign:
             If it does not fly as it is recorded.
         """
         with open_to_fly(self.folder) as campaign:
-            case, subject = case_of_campaign(campaign), evaluation_of(campaign, index)
+            case, subject = explainer_of_campaign(campaign), evaluation_of(campaign, index)
             seed = case.mission_seeds[0]
             settings = EngineSettings(AUTO).tried(case.code, seed, silent)
             with (

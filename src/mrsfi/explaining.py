@@ -29,7 +29,7 @@ CAUSE_SET, SIMPLEST = "cause set", "simplest form"
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
+class NamedSpecification:
     """A specification that is to be explained, and what a campaign found under it, if it is of one.
 
     The name is the stem of what is written about it; the title says what it is, for people.
@@ -47,7 +47,7 @@ class Subject:
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class Explainer:
     """All that specifications are explained with.
 
     The code has the pool of the specifications; counts of all mission seeds are summed; ``write``
@@ -62,7 +62,7 @@ class Case:
     source: Path
 
     def explain(
-        self, evaluator: Evaluator, engine: Engine, subject: Subject, keep: float
+        self, evaluator: Evaluator, engine: Engine, subject: NamedSpecification, keep: float
     ) -> Explanation | None:
         """Find out all about a specification; ``None`` if it violates nothing that is counted.
 
@@ -73,7 +73,9 @@ class Case:
             require_same(self.source, subject.recorded, flights.outcome(subject.specification))
         return find_out(flights, engine, subject.specification, keep)
 
-    def write_sets(self, subject: Subject, found: Explanation | None) -> Mapping[str, Path]:
+    def write_sets(
+        self, subject: NamedSpecification, found: Explanation | None
+    ) -> Mapping[str, Path]:
         """Write cause sets and the simplest form as XMI; return the files by what they are."""
         if found is None:
             return {}
@@ -110,14 +112,14 @@ def of_goal(goal: str) -> str:
     return f"{CAUSE_SET} of {goal}"
 
 
-def case_of_file(
+def explainer_of_file(
     folders: MissionFolders,
     path: Path,
     kind: str | None,
     seed: int | None,
     out: Path | None,
     tell: Tell,
-) -> tuple[Case, Subject]:
+) -> tuple[Explainer, NamedSpecification]:
     """Return a written specification, and what it is explained with; tell what is odd about it.
 
     Believed violations are counted if no other kind is named, in mission seed 1 if none is. Cause
@@ -133,7 +135,7 @@ def case_of_file(
     for oddity in written.oddities(path, code.mission):
         tell(oddity)
     pool = written.pool
-    case = Case(
+    explainer = Explainer(
         code=replace(code, pool=pool),
         measure=Measure.of(CampaignSettings(violations=kind or VIOLATIONS[0]), code.mission),
         mission_seeds=(1 if seed is None else seed,),
@@ -141,21 +143,21 @@ def case_of_file(
         folder=path.parent if out is None else out,
         source=path,
     )
-    return case, Subject(
+    return explainer, NamedSpecification(
         path.stem, str(path), named_faults(code.mission, pool, written.specification)
     )
 
 
-def case_of_campaign(
+def explainer_of_campaign(
     campaign: FlyableCampaign, kind: str | None = None, out: Path | None = None
-) -> Case:
+) -> Explainer:
     """Return what evaluations of a campaign are explained with.
 
     What is counted is what the campaign counted, if no other kind is named.
     """
     settings = campaign.store.settings
     measure = Measure.of(settings, campaign.mission)
-    return Case(
+    return Explainer(
         code=campaign.code,
         measure=measure if kind is None else replace(measure, kind=kind),
         mission_seeds=settings.mission_seeds,
@@ -165,20 +167,20 @@ def case_of_campaign(
     )
 
 
-def most_critical(campaign: FlyableCampaign, n: int) -> list[Subject]:
+def most_critical(campaign: FlyableCampaign, n: int) -> list[NamedSpecification]:
     """Return the most critical evaluations of a campaign that differ, the worst first."""
     measure = Measure.of(campaign.store.settings, campaign.mission)
     return [_subject(campaign, evaluation) for evaluation in top(campaign.store, measure, n)]
 
 
-def evaluation_of(campaign: FlyableCampaign, index: int | None) -> Subject:
+def evaluation_of(campaign: FlyableCampaign, index: int | None) -> NamedSpecification:
     """Return an evaluation of a campaign, the most critical one if none is named."""
     return _subject(campaign, find_evaluation(campaign, index))
 
 
-def _subject(campaign: FlyableCampaign, evaluation: Evaluation) -> Subject:
+def _subject(campaign: FlyableCampaign, evaluation: Evaluation) -> NamedSpecification:
     names = numbered(timed.fault for timed in evaluation.specification)
-    return Subject(
+    return NamedSpecification(
         f"evaluation_{evaluation.index}",
         f"evaluation {evaluation.index} of {campaign.folder.path}, "
         f"fitness {evaluation.fitness[0]:.2f}",
@@ -187,7 +189,7 @@ def _subject(campaign: FlyableCampaign, evaluation: Evaluation) -> Subject:
     )
 
 
-def require_repeatable(engine: Engine, subject: Subject) -> None:
+def require_repeatable(engine: Engine, subject: NamedSpecification) -> None:
     """Refuse somebody else's simulation on which the same specification flies differently."""
     first, second = (engine.evaluate(subject.specification) for _ in range(2))
     if first != second:

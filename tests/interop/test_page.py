@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from mrsfi_runtime.analysis.page.content import Told, flight_page
+from mrsfi_runtime.analysis.page.content import PageEntry, flight_page
 from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.engine.reference import ReferenceEngine
@@ -220,7 +220,7 @@ def test_a_model_of_hostile_texts_is_shown_and_does_nothing(chromium, tmp_path):
     )
     hostile = [replace(fault, name=HOSTILE[k % len(HOSTILE)]) for k, fault in enumerate(faults)]
     sentences = [HOSTILE[k % len(HOSTILE)] for k in range(len(faults))]
-    told = Told(HOSTILE[0], HOSTILE[1], hostile, sentences, outcome, HOSTILE, HOSTILE[2])
+    told = PageEntry(HOSTILE[0], HOSTILE[1], hostile, sentences, outcome, HOSTILE, HOSTILE[2])
     path = tmp_path / "hostile.html"
     page_text = document(flight_page(mission, told, recording, [(HOSTILE[3], HOSTILE[4])]))
     path.write_text(page_text, encoding="utf-8")

@@ -17,7 +17,7 @@ from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.drawing import Draw, Drawing, draw_here
 from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
 from mrsfi_runtime.analysis.markdown import report_text
-from mrsfi_runtime.analysis.page.content import Told, campaign_page, flown_of, told_content
+from mrsfi_runtime.analysis.page.content import PageEntry, campaign_page, flown_of, told_content
 from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
@@ -129,7 +129,7 @@ def _fly(
             flown, sentences = flown_of(mission, pool, way, record)
         except MrsfiError as error:
             flown, sentences = str(error), ()
-        told = Told(
+        told = PageEntry(
             title=goal_in_words(mission, way.goal),
             sentence=broken_by(way),
             faults=named_faults(mission, pool, way.shown.witness),

@@ -8,11 +8,11 @@ import click
 from mrsfi.campaign_folders import open_to_fly
 from mrsfi.engines import own_engine
 from mrsfi.explaining import (
-    Case,
-    Subject,
-    case_of_campaign,
-    case_of_file,
+    Explainer,
+    NamedSpecification,
     evaluation_of,
+    explainer_of_campaign,
+    explainer_of_file,
     most_critical,
     require_repeatable,
 )
@@ -59,8 +59,8 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
             raise click.UsageError(f"{given[0]} is about a campaign; --faults names a file")
         settings = engine.settings(default=AUTO)
         folders = find_mission(target, generated)
-        case, subject = case_of_file(folders, faults, kind, seed, out, tell)
-        _explain_all(case, [subject], settings, workers, keep, is_json=is_json)
+        explainer, subject = explainer_of_file(folders, faults, kind, seed, out, tell)
+        _explain_all(explainer, [subject], settings, workers, keep, is_json=is_json)
         return
     if seed is not None or generated is not None:
         option = "--generated" if seed is None else "--seed"
@@ -75,9 +75,9 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
         settings = engine.settings(recorded_by if recorded_by.is_foreign else None, AUTO)
         subjects = [] if n_top is None else most_critical(campaign, n_top)
         subjects = subjects or [evaluation_of(campaign, evaluation)]
-        case = case_of_campaign(campaign, kind, out)
-        tell_of_fitness(campaign.store.settings, case.measure)
-        _explain_all(case, subjects, settings, workers, keep, is_json=is_json)
+        explainer = explainer_of_campaign(campaign, kind, out)
+        tell_of_fitness(campaign.store.settings, explainer.measure)
+        _explain_all(explainer, subjects, settings, workers, keep, is_json=is_json)
 
 
 def _run(target: str) -> Path:
@@ -92,8 +92,8 @@ def _run(target: str) -> Path:
 
 
 def _explain_all(
-    case: Case,
-    subjects: Sequence[Subject],
+    explainer: Explainer,
+    subjects: Sequence[NamedSpecification],
     settings: EngineSettings,
     workers: WorkerOptions,
     keep: float,
@@ -102,20 +102,22 @@ def _explain_all(
 ) -> None:
     """Explain specifications one after the other; print each, and write its cause set."""
     workers.require_sense(settings)
-    seed = case.mission_seeds[0]
+    seed = explainer.mission_seeds[0]
     if settings.name == AUTO:
-        settings = settings.tried(case.code, seed, tell)
+        settings = settings.tried(explainer.code, seed, tell)
     told = []
     with (
-        workers.evaluator(case.code, seed, settings) as evaluator,
-        own_engine(evaluator, case.code, seed, settings) as engine,
+        workers.evaluator(explainer.code, seed, settings) as evaluator,
+        own_engine(evaluator, explainer.code, seed, settings) as engine,
     ):
         for subject in subjects:
             if not settings.has_simulation:
                 require_repeatable(engine, subject)
-            found = case.explain(evaluator, engine, subject, keep)
-            paths = case.write_sets(subject, found)
-            shown = Shown(case.code, case.measure, subject.title, subject.faults, keep, paths)
+            found = explainer.explain(evaluator, engine, subject, keep)
+            paths = explainer.write_sets(subject, found)
+            shown = Shown(
+                explainer.code, explainer.measure, subject.title, subject.faults, keep, paths
+            )
             if is_json:
                 told.append(as_json(shown, found))
             else:

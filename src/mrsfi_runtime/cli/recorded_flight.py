@@ -99,7 +99,7 @@ def _page(
     engine: Engine, stream: IO[bytes], faults: Sequence[NamedFault], subject: Subject
 ) -> tuple[Observer, _Finish]:
     """Return what records a flight for a page, and what writes the page; numpy comes with that."""
-    from mrsfi_runtime.analysis.page.content import Told, flight_page  # noqa: PLC0415
+    from mrsfi_runtime.analysis.page.content import PageEntry, flight_page  # noqa: PLC0415
     from mrsfi_runtime.analysis.page.document import document  # noqa: PLC0415
     from mrsfi_runtime.engine.recording import Recorder  # noqa: PLC0415
 
@@ -108,7 +108,7 @@ def _page(
 
     def write(outcome: Outcome) -> None:
         silent = [""] * len(faults)
-        told = Told(subject.title, "", faults, silent, outcome, subject.command, subject.xmi)
+        told = PageEntry(subject.title, "", faults, silent, outcome, subject.command, subject.xmi)
         facts = {
             "mission": mission.name,
             "ticks": mission.duration,

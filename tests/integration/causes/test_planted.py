@@ -5,7 +5,7 @@ from itertools import count
 
 import pytest
 
-from mrsfi.explaining import Subject, require_repeatable
+from mrsfi.explaining import NamedSpecification, require_repeatable
 from mrsfi_runtime.causes.chain import FirstVerdict
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import explain
@@ -114,7 +114,9 @@ def test_flights_that_differ_are_no_ground_to_explain(engine):
             del seed
             return super().evaluate(specification, next(seeds), **more)
 
-    subject = Subject("x", "x.xmi", named_faults(engine.code.mission, engine.code.pool, ()))
+    subject = NamedSpecification(
+        "x", "x.xmi", named_faults(engine.code.mission, engine.code.pool, ())
+    )
     require_repeatable(engine, subject)
     with pytest.raises(ReplayMismatch, match=r"x\.xmi: flown twice, it had violations "):
         require_repeatable(Chancy(engine.code, 1), subject)

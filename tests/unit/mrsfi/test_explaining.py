@@ -4,11 +4,11 @@ from itertools import cycle
 
 import pytest
 
-from mrsfi.explaining import Subject, require_repeatable
+from mrsfi.explaining import NamedSpecification, require_repeatable
 from mrsfi_runtime.errors import ReplayMismatch
 from tests.support.campaigns import outcome
 
-SUBJECT = Subject("best", "evaluation 3", (), ())
+SUBJECT = NamedSpecification("best", "evaluation 3", (), ())
 
 
 class Simulation:

@@ -39,7 +39,7 @@ _COUNTS = (
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class PageEntry:
     """What the page says of a specification that was flown.
 
     Why it breaks goals, what each fault did and what flies it again are in words; ``xmi`` is the
@@ -56,7 +56,7 @@ class Told:
 
 
 def flight_page(
-    mission: Mission, told: Told, recording: Recording, facts: Iterable[tuple[str, Any]]
+    mission: Mission, told: PageEntry, recording: Recording, facts: Iterable[tuple[str, Any]]
 ) -> dict[str, Any]:
     """Return what the page shows of one flight; ``facts`` are named values of its record."""
     flown = Flown(told.title, told.faults, recording, {})
@@ -114,7 +114,7 @@ def flown_of(
 
 
 def told_content(
-    mission: Mission, told: Told, flown: Flown | str, n_flights: int
+    mission: Mission, told: PageEntry, flown: Flown | str, n_flights: int
 ) -> dict[str, Any]:
     """Return what the page shows of a way to break a goal, and of its flight or why it has none.
 
@@ -139,7 +139,7 @@ def _matrix(summary: Summary, mission: Mission, pool: FaultPool) -> dict[str, An
     }
 
 
-def _told(mission: Mission, told: Told) -> dict[str, Any]:
+def _told(mission: Mission, told: PageEntry) -> dict[str, Any]:
     counts = told.outcome.told(mission.duration)
     header = ("goal", "name", *(_WORDS.get(name, name) for name in counts))
     goals = [(goal.id, goal.name) for goal in mission.goals]
