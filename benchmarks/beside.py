@@ -31,21 +31,11 @@ Figures = dict[str, float]
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two.
+    """One of the two."""
 
-    Attributes
-    ----------
-    tree
-        Where mrsfi is installed in ``.venv``.
-    scratch
-        A folder for what is made while measuring.
-    n_evaluations
-        Of the long campaign.
-    """
-
-    tree: Path
-    scratch: Path
-    n_evaluations: int
+    tree: Path  # mrsfi is installed in its .venv
+    scratch: Path  # for what is made while measuring
+    n_evaluations: int  # of the long campaign
 
     def probe(self, *words: str) -> Figures:
         """Measure from within; see ``benchmarks.probe``."""
@@ -125,21 +115,11 @@ def many(side: Side, _: int) -> Figures:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is measured together.
+    """What is measured together."""
 
-    Attributes
-    ----------
-    measure
-        Takes a side and the number of a round, from 0.
-    share
-        Rounds for one round of it.
-    is_warmed
-        Whether a round goes before those that count.
-    """
-
-    measure: Callable[[Side, int], Figures]
-    share: int = 1
-    is_warmed: bool = True
+    measure: Callable[[Side, int], Figures]  # takes the number of the round as well, from 0
+    share: int = 1  # rounds for one round of it
+    is_warmed: bool = True  # a round goes before those that count
 
 
 QUANTITIES = MappingProxyType(

@@ -16,11 +16,10 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-
-from benchmarks.lockstep import child
 
 KINDS = ("raw", "asyncio", "raw", "twisted")
 """Kinds of clients, by turns."""
@@ -33,6 +32,30 @@ GROWTH_BYTES = 4 * MEBI
 DELAY_GROWTH = 2.0
 DELAY_GROWTH_S = 0.02
 """The median delay may double and be so much longer, because others use this machine too."""
+
+
+@contextmanager
+def child(*words: str) -> Iterator[tuple[str, int]]:
+    """Run a server or a side that tells its URL; yield that and its process until the body ends."""
+    with subprocess.Popen(
+        [sys.executable, *words],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        encoding="utf-8",
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            line = process.stdout.readline().strip()
+            if not line:
+                message = f"{' '.join(words)}: did not start"
+                raise SystemExit(message)
+            url = json.loads(line)["url"] if line.startswith("{") else line.split()[-1]
+            yield url, process.pid
+        finally:
+            process.terminate()
+            process.communicate()
 
 
 def resident_bytes(pid: int, key: str = "VmRSS:") -> int:

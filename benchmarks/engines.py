@@ -8,11 +8,10 @@ round, so that whatever else runs on this machine slows all alike; the ratios ar
 import argparse
 import statistics
 import time
-from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
-from benchmarks.measuring import drawn
+from benchmarks.measuring import drawn, seconds
 from mrsfi_runtime.engine.cluster.address import LOCAL
 from mrsfi_runtime.engine.cluster.connection import Cluster
 from mrsfi_runtime.engine.cluster.pool import ClusterPool
@@ -30,13 +29,6 @@ ENGINES = (
     ("compiled, 2 of dask", COMPILED, 2, True, 2000),
 )
 """Label, engine, workers, whether a local cluster has them, and specifications of a round."""
-
-
-def seconds(function: Callable[[], object]) -> float:
-    """Return how long a call takes."""
-    start = time.perf_counter()
-    function()
-    return time.perf_counter() - start
 
 
 def opened(stack: ExitStack, name: str, workers: int, *, on_dask: bool) -> WorkerPool | ClusterPool:

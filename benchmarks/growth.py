@@ -38,25 +38,15 @@ LINEAR = 1.1
 
 @dataclass(frozen=True)
 class Growth:
-    """A table: what grows, its sizes, the unit of its figures, and from where it is fitted.
+    """A table: what grows, its sizes, the unit of its figures, and from where it is fitted."""
 
-    Attributes
-    ----------
-    cost
-        Takes a size; returns the milliseconds of one evaluation, or of a whole search.
-    is_linear
-        Whether linear growth is an aim.
-    most
-        Milliseconds that the greatest size is to stay below, if any.
-    """
-
-    cost: Callable[[int], float]
+    cost: Callable[[int], float]  # milliseconds of one evaluation, or of a whole search
     sizes: tuple[int, ...]
     quick: tuple[int, ...]
     unit: str
     first_fitted: int = 0
-    is_linear: bool = True
-    most: float | None = None
+    is_linear: bool = True  # as an aim
+    most: float | None = None  # milliseconds of the greatest size
 
 
 def evaluation_ms(code: MissionCode, n_faults: int, n_specifications: int) -> float:
@@ -116,12 +106,7 @@ def of_population(n_individuals: int) -> float:
 TABLES = MappingProxyType(
     {
         "robots": Growth(
-            of_robots,
-            (3, 10, 30, 100, 300, 1_000),
-            (3, 30, 100),
-            "ms/evaluation",
-            first_fitted=100,
-            most=200.0,
+            of_robots, (3, 10, 30, 100, 300, 1_000), (3, 30, 100), "ms/evaluation", 100, most=200.0
         ),
         "faults": Growth(
             of_faults, (20, 50, 100, 200, 500), (20, 100), "ms/evaluation", is_linear=False

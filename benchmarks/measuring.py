@@ -3,11 +3,10 @@
 import json
 import math
 import os
-import shlex
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -25,24 +24,12 @@ _STAT = Path("/proc/stat")
 
 @dataclass(frozen=True)
 class Run:
-    """What a child process took.
+    """What a child process took, its own children included."""
 
-    Attributes
-    ----------
-    seconds
-        From its start to its end.
-    processor
-        Seconds of processors, its own children's included.
-    peak
-        Most memory that it, or one of its own children, held, in bytes.
-    lines
-        What it wrote, with the seconds from its start.
-    """
-
-    seconds: float
-    processor: float
-    peak: int
-    lines: tuple[tuple[float, str], ...]
+    seconds: float  # from its start to its end
+    processor: float  # seconds
+    peak: int  # bytes of memory
+    lines: tuple[tuple[float, str], ...]  # what it wrote, with the seconds from its start
 
     def found(self) -> Any:
         """Return the JSON of the last line."""
@@ -59,12 +46,8 @@ def run_in(
 ) -> Run:
     """Run a command in a folder to its end, or kill it when it prints a line that begins so.
 
-    It counts as ended when its children have let go of its output, too.
-
-    Raises
-    ------
-    SystemExit
-        If it fails, or ends without that line.
+    It counts as ended when its children have let go of its output, too. Whatever fails, or ends
+    without that line, ends this process as well.
     """
     start = time.perf_counter()
     lines: list[tuple[float, str]] = []
@@ -94,19 +77,11 @@ def run_in(
     return Run(seconds, processor, usage.ru_maxrss * 1024, tuple(lines))
 
 
-def mrsfi(*words: object) -> str:
-    """Run a command of ours to its end, and return what it prints.
-
-    Raises
-    ------
-    SystemExit
-        If it fails, with what it says.
-    """
-    command = [sys.executable, "-m", "mrsfi_runtime.cli.main", *map(str, words)]
-    ended = subprocess.run(command, check=False, capture_output=True, text=True)
-    if ended.returncode:
-        raise SystemExit(f"{shlex.join(command)} ended with {ended.returncode}:\n{ended.stderr}")
-    return ended.stdout
+def seconds(function: Callable[[], object]) -> float:
+    """Return how long a call takes."""
+    start = time.perf_counter()
+    function()
+    return time.perf_counter() - start
 
 
 def drawn(code: MissionCode, n: int, n_faults: int = 20) -> list[Specification]:

@@ -82,23 +82,11 @@ _OPERATORS = {
 
 @dataclass(frozen=True)
 class Mutant:
-    """One changed place.
+    """One changed place, and what takes the place of the text there."""
 
-    Attributes
-    ----------
-    file, line
-        Where it is, from the root of the tree.
-    begin, end
-        What is replaced, in bytes of the file.
-    before, after
-        The text there, and what takes its place.
-    kind
-        What was changed.
-    """
-
-    file: str
+    file: str  # from the root of the tree
     line: int
-    begin: int
+    begin: int  # in bytes of the file
     end: int
     before: str
     after: str
@@ -209,16 +197,8 @@ def drawn(seed: int, only: str) -> list[Mutant]:
 class Copy:
     """A copy of the tree in which mutants are judged one after the other.
 
-    Parameters
-    ----------
-    folder
-        Where the copy is made.
-    left_out
-        Tests that do not take part.
-    limits
-        Seconds that each tier may take; a mutant that takes longer is killed by the clock.
-    tests
-        Folders or files of the tests that take part; none means all.
+    A mutant that takes longer than its tier may, in seconds, is killed by the clock. If no tests
+    are named, all that are not left out take part.
     """
 
     def __init__(
@@ -281,9 +261,8 @@ class Copy:
             message = "the tests were killed from outside: nothing is known of the mutant"
             raise RuntimeError(message)
         if process.returncode == pytest.ExitCode.NO_TESTS_COLLECTED:
-            message = (
-                f"no test takes part in {tier}: correct --tests and --tiers, or mend what fails"
-            )
+            advice = "correct --tests and --tiers, or mend what fails"
+            message = f"no test takes part in {tier}: {advice}"
             raise RuntimeError(message)
         lines = [line.split(" - ")[0] for line in output.splitlines()]
         named = [line.split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]

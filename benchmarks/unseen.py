@@ -58,13 +58,6 @@ def _faults(targets: dict[str, list[str]], rng: Random) -> Iterator[str]:
         )
 
 
-def pair_campaigns(models: Path) -> Iterator[tuple[str, str]]:
-    """Yield name and text of a campaign file for every two goals of the mission of a folder."""
-    goals = [goal.ID for goal in load_mission_folder(models).mission.goals]
-    for first, second in combinations(goals, 2):
-        yield f"case_{first}-{second}.toml", _CAMPAIGN.format(first, second)
-
-
 def main() -> None:
     """Write a folder with the mission of another one and a drawn pool."""
     parser = argparse.ArgumentParser(description="Draw a fault pool that nobody chose.")
@@ -81,9 +74,10 @@ def main() -> None:
     for file in (models / "mission.xmi", *sorted(models.glob("case_*.toml"))):
         shutil.copy(file, out)
     (out / "faults.xmi").write_text(pool, encoding="ascii")
-    if arguments.pairs:
-        for name, text in pair_campaigns(models):
-            (out / name).write_text(text, encoding="ascii")
+    goals = [goal.ID for goal in load_mission_folder(models).mission.goals]
+    for pair in combinations(goals, 2) if arguments.pairs else ():
+        path = out / f"case_{'-'.join(pair)}.toml"
+        path.write_text(_CAMPAIGN.format(*pair), encoding="ascii")
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@ that are told to hold in at least five mission seeds, all of those that were loo
 
 import argparse
 import json
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
@@ -20,9 +22,6 @@ from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple, TypeAlias
 
-from benchmarks.drawn_missions import DRAWN, drawn_mission
-from benchmarks.drawn_missions import generated as code_of
-from benchmarks.measuring import mrsfi
 from mrsfi import load
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import MissionCode, load_code
@@ -32,7 +31,8 @@ from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.targets import conflicts
 
-MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy", *DRAWN)
+MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
+MRSFI = (sys.executable, "-m", "mrsfi_runtime.cli.main")
 SEEDS = (1, 2, 3, 4, 5)
 N_ALONE, N_PAIR = 300, 60
 N_RUNS = 6
@@ -197,11 +197,13 @@ def told_by(
     """Search, and return the weaknesses that are printed; what is left out is as usual."""
     settings = {"algorithm": algorithm, "seed": seed, "evaluations": n_evaluations}
     given = {name: value for name, value in settings.items() if value is not None}
-    seeds = [] if n_seeds is None else ["--seeds", n_seeds]
+    seeds = [] if n_seeds is None else ["--seeds", str(n_seeds)]
     with tempfile.TemporaryDirectory() as folder:
         run = Path(folder) / "run"
         load(models).evolve("a", out=run, explain=algorithm != "cover", **given)
-        found: list[dict[str, Any]] = json.loads(mrsfi("weaknesses", run, *seeds, "--json"))
+        command = [*MRSFI, "weaknesses", str(run), *seeds, "--json"]
+        told = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
+        found: list[dict[str, Any]] = json.loads(told)
     return found
 
 
@@ -258,14 +260,12 @@ def main() -> None:
     parser.add_argument("missions", nargs="*", metavar="MISSION", default=MISSIONS)
     parser.add_argument("--algorithms", nargs="+", metavar="NAME", default=["cover"])
     arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as place:
-        for name in arguments.missions:
-            models = drawn_mission(Path(place), name) if name in DRAWN else Path("models") / name
-            known = Brute(load_code(code_of(models)), Random(77)).known()
-            n_single = sum(len(each.faults) == 1 for each in known.surely)
-            n_pairs = len(known.surely) - n_single
-            print(f"{name}: {n_single} single faults, {n_pairs} pairs break a goal", flush=True)
-            print_table(models, known, arguments.algorithms)
+    for name in arguments.missions:
+        known = Brute(load_code(Path("generated") / name), Random(77)).known()
+        n_single = sum(len(each.faults) == 1 for each in known.surely)
+        n_pairs = len(known.surely) - n_single
+        print(f"{name}: {n_single} single faults, {n_pairs} pairs break a goal", flush=True)
+        print_table(Path("models") / name, known, arguments.algorithms)
 
 
 if __name__ == "__main__":

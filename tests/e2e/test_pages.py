@@ -15,6 +15,8 @@ from tests.tiers import is_due, slow
 
 RUN = (
     "README.md",
+    "docs/concepts.md",
+    "docs/paper.md",
     "docs/projects.md",
     "docs/bags.md",
     "docs/gallery.md",
@@ -29,11 +31,11 @@ RUN = (
 """Pages in the order in which they are run: what README finds, others look at, each in its turn."""
 
 ELSEWHERE = {
-    "README.md": "tests/integration/test_documentation.py",
     "docs/api.md": "tests/e2e/test_api_page.py",
     "docs/constraints.md": "tests/model/test_constraints_page.py",
     "docs/editing-models.md": "tests/integration/test_editing_models.py",
     "docs/epsilon.md": "tests/interop/test_configurations.py",
+    "docs/extending.md": "tests/integration/test_documentation.py",
     "docs/faults.md": "tests/recipes/performed.py",
     "docs/projects.md": "tests/e2e/test_project.py",
     "docs/tutorial.md": "tests/release/test_release.py",
@@ -42,7 +44,7 @@ ELSEWHERE = {
 }
 """What runs, or holds to the code, blocks that are run neither in order nor shortened."""
 
-HOURS = ("docs/search.md", "docs/compare.md")
+HOURS = ("docs/search.md", "docs/measurements.md", "docs/compare.md")
 SHORTER = {"compare": "--seeds 2 --evaluations 2 --engine reference", "evolve": "--evaluations 5"}
 KEPT = ("HOME", "LANG", "MRSFI_CACHE")
 DRAWN = 2

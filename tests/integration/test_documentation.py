@@ -102,9 +102,9 @@ def _unknown_words(line: str) -> list[str]:
     return [f"{name} {word}" for word in words if word.startswith("--") and word not in known]
 
 
-def _block_after(heading: str, sign: str) -> str:
-    """Return the first block of console text after a heading of the README that holds a text."""
-    text = PAGES["README.md"].split(f"## {heading}\n", 1)[1]
+def _block_after(heading: str, sign: str, page: str = "README.md") -> str:
+    """Return the first block of text after a heading of a page that holds a text."""
+    text = PAGES[page].split(f"## {heading}\n", 1)[1]
     blocks = re.findall(r"```\w+\n(.*?)```", text, flags=re.DOTALL)
     return next(block for block in blocks if sign in block)
 
@@ -193,9 +193,9 @@ def _targets(makefile: Path) -> set[str]:
     return {*re.findall(r"^([a-z-]+):", makefile.read_text("utf-8"), flags=re.MULTILINE)}
 
 
-def test_the_tree_of_the_readme_is_the_tree():
+def test_the_tree_of_contributing_is_the_tree():
     named: list[str] = []
-    for line in _block_after("Tree", "metamodels/").splitlines():
+    for line in _block_after("Tree", "metamodels/", "CONTRIBUTING.md").splitlines():
         room, entries = re.fullmatch(r"(  (?=\w))?((?:[\w/]+/(?: |$))*).*", line).groups()  # type: ignore[union-attr]
         named += [("src/mrsfi_runtime/" if room else "") + entry for entry in entries.split()]
 
@@ -216,9 +216,9 @@ def test_the_flight_without_faults_ends_as_the_readme_says(tmp_path):
     assert _performed(console, workspace(tmp_path), 0) == console
 
 
-def test_an_edit_of_a_model_and_a_defect_are_shown_as_the_readme_says(tmp_path):
-    speed = _block_after("Edit a model, see the code change", "--diff")
-    defect = _block_after("Edit a model, see the code change", "r9")
+def test_an_edit_of_a_model_and_a_defect_are_shown_as_the_page_says(tmp_path):
+    page, heading = "docs/editing-models.md", "Edit a model, see the code change"
+    speed, defect = (_block_after(heading, sign, page) for sign in ("--diff", "r9"))
     folder = workspace(tmp_path)
 
     assert _performed(speed, folder, 0, 0) == speed
@@ -227,8 +227,8 @@ def test_an_edit_of_a_model_and_a_defect_are_shown_as_the_readme_says(tmp_path):
         assert (folder / path.relative_to(ROOT)).read_bytes() == path.read_bytes(), "is left broken"
 
 
-def test_a_region_that_the_readme_shows_is_one_that_flies():
-    region = _block_after("Write a goal's logic", "@kernel")
+def test_a_region_that_a_page_shows_is_one_that_flies():
+    region = _block_after("Write a goal's logic", "@kernel", "docs/extending.md")
 
     code = (ROOT / "generated" / "tight_margins" / COLLECTIVE).read_text(encoding="utf-8")
     assert region in code
