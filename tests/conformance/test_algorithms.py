@@ -89,17 +89,6 @@ def test_it_flies_as_many_specifications_as_it_may_within_restriction_and_bounds
     assert all(flown[1:])  # only who covers flies without faults, once, before all others
 
 
-def test_every_generation_keeps_statistics_of_a_recorded_population(whole):
-    with CampaignStore.open(whole) as store:
-        generations, recorded = tuple(store.generations()), tuple(store.evaluations())
-
-    assert sum(g.statistics["n_evaluations"] for g in generations) == N_EVALUATIONS
-    for generation in generations:
-        fitness = [recorded[index].fitness[0] for index in generation.population]
-        assert generation.statistics["max"] == max(fitness)
-        assert generation.statistics["min"] == min(fitness)
-
-
 @slow
 def test_killed_and_resumed_it_ends_as_one_that_never_was(place, whole):
     path = begin_search(place, "killed", *search_of(whole))

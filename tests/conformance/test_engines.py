@@ -21,7 +21,7 @@ from mrsfi_runtime.record.observers import SimulationLog, TraceTable
 from tests.support.bags import bagged
 from tests.support.trace import columns, traced
 from tests.support.world import code_of, paper_code, specifications
-from tests.tiers import in_turn, slow
+from tests.tiers import slow
 
 SEED = 5
 OTHERS = ("tight_margins", "tight_energy")
@@ -64,24 +64,6 @@ def test_values_at_their_limits_lead_to_the_same_bits(engine):
     assert traced(engine, specification) == expected
 
 
-@pytest.mark.parametrize("name", [*in_turn(["compiled"], 2), "rosbridge"])
-def test_a_mission_in_which_every_fault_matters_flies_alike(name):
-    code = code_of("tight_margins")
-    reference = ReferenceEngine(code, 1)
-
-    with ENGINES[name].open(code, 1) as engine:
-        for specification in specifications(code, 3):
-            assert traced(engine, specification) == traced(reference, specification)
-
-
-def test_the_same_specification_gives_the_same_outcome_in_any_order(engine):
-    first, second = specifications(engine.code, 2)
-
-    outcomes = [engine.evaluate(specification) for specification in (first, second, first)]
-
-    assert outcomes[0] == outcomes[2] != outcomes[1]
-
-
 def test_one_engine_flies_in_the_weather_of_any_mission_seed(engine):
     specification = specifications(engine.code, 1)[0]
     seeds = (SEED, 1, 2, 1)
@@ -97,17 +79,6 @@ def test_one_engine_flies_in_the_weather_of_any_mission_seed(engine):
     assert engine.evaluate(specification) == expected[0] != expected[1]
 
 
-def test_an_observer_sees_every_tick_once(engine):
-    seen = []
-
-    engine.evaluate(
-        (),
-        observer=lambda world, belief, *_: seen.append((world.mission.tick, belief.mission.tick)),
-    )
-
-    assert seen == [(tick, tick) for tick in range(150)]
-
-
 def test_a_recording_has_every_field_of_the_reference(engine):
     reference = ReferenceEngine(engine.code, SEED)
 
@@ -118,13 +89,18 @@ def test_a_recording_has_every_field_of_the_reference(engine):
 
 
 @pytest.mark.parametrize(
-    "name", ["uuv_sampling", *(pytest.param(name, marks=slow) for name in OTHERS)]
+    ("engine_name", "mission"),
+    [
+        ("compiled", "uuv_sampling"),
+        *(pytest.param("compiled", name, marks=slow) for name in OTHERS),
+        ("rosbridge", "tight_margins"),
+    ],
 )
-def test_compiled_flights_of_every_mission_have_the_recordings_of_the_reference(name):
-    code = code_of(name)
+def test_flights_of_every_mission_have_the_recordings_of_the_reference(engine_name, mission):
+    code = code_of(mission)
     reference = ReferenceEngine(code, SEED)
 
-    with ENGINES["compiled"].open(code, SEED) as engine:
+    with ENGINES[engine_name].open(code, SEED) as engine:
         for seed, specification in enumerate(specifications(code, 2)):
             recording = dict(columns(engine.record(specification, seed)))
 
@@ -149,11 +125,12 @@ def test_a_recording_has_what_an_observer_sees(engine):
             assert moment[side]["goals"]["memory"].tolist() == memories
         judged = (*recording.dtype.names[2:],)
         assert {each: moment[each].tolist() for each in judged} == asdict(verdicts)
-        seen.append(world.mission.tick)
+        seen.append((world.mission.tick, belief.mission.tick))
 
     engine.evaluate(specification, observer=compare)
 
-    assert seen == [*range(len(recording))]
+    assert len(recording) == 150
+    assert seen == [(tick, tick) for tick in range(150)]
 
 
 @pytest.mark.parametrize("name", ["reference", "compiled"])

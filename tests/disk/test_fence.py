@@ -59,13 +59,6 @@ def test_a_helper_that_ends_the_process_is_an_error_of_the_line_that_imports_it(
         fly(tmp_path, helpers="import team\n")
 
 
-def test_a_helper_that_ends_the_process_when_it_is_called_is_an_error(tmp_path, team):
-    team.write_text("import sys\ndecide = sys.exit\n", encoding="utf-8")
-
-    with pytest.raises(EvaluationError, match=r"at tick 0: SystemExit: 0"):
-        fly(tmp_path, "return team.decide(0)", "import team\n")
-
-
 def test_under_faults_it_is_a_failed_evaluation_and_ctrl_c_is_none(tmp_path):
     code = load_code(edited(tmp_path, "g1.check", "    raise SystemExit(0)\n"))
 

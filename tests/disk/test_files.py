@@ -172,6 +172,15 @@ def test_links_stay_and_what_they_lead_to_is_written(tmp_path):
         assert (tmp_path / name).read_text() == "new"
 
 
+def test_what_cannot_be_replaced_leaves_nothing_else(tmp_path):
+    (tmp_path / "folder").mkdir()
+
+    with pytest.raises(OSError, match="folder"):
+        write_atomically(tmp_path / "folder", b"new")
+
+    assert [path.name for path in tmp_path.iterdir()] == ["folder"]
+
+
 def test_a_second_one_waits_and_then_says_who_it_is(place, monkeypatch):
     monkeypatch.setattr(files, "_PATIENCE", 0.05)
 

@@ -6,7 +6,7 @@ from m2t.diagnostics import CONSTRAINTS
 from m2t.load import inspect_folder, load_mission_folder
 from mrsfi_runtime.errors import ModelError
 from tests.support.broken_models import BROKEN, Broken
-from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
+from tests.support.models.copies import FAULTS, MISSION, edit, line_of
 
 
 def _label(broken: Broken) -> str:
@@ -81,7 +81,3 @@ def test_all_defects_of_both_files_are_reported_at_once(folder):
         (MISSION, "EnumLiteral"),
         (FAULTS, "ResolvedReference"),
     ]
-
-
-def test_flawless_models_have_no_diagnostics(tmp_path):
-    assert inspect_folder(copy_models(tmp_path)).diagnostics == ()

@@ -113,6 +113,10 @@ name="center" | name="center" derived="true" | "center" | do not keep its values
 name="center" | name="the center" | "the center" | has name 'the center'; expected a letter
 xsi:type="ecore:EEnum" | xsi:type="ecore:EDataType" | EDataType" | 'ecore:EDataType'
 "#//Sensor" | "ecore:EClass faults.ecore#//Fault" | name="sensors" | which is no EClass
+name="Robot" | name="Größe" | "Größe" | 'Größe'; expected a letter, then letters, digits
+abstract="true" | abstract="yes" | abstract="yes" | 'yes'; expected true or false
+upperBound="-1" | upperBound="-2" | name="robots" | '-2'; expected -1 or a whole number
+name="deadline" | name="deadline" defaultValueLiteral="1.5" | "deadline" | expected a whole number
 <eStructuralFeatures | <eOperations name="f"/><eStructuralFeatures | eOperations
     is an unknown element of
 <eClassifiers | <eSubpackages name="p"/><eClassifiers | eSubpackages | is an unknown element of

@@ -160,11 +160,6 @@ def test_folder_or_pipe_in_place_of_a_model_is_an_error_at_once(tmp_path, make):
     assert found.constraint == "ReadableFile"
 
 
-def test_missing_folder_is_an_error(tmp_path):
-    with pytest.raises(ModelError, match="No such file or directory"):
-        load_mission_folder(tmp_path / "nowhere")
-
-
 def test_hostile_display_names_are_legal_texts(folder):
     edit(folder / MISSION, 'name="LEN"', f'name="{HOSTILE_XML}"')
     edit(folder / FAULTS, 'name="f1"', f'name="{HOSTILE_XML}"')

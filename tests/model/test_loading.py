@@ -4,7 +4,7 @@ import pytest
 
 from m2t.load import inspect_folder, load_mission_folder, load_specification
 from mrsfi_runtime.errors import ModelError
-from tests.support.models.copies import FAULTS, MISSION, copy_models, edit, line_of
+from tests.support.models.copies import FAULTS, MISSION, edit, line_of
 
 
 def test_comments_and_processing_instructions_are_dropped(folder):
@@ -47,33 +47,6 @@ def test_reference_between_files_may_be_an_attribute(folder):
     models = load_mission_folder(folder)
 
     assert models.faults.faults[1].blockMessage.affectedMessage.ID == "m2"
-
-
-def test_attribute_may_be_written_as_an_element(folder):
-    edit(folder / MISSION, '<robots ID="r1" name="LEN"', '<robots ID="r1"')
-    edit(folder / MISSION, '<position x="250.0" y="-250.0"', "<name>L&amp;N</name>\n<position")
-
-    assert load_mission_folder(folder).mission.robots[0].name == "L&N"
-
-
-def test_members_keep_their_order(tmp_path):
-    mission = load_mission_folder(copy_models(tmp_path)).mission
-
-    assert [robot.ID for robot in mission.goals[0].members] == ["r2", "r3", "r1"]
-
-
-def test_absent_optional_features_are_not_set(tmp_path):
-    faults = load_mission_folder(copy_models(tmp_path)).faults
-    block = faults.faults[1].blockMessage
-
-    is_set = [faults.faults[1].eIsSet(name) for name in ("start", "finish", "name")]
-
-    assert is_set == [False, False, True]
-    assert [block.eIsSet(f"BLOCK_DURATION{end}") for end in ("", "_MIN", "_MAX")] == [
-        True,
-        False,
-        False,
-    ]
 
 
 @pytest.mark.parametrize("encoding", ["UTF-8", "UTF-16", "ISO-8859-1"])

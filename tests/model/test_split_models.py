@@ -1,6 +1,7 @@
 """A mission may stand in several files, or in one with its faults; it means the same."""
 
 import dataclasses
+from pathlib import Path
 
 import pytest
 
@@ -141,13 +142,19 @@ def test_specification_found_by_search_refers_into_the_parts(tmp_path):
     )
 
 
-def test_mission_and_faults_in_one_file(tmp_path):
-    original = load_mission_folder(copy_models(tmp_path / "two"))
-    folder = copy_models(tmp_path / "one")
+def write_both(folder: Path) -> bytes:
+    """Write a mission and its faults into one file, and return what is in it."""
     models = load_mission_folder(folder)
     both = LoadedFile(folder / MISSION, Spelling("ASCII"), (models.mission, models.faults))
     (content,) = saved(dataclasses.replace(models, files=(both,))).values()
     (folder / MISSION).write_bytes(content)
+    return content
+
+
+def test_mission_and_faults_in_one_file(tmp_path):
+    original = load_mission_folder(copy_models(tmp_path / "two"))
+    folder = copy_models(tmp_path / "one")
+    content = write_both(folder)
     (folder / FAULTS).unlink()
 
     loaded = load_mission_folder(folder)
@@ -161,10 +168,7 @@ def test_mission_and_faults_in_one_file(tmp_path):
 
 @pytest.mark.parametrize("target", ["/0/@goals.1/@messages.0", "m4", "#/0/@goals.1/@messages.0"])
 def test_references_between_two_roots_of_a_file(folder, target):
-    models = load_mission_folder(folder)
-    both = LoadedFile(folder / MISSION, Spelling("ASCII"), (models.mission, models.faults))
-    (content,) = saved(dataclasses.replace(models, files=(both,))).values()
-    (folder / MISSION).write_bytes(content)
+    write_both(folder)
     (folder / FAULTS).unlink()
     edit(folder / MISSION, 'affectedMessage="m4"', f'affectedMessage="{target}"')
 
@@ -175,10 +179,7 @@ def test_references_between_two_roots_of_a_file(folder, target):
 
 
 def test_faults_beside_those_in_the_mission_file_are_an_error(folder):
-    models = load_mission_folder(folder)
-    both = LoadedFile(folder / MISSION, Spelling("ASCII"), (models.mission, models.faults))
-    (content,) = saved(dataclasses.replace(models, files=(both,))).values()
-    (folder / MISSION).write_bytes(content)
+    write_both(folder)
 
     with pytest.raises(ModelError, match=r"is a root of mission\.xmi that no model contains"):
         load_mission_folder(folder)

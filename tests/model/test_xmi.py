@@ -9,16 +9,9 @@ from hypothesis import strategies as st
 from m2t.load import load_mission_folder
 from m2t.metamodels import load_metamodels
 from m2t.saving import save
-from m2t.write.xmi import dumps, java_double, write_atomically
+from m2t.write.xmi import dumps, java_double
 from mrsfi_runtime.errors import ModelError
 from tests.support.models.copies import FAULTS, MISSION, MODELS, edit
-
-
-def test_committed_models_are_what_the_writer_writes():
-    models = load_mission_folder(MODELS)
-
-    assert dumps(models.mission) == (MODELS / MISSION).read_bytes()
-    assert dumps(models.faults, hrefs={models.mission: MISSION}) == (MODELS / FAULTS).read_bytes()
 
 
 def test_writing_is_a_fixpoint_for_every_kind_of_task(folder):
@@ -129,26 +122,6 @@ def test_doubles_are_spelled_as_in_java(value, text):
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_spelled_doubles_are_read_back_bit_by_bit(value):
     assert struct.pack("<d", float(java_double(value))) == struct.pack("<d", value)
-
-
-def test_atomic_write_replaces_a_file_and_leaves_nothing_else(tmp_path):
-    path = tmp_path / "a.xmi"
-
-    write_atomically(path, b"old")
-    write_atomically(path, b"new")
-
-    assert path.read_bytes() == b"new"
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_failed_atomic_write_leaves_the_old_content(tmp_path):
-    path = tmp_path / "folder"
-    path.mkdir()
-
-    with pytest.raises(OSError, match="folder"):
-        write_atomically(path, b"new")
-
-    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize("encoding", ["UTF-8", "ISO-8859-1", "UTF-16", "ASCII"])

@@ -11,7 +11,7 @@ from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.targets import touched
-from tests.support.trace import TraceDigest
+from tests.support.trace import TraceDigest, fields_of
 from tests.support.world import paper_code
 from tests.tiers import law, slow
 
@@ -81,25 +81,16 @@ def test_what_no_active_fault_touches_is_believed_as_it_is(specification, seed):
             if start <= tick <= finish
             for target in targets
         }
-        for index, (real, known) in enumerate(zip(world.robots, belief.robots, strict=True)):
-            is_reported = world.sensors[real.gps].active == 1
-            if (Field.POSITION, index) not in active and is_reported:
-                assert (known.x, known.y, known.z) == (real.x, real.y, real.z)
-            if (Field.SPEED, index) not in active:
-                assert known.speed == real.speed
-            if (Field.ENERGY, index) not in active:
-                assert known.energy == real.energy
-        for index, (real, known) in enumerate(zip(world.sensors, belief.sensors, strict=True)):
-            assert known.active == real.active
-            if (Field.COUNT, index) not in active:
-                assert known.count == real.count
-            if (Field.RATE, index) not in active:
-                assert known.rate == real.nominal_rate
-            if (Field.COST, index) not in active:
-                assert known.cost == real.nominal_cost
-        for index, obstacle in enumerate(belief.obstacles):
-            if (Field.OBSTACLE, index) not in active:
-                assert (obstacle.x, obstacle.y) == (obstacle.model_x, obstacle.model_y)
+        is_off = [not world.sensors[robot.gps].active for robot in world.robots]
+        true = fields_of(world)
+        for (field, index), value in fields_of(belief).items():
+            is_unheard = field is Field.POSITION and is_off[index]
+            is_touched = field is not Field.ACTIVATION and (field, index) in active
+            assert value == true[field, index] or is_unheard or is_touched
+        for sensor in world.sensors:
+            assert (sensor.rate, sensor.cost) == (sensor.nominal_rate, sensor.nominal_cost)
+        for obstacle in world.obstacles:
+            assert (obstacle.x, obstacle.y) == (obstacle.model_x, obstacle.model_y)
 
     ReferenceEngine(CODE, seed).evaluate(specification, observer=watch)
 

@@ -231,18 +231,11 @@ def test_filling_adds_faults_up_to_the_number_wanted(drawn, n_wanted):
     assert len(more) <= max(n_wanted, len(specification))
 
 
-def test_a_widened_fault_fills_its_free_window():
-    space = paper_space()
-    free = (TimedFault("f26", 5, 9),)
+@pytest.mark.parametrize(("step", "windows"), [(widened, [(5, 9)]), (dropped, [(5, 9), (10, 20)])])
+def test_a_widened_fault_and_one_whose_neighbour_is_dropped_fill_their_free_window(step, windows):
+    specification = tuple(TimedFault("f26", *window) for window in windows)
 
-    assert widened(space, free, Random(1)) == (TimedFault("f26", 0, 999),)
-
-
-def test_a_dropped_fault_makes_room_for_those_it_excluded():
-    space = paper_space()
-    specification = (TimedFault("f26", 5, 9), TimedFault("f26", 10, 20))
-
-    assert dropped(space, specification, Random(1)) == (TimedFault("f26", 0, 999),)
+    assert step(paper_space(), specification, Random(1)) == (TimedFault("f26", 0, 999),)
 
 
 @LAW

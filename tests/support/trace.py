@@ -2,12 +2,14 @@
 
 import hashlib
 from collections.abc import Iterator
+from typing import Any
 
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Part, Recording
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 
@@ -34,6 +36,23 @@ def traced(engine: Engine, specification: Specification) -> tuple[Outcome, str]:
     """Return the outcome of a flight, and the digest of all its ticks."""
     digest = TraceDigest()
     return engine.evaluate(specification, observer=digest), digest.hexdigest()
+
+
+def fields_of(state: Any) -> dict[tuple[Field, int], Any]:
+    """Return what faults may falsify of a state, by property and index."""
+    values: dict[tuple[Field, int], Any] = {}
+    for i, robot in enumerate(state.robots):
+        values[Field.POSITION, i] = (robot.x, robot.y, robot.z)
+        values[Field.SPEED, i] = robot.speed
+        values[Field.ENERGY, i] = robot.energy
+    for k, sensor in enumerate(state.sensors):
+        values[Field.COUNT, k] = sensor.count
+        values[Field.RATE, k] = sensor.rate
+        values[Field.COST, k] = sensor.cost
+        values[Field.ACTIVATION, k] = sensor.active
+    for o, obstacle in enumerate(state.obstacles):
+        values[Field.OBSTACLE, o] = (obstacle.x, obstacle.y)
+    return values
 
 
 def columns(records: Recording | Part, name: str = "") -> Iterator[tuple[str, list[object]]]:

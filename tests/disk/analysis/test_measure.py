@@ -3,7 +3,6 @@ import pytest
 from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
 from mrsfi_runtime.analysis.report import fitness_label
 from mrsfi_runtime.cli.tables import critical_tables
-from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.model.outcome import COUNTED
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -72,8 +71,3 @@ def test_the_printed_table_shows_the_time_missed_and_from_when_on():
 )
 def test_the_axis_of_fitness_says_what_is_counted(settings, label):
     assert fitness_label(settings, Measure.of(settings, paper_mission())) == label
-
-
-def test_a_ratio_over_goals_without_recorded_means_is_refused():
-    with pytest.raises(UsageError, match=r"found goal 'g2'; .* mission seeds .* only: g1, g3"):
-        Measure.of(MEANS, paper_mission()).require(("g1", "g2"))

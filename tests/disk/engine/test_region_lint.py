@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import pytest
@@ -227,67 +228,56 @@ def test_names_that_python_or_the_file_define_are_none_of_these_errors(tmp_path)
     assert _errors(tmp_path, "return far() > LIMIT or __name__ == ''", helpers=helpers) == []
 
 
-@pytest.mark.parametrize(
-    ("body", "said"),
-    [
-        ("return '%d %d' % (1,)", "2 placeholder(s) but 1 substitution(s)"),
-        ("return '{} {}'.format(1)", "missing argument(s) for placeholder(s): 1"),
-        ("return True\n    raise NotImplemented", "should be 'raise NotImplementedError'"),
-        ("break", "is no Python: 'break' outside loop"),
-        ("return True\nreturn False", "is no Python: 'return' outside function"),
-    ],
-)
-def test_other_mistakes_that_python_will_not_forgive_are_errors(tmp_path, body, said):
-    (message,) = _errors(tmp_path, body)
-
-    assert said in message
+GOALS = "from mrsfi_runtime.api import goal_tasks as goals"
+FAR = "def far(state: State) -> bool:\n    return state.robots[0].far > 1.0"
 
 
 @pytest.mark.parametrize(
-    ("body", "expression", "record"),
+    ("body", "more", "said"),
     [
-        ("return ci.robots[0].heading > 0.0", "ci.robots[0].heading", "RobotState"),
-        ("robots = ci.robots\n    return robots[1].sped > 0.0", "robots[1].sped", "RobotState"),
-        ("for s in ci.sensors:\n        s.on = 1\n    return True", "s.on", "SensorState"),
-        ("return [r for r in ci.robots if r.on] == []", "r.on", "RobotState"),
-        ("return ci.robot[0].x > 0.0", "ci.robot", "State"),
-        ("return ci.mission.time > 0", "ci.mission.time", "MissionState"),
+        ("return '%d %d' % (1,)", {}, r".*2 placeholder\(s\) but 1 substitution\(s\)"),
+        ("return '{} {}'.format(1)", {}, r".*missing argument\(s\) for placeholder\(s\): 1"),
+        ("return True\n    raise NotImplemented", {}, ".*should be 'raise NotImplementedError'"),
+        ("break", {}, ".*is no Python: 'break' outside loop"),
+        ("return True\nreturn False", {}, ".*is no Python: 'return' outside function"),
+        *(
+            (body, {}, f"found `{re.escape(expression)}`, but a {record} has no ")
+            for body, expression, record in (
+                ("return ci.robots[0].heading > 0.0", "ci.robots[0].heading", "RobotState"),
+                (
+                    "robots = ci.robots\n    return robots[1].sped > 0",
+                    "robots[1].sped",
+                    "RobotState",
+                ),
+                ("for s in ci.sensors:\n        s.on = 1\n    return True", "s.on", "SensorState"),
+                ("return [r for r in ci.robots if r.on] == []", "r.on", "RobotState"),
+                ("return ci.robot[0].x > 0.0", "ci.robot", "State"),
+                ("return ci.mission.time > 0", "ci.mission.time", "MissionState"),
+            )
+        ),
+        (
+            "return ci.goals[0].zzz > 0",
+            {},
+            (
+                r".*; it has task, x, y, radius, first_member, n_members, first_hazard, n_hazards, "
+                r"first_waypoint, n_waypoints, sensor, target, …$"
+            ),
+        ),
+        ("return far(ci)", {"helpers": FAR}, r"found `state\.robots\[0\]\.far`, "),
+        (
+            "return goals.visit.violatd(ci, 0)",
+            {"imports": GOALS},
+            (
+                r"found `goals\.visit\.violatd`, but mrsfi_runtime\.api\.goal_tasks\.visit has no "
+                r"'violatd'; it has violated"
+            ),
+        ),
     ],
 )
-def test_a_field_that_records_do_not_have_is_an_error(tmp_path, body, expression, record):
-    (message,) = _errors(tmp_path, body)
+def test_what_no_engine_can_run_is_an_error(tmp_path, body, more, said):
+    (message,) = _errors(tmp_path, body, **more)
 
-    assert message.startswith(f"found `{expression}`, but a {record} has no ")
-
-
-def test_of_many_fields_some_are_named(tmp_path):
-    (message,) = _errors(tmp_path, "return ci.goals[0].zzz > 0")
-
-    assert message.endswith(
-        "; it has task, x, y, radius, first_member, n_members, first_hazard, "
-        "n_hazards, first_waypoint, n_waypoints, sensor, target, …"
-    )
-
-
-def test_a_field_is_missed_in_a_helper_that_says_what_it_takes(tmp_path):
-    helpers = "def far(state: State) -> bool:\n    return state.robots[0].far > 1.0"
-
-    (message,) = _errors(tmp_path, "return far(ci)", helpers=helpers)
-
-    assert message.startswith("found `state.robots[0].far`, ")
-
-
-def test_a_misspelt_function_is_an_error_that_names_what_is_near(tmp_path):
-    (message,) = _errors(
-        tmp_path,
-        "return goals.visit.violatd(ci, 0)",
-        "from mrsfi_runtime.api import goal_tasks as goals",
-    )
-
-    assert message.startswith(
-        "found `goals.visit.violatd`, but mrsfi_runtime.api.goal_tasks.visit has no 'violatd'; it "
-        "has violated"
-    )
+    assert re.match(said, message)
 
 
 def test_what_cannot_be_told_is_no_error(tmp_path):

@@ -81,32 +81,3 @@ def test_a_folder_that_somebody_filled_since_it_was_reserved_is_left_alone(sourc
 def test_missing_models_are_refused_with_the_path(tmp_path):
     with pytest.raises(RecordError, match=r"cannot make the campaign folder.*nowhere"):
         CampaignFolder.reserve(tmp_path / "run").fill(tmp_path / "nowhere", tmp_path)
-
-
-def test_every_part_has_a_place_of_its_own(tmp_path):
-    folder = CampaignFolder(tmp_path)
-
-    places = [
-        folder.model,
-        folder.generated,
-        folder.database,
-        folder.lock,
-        folder.critical,
-        folder.figures,
-        folder.tables,
-        folder.summary,
-        folder.report,
-    ]
-
-    assert [place.name for place in places] == [
-        "model",
-        "generated",
-        "campaign.sqlite",
-        "campaign.lock",
-        "critical",
-        "figures",
-        "tables",
-        "summary.json",
-        "report.md",
-    ]
-    assert {place.parent for place in places} == {tmp_path}

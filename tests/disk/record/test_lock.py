@@ -1,30 +1,10 @@
 import os
 import stat
-import tempfile
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-
-NOBODY = 65534
-
-
-@pytest.fixture
-def readonly() -> Iterator[CampaignFolder]:
-    """A folder that this process may not write, root or not."""
-    with tempfile.TemporaryDirectory(dir="/tmp") as name:
-        path = Path(name)
-        path.chmod(0o555)
-        is_root = os.geteuid() == 0
-        if is_root:
-            os.seteuid(NOBODY)
-        yield CampaignFolder(path)
-        if is_root:
-            os.seteuid(0)
-        path.chmod(0o755)
 
 
 def test_the_lock_is_free_again_after_the_body_and_its_file_stays(tmp_path):
@@ -45,8 +25,11 @@ def test_a_second_writer_is_refused_with_the_process_of_the_first(tmp_path):
         pass
 
 
-def test_a_folder_that_cannot_be_written_is_refused(readonly):
-    with pytest.raises(RecordError, match="cannot be opened or written"), only_writer(readonly):
+def test_a_folder_that_cannot_be_written_is_refused(guest_folder, shut):
+    shut()
+    folder = CampaignFolder(guest_folder)
+
+    with pytest.raises(RecordError, match="cannot be opened or written"), only_writer(folder):
         pass
 
-    assert list(readonly.path.iterdir()) == []
+    assert list(guest_folder.iterdir()) == []

@@ -1,7 +1,5 @@
 """Records of earlier releases: read, with what they have, and never flown."""
 
-import sqlite3
-from contextlib import closing
 from dataclasses import replace
 
 import pytest
@@ -11,7 +9,6 @@ from mrsfi_runtime.model.semantics import SEMANTICS
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
-from tests.support.campaigns import evaluation
 from tests.support.older_records import DIGEST_OF_1, recorded_by_1
 
 
@@ -56,16 +53,3 @@ def test_a_record_of_later_semantics_names_the_release_that_wrote_it(tmp_path):
 def test_a_record_of_today_can_be_flown(tmp_path):
     with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
         store.require_flyable()
-
-
-def test_a_record_without_a_count_that_every_version_has_is_damaged(tmp_path):
-    with CampaignStore.create(tmp_path, CampaignSettings(), Manifest()) as store:
-        store.append([evaluation(0, (1,))])
-    with closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as other:
-        other.execute("ALTER TABLE evaluation DROP COLUMN masked")
-
-    with (
-        CampaignStore.open(tmp_path) as store,
-        pytest.raises(RecordError, match=r"the record is damaged: .*'masked'"),
-    ):
-        tuple(store.evaluations())

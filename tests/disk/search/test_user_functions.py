@@ -11,8 +11,6 @@ from mrsfi_runtime.search.user_functions import chosen
 from tests.support.search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
 
 MODULE = """
-from mrsfi_runtime.model.faults import TimedFault
-
 NUMBER = 7
 
 
@@ -22,18 +20,6 @@ def kept(space, specification, rng, share):
 
 def overlapping(space, specification, rng, share):
     return (*specification, *specification)
-
-
-def late(space, specification, rng, share):
-    return (specification[0]._replace(finish=space.duration),)
-
-
-def fractional(space, specification, rng, share):
-    return tuple(timed._replace(start=timed.start + 0.08) for timed in specification)
-
-
-def unknown(space, specification, rng, share):
-    return (TimedFault("f99", 0, 1),)
 
 
 def broken(*args):
@@ -166,7 +152,7 @@ def test_a_module_that_cannot_be_imported_is_told_by_line(own, text, message):
 @pytest.mark.usefixtures("own")
 def test_a_function_that_fails_is_told_by_line(key):
     with pytest.raises(
-        UsageError, match=r"'own_functions:broken' failed at .*:28: ZeroDivisionError"
+        UsageError, match=r"'own_functions:broken' failed at .*:14: ZeroDivisionError"
     ) as failed:
         run(campaign(**{key: "own_functions:broken"}))
 
@@ -189,29 +175,11 @@ def test_a_fitness_that_is_no_number_is_told(own, value):
         run(campaign(fitness="own_functions:fitness"))
 
 
-@pytest.mark.parametrize(
-    ("operator", "message"),
-    [
-        ("overlapping", "conflicting faults must not be active at the same tick"),
-        ("late", r"made TimedFault\(.*; expected its window within 0 … 999"),
-        ("unknown", "made: fault pool 'fs' has no fault 'f99'; expected one of f1, "),
-        ("fractional", r"made: fault 'f\d+' has window .*\.08 … .*; expected whole numbers"),
-    ],
-)
 @pytest.mark.usefixtures("own")
-def test_what_an_operator_must_not_make_is_refused(operator, message):
-    with pytest.raises(SpecificationError, match=message) as refused:
-        run(campaign(mutation_operator=f"own_functions:{operator}"))
+def test_what_an_operator_must_not_make_is_refused():
+    with pytest.raises(SpecificationError, match="conflicting faults must not be") as refused:
+        run(campaign(mutation_operator="own_functions:overlapping"))
 
-    assert f"case.toml: [search] mutation_operator 'own_functions:{operator}' made" in str(
+    assert "case.toml: [search] mutation_operator 'own_functions:overlapping' made" in str(
         refused.value
     )
-
-
-def test_a_name_that_no_table_has_is_refused():
-    settings = CampaignSettings(algorithm="magic", source="case.toml")
-
-    with pytest.raises(
-        UsageError, match=r"algorithm: found 'magic'; expected 'module:function' or one of a, b$"
-    ):
-        chosen(settings, "algorithm", {"a": 1, "b": 2})

@@ -1,35 +1,15 @@
 """Models published for the paper's prototype become mission folders, with every figure."""
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from m2t.difference import difference
 from m2t.importing.importer import Imported, import_published
-from m2t.load import inspect_folder, load_mission_folder, load_specification
-from m2t.metaclasses import features
-from tests.support.features import is_contained, is_reference
+from m2t.load import load_mission_folder, load_specification
 from tests.support.models.copies import MODELS, edit
 from tests.support.models.generation import ALL_TASKS, write_mission
 from tests.support.models.published import published, xmi_id
-
-
-def figures(root: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield every value and every reference of a model with its place."""
-    for feature in features(root.eClass):
-        value = root.eGet(feature)
-        values = list(value) if feature.many else [value]
-        for index, entry in enumerate(values):
-            here = f"{place}/{feature.name}.{index}"
-            if is_contained(feature) and entry is not None:
-                yield here, entry.eClass.name
-                yield from figures(entry, here)
-            elif is_reference(feature):
-                yield here, entry.ID
-            else:
-                yield here, getattr(entry, "name", entry)
 
 
 def lines_of(file: Path, fragment: str) -> set[int]:
@@ -41,13 +21,11 @@ def notes(imported: Imported, kind: str) -> list[tuple[str, str]]:
     return [(note.element, note.feature) for note in imported.notes if note.kind == kind]
 
 
-def test_every_figure_and_reference_of_the_paper_is_kept(paper, file, folder):
+def test_the_files_of_the_paper_equal_the_committed_ones(file, folder):
     imported = import_published(file, folder)
 
-    models = load_mission_folder(folder)
-    assert list(figures(models.mission)) == list(figures(paper.mission))
-    assert list(figures(models.faults)) == list(figures(paper.faults))
-    assert sum(1 for _ in figures(models.mission)) > 300
+    for name in ("mission.xmi", "faults.xmi"):
+        assert (folder / name).read_bytes() == (MODELS / name).read_bytes()
     assert imported.files == ("mission.xmi", "faults.xmi", "case_a.toml", "case_b.toml")
     assert dict(imported.counts) == {
         "robots": 3,
@@ -57,15 +35,6 @@ def test_every_figure_and_reference_of_the_paper_is_kept(paper, file, folder):
         "messages": 12,
         "faults": 30,
     }
-
-
-def test_the_files_equal_the_committed_ones(file, folder):
-    import_published(file, folder)
-
-    for name in ("mission.xmi", "faults.xmi"):
-        assert (folder / name).read_bytes() == (MODELS / name).read_bytes()
-    assert difference(MODELS, folder) == ()
-    assert inspect_folder(folder).diagnostics == ()
 
 
 def test_a_consistent_file_has_nothing_inconsistent_and_loses_back_references_only(file, folder):

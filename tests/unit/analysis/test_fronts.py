@@ -120,11 +120,6 @@ def test_no_evaluations_have_an_empty_front():
     assert front_of().points == ()
 
 
-def test_an_unknown_goal_is_refused_with_those_there_are():
-    with pytest.raises(UsageError, match=r"found goal 'g9'; .* g1, g2, g3, g4, g5, g6"):
-        front_of((1,), goals=("g1", "g9"))
-
-
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

@@ -1,41 +1,20 @@
 from dataclasses import replace
 
 from mrsfi_runtime.analysis.columns import top
-from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.campaigns import columns_of, evaluation, store_of
 from tests.support.search import paper_mission
 
 MEASURE = Measure.of(CampaignSettings(), paper_mission())
-ONE = (TimedFault("f1", 0, 5), TimedFault("f2", 3, 4, (1.0,)))
-TWO = (TimedFault("f1", 0, 6), TimedFault("f2", 3, 4, (1.0,)))
 
 
-def test_the_most_critical_come_first():
-    ranked = columns_of([evaluation(i, (v,)) for i, v in enumerate([3, 9, 5, 7])], MEASURE)
+def test_the_most_critical_come_first_of_equals_the_earlier_and_each_once():
+    found = [evaluation(i, (v,)) for i, v in enumerate([3, 9, 5, 9, 7])]
 
-    assert ranked.top(3) == (1, 3, 2)
+    columns = columns_of([*found, replace(found[3], index=5)], MEASURE)
 
-
-def test_of_equal_fitness_the_earlier_comes_first():
-    equal = columns_of([evaluation(i, (5,)) for i in range(4)], MEASURE)
-
-    assert equal.top(3) == (0, 1, 2)
-
-
-def test_a_specification_counts_once_in_whatever_order_its_faults_stand():
-    found = [
-        evaluation(0, (1,), specification=ONE),
-        evaluation(1, (1,), specification=ONE[::-1]),
-        evaluation(2, (1,), specification=TWO),
-    ]
-
-    columns = columns_of(found, MEASURE)
-
-    assert columns.distinct.tolist() == [0, 2]
-    assert columns.top(10) == (0, 2)
-    assert columns.tried == {"f1": 2, "f2": 2}
+    assert columns.top(4) == (1, 3, 4, 2)
 
 
 def test_mean_violations_beside_the_fitness_play_no_part_in_the_ranking():

@@ -34,13 +34,6 @@ def test_a_line_is_found_again():
     assert trend.p_value < 0.001
 
 
-def test_a_falling_mean_has_a_negative_tau():
-    trend = trend_of(*range(10, 0, -1))
-
-    assert trend.tau == -1.0
-    assert trend.slope == pytest.approx(-1.0)
-
-
 @given(st.lists(st.integers(0, 5), max_size=12))
 def test_tau_is_positive_where_more_pairs_rise_than_fall(means):
     pairs = list(combinations(means, 2))

@@ -63,11 +63,11 @@ def test_what_precedes_bad_json_is_carried_out(told):
         ('{"op": "set_level", "level": "loud"}', "level 'loud', expected one of info"),
     ],
 )
-def test_what_is_no_operation_is_told_to_those_who_ask(told, text, reason):
+def test_what_is_no_operation_is_counted_and_told_to_those_who_ask(hub, told, text, reason):
     told.session.receive(text)
 
     statuses = [operation["msg"] for operation in told.take()]
-    assert len(statuses) == (reason is not None)
+    assert len(statuses) == hub.counts.dropped == (reason is not None)
     assert all(reason in status and len(status) <= 500 for status in statuses)
 
 
@@ -136,16 +136,6 @@ def test_nothing_is_told_unless_a_level_was_set(peer):
     peer.tell(op="fly")
 
     assert peer.take() == []
-
-
-def test_drops_are_counted():
-    hub, _ = new_hub()
-    peer = Peer(hub)
-
-    for _ in range(50):
-        peer.session.receive("{")
-
-    assert hub.counts.dropped == 50
 
 
 def fragments(text, size, fragment_id="f"):

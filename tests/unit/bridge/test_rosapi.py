@@ -8,6 +8,10 @@ from mrsfi_bridge.settings import Limits
 from tests.support.bridge import FLOAT, POINT, Peer, new_hub
 
 
+def setting(name, value):
+    return {"name": name, "value": json.dumps(value)}
+
+
 @pytest.fixture
 def peer(hub):
     busy = Peer(hub)
@@ -72,14 +76,32 @@ def test_details_of_a_message_include_the_types_that_it_holds(peer):
     assert status["examples"] == ["{}", "0", ""]
     assert dict(zip(status["constnames"], status["constvalues"], strict=True))["SUCCEEDED"] == "3"
     assert by_name["time"]["fieldnames"] == ["secs", "nsecs"]
+    arguments = {"type": "geometry_msgs/PoseWithCovariance"}
+    assert peer.call("/rosapi/message_details", **arguments)["typedefs"][0]["fieldarraylen"] == [
+        -1,
+        36,
+    ]
 
 
-def test_arrays_in_details_say_their_length(peer):
-    (definition, *_) = peer.call(
-        "/rosapi/message_details", type="geometry_msgs/PoseWithCovariance"
-    )["typedefs"]
+@pytest.mark.parametrize(
+    ("service", "arguments", "reason"),
+    [
+        ("message_details", {"type": "x/Y"}, "unknown message type 'x/Y'"),
+        ("set_param", setting("/big", "x" * 2000), "2002 bytes, the limit is 1000"),
+        ("set_param", setting("/many", dict.fromkeys("abcd", 1)), "3 parameters, the limit"),
+        ("set_param", setting("/", 1), "is no parameter name"),
+        ("set_param", setting("/a", {"b/c": 1}), "'b/c' is no parameter name"),
+        ("set_param", {"name": "/p", "value": '{"a":' * 40 + "1" + "}" * 40}, "than 32 levels"),
+    ],
+)
+def test_what_is_unknown_or_too_much_is_refused(service, arguments, reason):
+    peer = Peer(new_hub(Limits(parameters=3, parameter_bytes=1000))[0])
 
-    assert definition["fieldarraylen"] == [-1, 36]
+    peer.tell(op="call_service", service=f"/rosapi/{service}", args=arguments)
+
+    (answer,) = peer.take()
+    assert answer["result"] is False
+    assert reason in answer["values"]
 
 
 def test_details_of_services(peer):
@@ -88,14 +110,6 @@ def test_details_of_services(peer):
 
     assert request["typedefs"][0]["fieldnames"] == ["a", "b"]
     assert response["typedefs"][0]["fieldtypes"] == ["int64"]
-
-
-def test_details_of_an_unknown_type_are_refused(peer):
-    peer.tell(op="call_service", service="/rosapi/message_details", args={"type": "x/Y"})
-
-    (answer,) = peer.take()
-    assert answer["result"] is False
-    assert "unknown message type 'x/Y'" in answer["values"]
 
 
 def test_nodes(peer):
@@ -127,7 +141,7 @@ def get(peer, name, default=""):
 
 
 def put(peer, name, value):
-    peer.call("/rosapi/set_param", name=name, value=json.dumps(value))
+    peer.call("/rosapi/set_param", **setting(name, value))
 
 
 @pytest.mark.parametrize(
@@ -175,35 +189,3 @@ def test_deleting_ends_a_parameter_and_all_below_it(peer):
     peer.call("/rosapi/delete_param", name="/never")
 
     assert peer.call("/rosapi/get_param_names") == {"names": ["/ab"]}
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "reason"),
-    [
-        ("/big", "x" * 2000, "2002 bytes, the limit is 1000"),
-        ("/many", {"a": 1, "b": 2, "c": 3, "d": 4}, "3 parameters, the limit"),
-        ("/", 1, "is no parameter name"),
-        ("/a", {"b/c": 1}, "'b/c' is no parameter name"),
-    ],
-)
-def test_parameters_are_limited(name, value, reason):
-    hub, _ = new_hub(Limits(parameters=3, parameter_bytes=1000))
-    peer = Peer(hub)
-
-    arguments = {"name": name, "value": json.dumps(value)}
-    peer.tell(op="call_service", service="/rosapi/set_param", args=arguments)
-
-    (answer,) = peer.take()
-    assert answer["result"] is False
-    assert reason in answer["values"]
-
-
-def test_deep_parameters_are_refused(peer):
-    value = 1
-    for _ in range(40):
-        value = {"a": value}
-    arguments = {"name": "/p", "value": json.dumps(value)}
-
-    peer.tell(op="call_service", service="/rosapi/set_param", args=arguments)
-
-    assert "more than 32 levels" in peer.take()[0]["values"]

@@ -87,8 +87,6 @@ def test_values_count_for_more_than_result_as_with_the_genuine_server(hub):
         ({"result": False, "values": "out of paper"}, "out of paper"),
         ({"result": False}, "the provider reported a failure"),
         ({"result": True, "values": {"sum": "a"}}, "response of service /add: field 'sum': found"),
-        ({"result": True, "values": {"total": 1}}, "has no field 'total'"),
-        ({"result": True, "values": 5}, "expected the fields of"),
     ],
 )
 def test_a_caller_is_told_that_and_why_a_provider_failed(hub, response, reason):
@@ -106,12 +104,7 @@ def test_a_caller_is_told_that_and_why_a_provider_failed(hub, response, reason):
     ("name", "args", "reason"),
     [
         ("/nothing", {}, "Service /nothing does not exist"),
-        (
-            "/add",
-            {"c": 1},
-            "request of service /add: rospy_tutorials/AddTwoIntsRequest has no field",
-        ),
-        ("/add", {"a": "x"}, "field 'a': found 'x', expected int64"),
+        ("/add", {"a": "x"}, "request of service /add: field 'a': found 'x', expected int64"),
         ("/add", [1, 2, 3], "3 arguments, expected at most 2"),
     ],
 )
@@ -208,24 +201,6 @@ def test_the_answer_to_a_client_that_left_is_dropped(hub):
     respond(provider, values={"sum": 1}, result=True)
 
     assert caller.take() == []
-
-
-@pytest.mark.parametrize(
-    ("operation", "reason"),
-    [
-        ({"op": "advertise_service", "service": "/a", "type": "x/Y"}, "unknown service type 'x/Y'"),
-        ({"op": "advertise_service", "service": "/rosapi/topics", "type": ADD}, "the server's own"),
-        ({"op": "unadvertise_service", "service": "/a"}, "'/a' is not one that you advertised"),
-        ({"op": "service_response", "service": "/a", "id": "x", "values": {}}, "no call 'x' waits"),
-        ({"op": "call_service", "service": 5}, "'service' is 5, expected str"),
-    ],
-)
-def test_what_is_wrong_is_told_to_those_who_ask(hub, operation, reason):
-    peer = Peer(hub, "error")
-
-    peer.tell(**operation)
-
-    assert reason in peer.take()[0]["msg"]
 
 
 def test_services_and_calls_under_way_are_limited():

@@ -8,9 +8,15 @@ from mrsfi_bridge.settings import ServerSettings
 TOKEN = "0123456789abcdef"
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "::1", "127.8.0.1"])
-def test_addresses_of_this_machine_need_nothing(host):
-    ServerSettings(host).check()
+@pytest.mark.parametrize(
+    "settings",
+    [
+        *map(ServerSettings, ("127.0.0.1", "localhost", "::1", "127.8.0.1")),
+        ServerSettings("0.0.0.0", is_public=True, token=TOKEN),
+    ],
+)
+def test_addresses_of_this_machine_need_nothing_and_others_a_flag_and_a_token(settings):
+    settings.check()
 
 
 @pytest.mark.parametrize(
@@ -25,13 +31,9 @@ def test_addresses_of_this_machine_need_nothing(host):
         (ServerSettings(token="0123456789abcde?"), "at least 16 letters"),
     ],
 )
-def test_other_addresses_need_a_flag_and_a_token(settings, reason):
+def test_other_addresses_without_them_are_refused(settings, reason):
     with pytest.raises(SettingsError, match=reason):
         settings.check()
-
-
-def test_a_public_server_with_a_token_is_allowed():
-    ServerSettings("0.0.0.0", is_public=True, token=TOKEN).check()
 
 
 def test_a_token_is_not_printed():

@@ -63,13 +63,6 @@ def test_a_fault_that_changes_nothing_gets_nothing(names):
     assert found.margins is None or found.margins[0] == (0.0, 0.0)
 
 
-def test_equal_faults_get_equal_shares():
-    found = shares(lambda flown: (10 if {"a", "c"} <= flown else len(flown), 0), "abcd").shares
-
-    assert found[0] == found[2]
-    assert found[1] == found[3]
-
-
 def test_beyond_ten_faults_shares_are_sampled_and_their_intervals_hold_the_exact_ones():
     names = "abcdefghijklmnop"
     exact = [10 * place for place in range(len(names))]

@@ -1,5 +1,7 @@
 """Simplest forms of specifications whose violations are a function of windows and values."""
 
+import pytest
+
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.simplest import simplest
 from mrsfi_runtime.model.bounds import value_bounds
@@ -53,34 +55,26 @@ def test_a_fault_that_needs_one_tick_keeps_one():
     assert found.start == found.finish
 
 
-def test_of_the_values_that_do_the_pools_own_is_the_plainest():
-    (found,) = simplified(lambda drawn: 10, timed(100, 100))
+@pytest.mark.parametrize(
+    ("least", "most", "expected"),
+    [
+        (LOW, HIGH, OWN),
+        (OWN + 1e-9, HIGH, HIGH),
+        (15, 25, 20),
+        (16.5, 17.5, 17),
+        (17.05, 17.2, 17.1),
+        (ODD, ODD, ODD),
+    ],
+    ids=["the pool's own", "a bound", "tens", "ones", "tenths", "none but itself"],
+)
+def test_of_the_values_that_do_the_plainest_is_found(least, most, expected):
+    def violations(drawn):
+        return 10 * (least <= drawn[0].values[0] <= most)
+
+    (found,) = simplified(violations, timed(100, 100))
 
     assert LOW <= ODD <= HIGH
-    assert found.values == (OWN,)
-
-
-def test_else_a_bound_is():
-    (found,) = simplified(lambda drawn: 10 * (drawn[0].values[0] > OWN), timed(100, 100))
-
-    assert found.values == (HIGH,)
-
-
-def test_else_a_round_number_is():
-    for least, most, expected in ((15, 25, 20), (16.5, 17.5, 17), (17.05, 17.2, 17.1)):
-
-        def violations(drawn, least=least, most=most):
-            return 10 * (least <= drawn[0].values[0] <= most)
-
-        (found,) = simplified(violations, timed(100, 100))
-
-        assert found.values == (expected,)
-
-
-def test_a_value_that_nothing_can_replace_stays():
-    (found,) = simplified(lambda drawn: 10 * (drawn[0].values[0] == ODD), timed(100, 100))
-
-    assert found.values == (ODD,)
+    assert found.values == (expected,)
 
 
 def test_a_hundredth_may_be_lost_but_not_more():

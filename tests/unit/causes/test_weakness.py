@@ -6,7 +6,6 @@ import pytest
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.weakness import MEASURES, Known, Weakness, Yardstick, faults_of, in_seeds
 from mrsfi_runtime.engine.flights import FailedFlight
-from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import TimedFault
 from tests.support.search import outcome_of, paper_mission
 from tests.support.weaknesses import weakness
@@ -143,14 +142,6 @@ def test_a_set_holds_in_a_seed_if_it_breaks_the_goal_and_no_part_of_it_does():
     assert (two.faults, two.n_held, two.n_seeds) == (("f4", "f5"), 2, 3)
     assert two.label == "of this seed"
     assert in_seeds(MISSION, [two], _outcomes, (1, 3))[0].label == "firm"
-
-
-def test_a_mission_that_fails_without_faults_is_an_error():
-    def failing(specifications, _):
-        return [FailedFlight("division by zero") for _ in specifications]
-
-    with pytest.raises(EvaluationError, match="without faults, in mission seed 7: division"):
-        in_seeds(MISSION, (), failing, (6, 7))
 
 
 def test_the_more_specifications_keep_a_goal_since_its_last_set_the_lower_is_the_bound():

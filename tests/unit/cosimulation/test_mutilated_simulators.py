@@ -5,9 +5,9 @@ import pytest
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
 from mrsfi_runtime.errors import ProtocolError
 from tests.support.page_simulator import join_page_simulator
+from tests.support.two_sides import BusEngine
 from tests.support.world import paper_code
 from tests.unit.cosimulation.bus import PATIENCE, QueuedBus
-from tests.unit.cosimulation.test_bus_lockstep import BusEngine
 
 CODE = paper_code(40)
 POSITION = 'publish(f"/{robot}/position", x=at[0], y=at[1], z=0.0)'
@@ -33,29 +33,24 @@ def flown(found="", replaced=""):
         bus.close()
 
 
-def left_out(line, condition):
-    return line, f"if not ({condition}): {line}"
-
-
 MISSING = "the simulation has to publish it in this tick"
 
 
 @pytest.mark.parametrize(
     ("edit", "problem"),
     [
-        (left_out(TRUTH, "robot == 'r1' and tick > 19"), f"20: nothing on /truth/r1; {MISSING}"),
-        (
-            left_out(SAMPLES, "sensor == 's4' and tick > 19"),
-            f"20: nothing on /r2/s4/samples; {MISSING}",
+        *(
+            ((line, f"if not ({when}): {line}"), f"{tick}: nothing on {topic}; {MISSING}")
+            for line, when, tick, topic in (
+                (TRUTH, "robot == 'r1' and tick > 19", 20, "/truth/r1"),
+                (SAMPLES, "sensor == 's4' and tick > 19", 20, "/r2/s4/samples"),
+                (POSITION, "robot == 'r3' and tick > 19", 20, "/r3/position"),
+                (SPEED, "robot == 'r1' and tick == 20", 20, "/r1/speed"),
+                (ENERGY, "tick % 2", 1, "/r1/energy"),
+                (CLOCK, "tick > 19", 20, "/clock"),
+                (ACTIVE, "True", 0, "/r1/s1/active"),
+            )
         ),
-        (
-            left_out(POSITION, "robot == 'r3' and tick > 19"),
-            f"20: nothing on /r3/position; {MISSING}",
-        ),
-        (left_out(SPEED, "robot == 'r1' and tick == 20"), f"20: nothing on /r1/speed; {MISSING}"),
-        (left_out(ENERGY, "tick % 2"), f"1: nothing on /r1/energy; {MISSING}"),
-        (left_out(CLOCK, "tick > 19"), f"20: nothing on /clock; {MISSING}"),
-        (left_out(ACTIVE, "True"), f"0: nothing on /r1/s1/active; {MISSING}"),
         (
             (TRUTH_OF_SENSOR, f"truth += [tick + 1.0, 1.0 - ({AT_20} and sensor == 's2')]"),
             "20: /r1/s2/active said True last, and the true state says False",
@@ -67,35 +62,14 @@ MISSING = "the simulation has to publish it in this tick"
             ),
             "20: a message on /r1/position while the robot's GPS_POSITION sensor is off",
         ),
-        ((POSITION, f"{POSITION}; tick > 19 and {POSITION}"), "20: two messages on /r1/position"),
         (
             (POSITION, POSITION.replace("robot", "robot if tick < 20 else 'r1'")),
             "20: two messages on /r1/position",
         ),
         ((CLOCK, CLOCK.replace("tick", f"tick - {AT_20}")), "20: /clock said 19 s; expected 20"),
         (
-            ('[state["run"], tick,', f"[state['run'], tick - {AT_20},"),
-            "20: the simulation announced tick 19; expected tick 20",
-        ),
-        (
             (SAMPLES, SAMPLES.replace("1)", f"1 - 9 * {AT_20})")),
             "20: /r1/s1/samples carried 12 after 20; a count never falls",
-        ),
-        (
-            (TRUTH_OF_SENSOR, f"truth += [tick + 1.0 - 9 * {AT_20}, 1.0]"),
-            "20: /truth/r1 carried count 12.0 and active 1.0 of its sensor 1 after",
-        ),
-        (
-            (SPEED, SPEED.replace("=speed", "=speed if tick < 20 else float('nan')")),
-            "20: /r1/speed carried .*nan.*; expected std_msgs/Float64",
-        ),
-        (
-            (ENERGY, ENERGY.replace("90000.0", "'90000'")),
-            "0: /r1/energy carried .*'90000'.*; expected std_msgs/Float64",
-        ),
-        (
-            (TRUTH, TRUTH.replace("=truth", "=truth[:7]")),
-            "0: /truth/r1 carried .*; expected 9 numbers",
         ),
     ],
 )

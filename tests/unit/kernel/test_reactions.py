@@ -45,21 +45,14 @@ def test_the_first_goal_to_speak_keeps_the_channel():
 
 
 @pytest.mark.parametrize(("speed", "expected"), [(-1.0, 0.0), (7.0, 7.0), (99.0, 8.0)])
-def test_commanded_speeds_stay_within_twice_nominal(speed, expected):
-    ci = state()
+def test_commanded_speeds_stay_within_twice_nominal_if_a_region_writes_them_too(speed, expected):
+    ci, orders = state(), state()
 
     set_speed(ci, 0, speed)
 
     assert ci.commands[0].speed == expected
-
-
-@pytest.mark.parametrize(("speed", "expected"), [(-1.0, 0.0), (7.0, 7.0), (99.0, 8.0)])
-def test_a_region_that_writes_a_speed_itself_sends_one_that_the_robot_can_fly(speed, expected):
-    ci, orders = state(), state()
     ci.commands[0].speed = speed
-
     issue(ci, orders, Plan([], [], [], [], [], []), 1)
-
     assert (orders.commands[0].speed, ci.commands[0].sent_speed) == (expected, expected)
 
 

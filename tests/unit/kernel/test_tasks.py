@@ -1,5 +1,7 @@
 """When each of the nine tasks is violated, on states laid out by hand."""
 
+import sys
+
 import pytest
 
 from mrsfi_runtime.api import (
@@ -18,38 +20,31 @@ from mrsfi_runtime.model.mission import Area, Coordinates, Obstacle
 from tests.support.world import MEMBERS, robot, state
 
 HERE = Area("here", Coordinates(0.0, 0.0), 50.0)
+ROCK = Obstacle("rock", Area("rock_area", Coordinates(100.0, 0.0), 10.0))
+ROUNDED = (1.0 - 1e-12, 1.0, 1.0 + 1e-12)
+"""Factors that rounding may well amount to."""
 
 
-@pytest.mark.parametrize(("x", "expected"), [(1.999, True), (2.0, False), (-1.5, True)])
-def test_robots_collide_when_their_discs_overlap(x, expected):
-    view = state(AvoidCollision(MEMBERS))
-    view.robots[1].x = x
+@pytest.mark.parametrize(
+    ("task", "robot", "kept", "violated"),
+    [
+        (AvoidCollision(MEMBERS), "bx", [2.0], [1.999, -1.5]),
+        (AvoidCollision(MEMBERS, ("rock",)), "by", [11.0], [10.9]),
+        (AvoidCollision(MEMBERS), "by", [10.9], []),  # the rock is not listed
+        (StayWithinMissionArea(), "ax", [1000.0], [1000.5]),
+        (FixedDistanceBetweenRobots(100.0, 2.0), "bx", [98.0, 102.0], [97.0, 103.0]),
+    ],
+)
+def test_a_task_is_violated_beyond_its_edge_whatever_is_rounded(task, robot, kept, violated):
+    view = state(task, obstacles=(ROCK,))
+    moved, axis = view.robots["ab".index(robot[0])], robot[1]
 
-    assert goal_tasks.avoid_collision.violated(view, 0) is expected
+    found = {}
+    for value in (*(share * edge for edge in kept for share in ROUNDED), *violated):
+        setattr(moved, axis, value)
+        found[value] = sys.modules[type(task).__module__].violated(view, 0)
 
-
-@pytest.mark.parametrize(("y", "expected"), [(10.9, True), (11.0, False)])
-def test_a_robot_collides_with_an_obstacle_whose_disc_it_touches(y, expected):
-    rock = Obstacle("rock", Area("rock_area", Coordinates(100.0, 0.0), 10.0))
-    view = state(AvoidCollision(MEMBERS, ("rock",)), obstacles=(rock,))
-    view.robots[1].y = y
-
-    assert goal_tasks.avoid_collision.violated(view, 0) is expected
-
-
-def test_obstacles_that_are_not_listed_do_not_count():
-    rock = Obstacle("rock", Area("rock_area", Coordinates(100.0, 0.0), 10.0))
-    view = state(AvoidCollision(MEMBERS), obstacles=(rock,))
-
-    assert not goal_tasks.avoid_collision.violated(view, 0)
-
-
-@pytest.mark.parametrize(("x", "expected"), [(1000.0, False), (1000.5, True)])
-def test_leaving_the_mission_area_is_a_violation(x, expected):
-    view = state(StayWithinMissionArea())
-    view.robots[0].x = x
-
-    assert goal_tasks.stay_within_mission_area.violated(view, 0) is expected
+    assert {value for value, is_violated in found.items() if is_violated} == {*violated}
 
 
 def test_energy_suffices_when_it_covers_the_forecast_exactly():
@@ -136,11 +131,3 @@ def test_what_remembers_is_violated(task, places, expected):
         violated += "!" if module.violated(view, 0) else "."
 
     assert violated == expected
-
-
-@pytest.mark.parametrize(("x", "expected"), [(97.0, True), (98.0, False), (103.0, True)])
-def test_a_pair_must_keep_its_distance_within_tolerance(x, expected):
-    view = state(FixedDistanceBetweenRobots(100.0, 2.0))
-    view.robots[1].x = x
-
-    assert goal_tasks.fixed_distance_between_robots.violated(view, 0) is expected

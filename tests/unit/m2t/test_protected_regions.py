@@ -168,53 +168,49 @@ def test_what_is_there_and_what_is_generated_are_merged(existing, generated, rec
     assert merged(existing, generated=generated, records=records) == expected
 
 
-@pytest.mark.parametrize("force", [False, True])
-def test_edited_region_that_is_off_stops_generation(force):
-    existing = edited("tasks.violated(ci)", "False", edited("g1.check on", "g1.check off"))
-
-    with pytest.raises(ProtectedRegionError, match=r"ci\.py:9: .*'g1\.check'.*write 'on'"):
-        merged(existing, force=force)
+EDITED = edited("tasks.violated(ci)", "False")
+EDITED_OUTSIDE = edited("import tasks", "import tasks, os")
+OTHER_IMPORT = edited("import tasks", "import kernel")
+MINE = "# protected region mine on begin\nx = 1\n# protected region mine end\n"
 
 
-def test_without_a_manifest_a_region_that_is_off_counts_as_edited():
-    with pytest.raises(ProtectedRegionError, match="although it is off"):
-        merged(OFF, generated=OTHER_BODY, records=())
+@pytest.mark.parametrize(
+    ("existing", "more", "message"),
+    [
+        *(
+            (existing, more | {"force": force}, message)
+            for force in (False, True)
+            for existing, more, message in (
+                (
+                    edited("g1.check on", "g1.check off", EDITED),
+                    {},
+                    r"ci\.py:9: .*'g1\.check'.*write 'on'",
+                ),
+                (
+                    EDITED,
+                    {"generated": WITHOUT_G1},
+                    r"ci\.py:9: .*'g1\.check'.*element 'g1' is gone",
+                ),
+            )
+        ),
+        (OFF, {"generated": OTHER_BODY, "records": ()}, "although it is off"),
+        (EDITED_OUTSIDE, {}, r"ci\.py:2: .*edited outside"),
+        (GENERATED, {"generated": OTHER_IMPORT, "records": ()}, "no manifest says"),
+        (GENERATED + MINE, {}, "'mine' holds hand-written code"),
+    ],
+)
+def test_what_would_be_lost_stops_generation(existing, more, message):
+    with pytest.raises(ProtectedRegionError, match=message):
+        merged(existing, **more)
 
 
-@pytest.mark.parametrize("force", [False, True])
-def test_orphaned_region_that_was_edited_stops_generation(force):
-    existing = edited("tasks.violated(ci)", "False")
-
-    with pytest.raises(
-        ProtectedRegionError, match=r"ci\.py:9: .*'g1\.check'.*element 'g1' is gone"
-    ):
-        merged(existing, generated=WITHOUT_G1, force=force)
-
-
-def test_edit_outside_regions_is_refused_unless_forced():
-    existing = edited("import tasks", "import tasks, os")
-
-    with pytest.raises(ProtectedRegionError, match=r"ci\.py:2: .*edited outside"):
-        merged(existing)
-    assert merged(existing, force=True) == GENERATED
-
-
-def test_forced_generation_keeps_edited_regions():
-    existing = edited("tasks.violated(ci)", "False", edited("import tasks", "import os"))
-
-    assert merged(existing, force=True) == edited("tasks.violated(ci)", "False")
-
-
-def test_without_a_manifest_another_skeleton_is_refused_unless_forced():
-    generated = edited("import tasks", "import kernel")
-
-    with pytest.raises(ProtectedRegionError, match="no manifest says"):
-        merged(GENERATED, generated=generated, records=())
-    assert merged(GENERATED, generated=generated, records=(), force=True) == generated
-
-
-def test_region_added_by_hand_counts_as_an_edit_outside():
-    existing = GENERATED + "# protected region mine on begin\nx = 1\n# protected region mine end\n"
-
-    with pytest.raises(ProtectedRegionError, match="'mine' holds hand-written code"):
-        merged(existing)
+@pytest.mark.parametrize(
+    ("existing", "more", "expected"),
+    [
+        (EDITED_OUTSIDE, {}, GENERATED),
+        (edited("import tasks", "import os", EDITED), {}, EDITED),
+        (GENERATED, {"generated": OTHER_IMPORT, "records": ()}, OTHER_IMPORT),
+    ],
+)
+def test_forced_generation_replaces_all_but_edited_regions(existing, more, expected):
+    assert merged(existing, force=True, **more) == expected

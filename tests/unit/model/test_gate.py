@@ -10,7 +10,6 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.gate import LAST, MOST, Gate, at_work
 from mrsfi_runtime.record import encoding
-from mrsfi_runtime.search.space import SearchSpace
 from tests.support.world import paper_code
 
 CODE = paper_code()
@@ -113,18 +112,3 @@ def test_a_record_takes_and_gives_no_other_fault_than_it_was_given(row):
         encoding.specification([row])
     with pytest.raises(SpecificationError, match=r"'f9' has .*; expected"):
         encoding.specification_text([TimedFault(*row)])
-
-
-@pytest.mark.parametrize(
-    ("timed", "message"),
-    [
-        (TimedFault("f9", 15.08, 20, PLACE), "mine made: fault 'f9' has window 15.08 … 20"),
-        (TimedFault("f8", 15, 20, (2.5,)), "mine made: fault 'f8' has DELAY 2.5"),
-        (TimedFault("f99", 0, 1), "mine made: fault pool .* has no fault 'f99'"),
-        (TimedFault("f1", 0, 1000), "mine made .*; expected its window within 0 … 999"),
-        (TimedFault("f9", 0, 1, (1e9, 0.0, 0.0)), "its values within the bounds"),
-    ],
-)
-def test_an_operators_offspring_passes_it_too(timed, message):
-    with pytest.raises(SpecificationError, match=message):
-        SearchSpace.of(CODE.mission, CODE.pool).require((timed,), "mine")

@@ -1,6 +1,6 @@
 """The version of the world's rules: what says none, and what an error says of another."""
 
-from mrsfi_runtime.model.semantics import RELEASES, SEMANTICS, difference, flown_by
+from mrsfi_runtime.model.semantics import RELEASES, SEMANTICS, flown_by
 from mrsfi_runtime.record.manifest import Manifest
 
 
@@ -20,10 +20,3 @@ def test_the_release_of_a_known_version_is_ours_to_say_and_of_a_later_one_the_re
     assert flown_by(1, "0.1.7") == "mrsfi 0.1"
     assert flown_by(99, "7.2.0") == "mrsfi 7.2.0"
     assert flown_by(99) == "a later mrsfi"
-
-
-def test_a_difference_names_both_versions():
-    assert difference(1) == (
-        f"found semantics 1; expected semantics {SEMANTICS}, which this mrsfi flies "
-        "(docs/semantics.md)"
-    )

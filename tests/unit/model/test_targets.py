@@ -15,18 +15,19 @@ from tests.support.world import paper_code
 CODE = paper_code()
 
 
-def test_delay_and_block_touch_every_field_of_their_message():
-    robot = CODE.mission.robot_index["r3"]
-
-    targets = touched(CODE.mission, Fault("late", FAULT_TYPES["DelayMessage"], "m8", (5.0,)))
-
-    assert targets == ((Field.POSITION, robot), (Field.SPEED, robot), (Field.ENERGY, robot))
+R3, S4 = CODE.mission.robot_index["r3"], CODE.mission.sensor_index["s4"]
 
 
-def test_a_sensor_type_in_a_body_means_the_senders_count():
-    targets = touched(CODE.mission, Fault("late", FAULT_TYPES["BlockMessage"], "m10", (5.0,)))
-
-    assert targets == ((Field.COUNT, CODE.mission.sensor_index["s4"]),)
+@pytest.mark.parametrize(
+    ("message", "expected"),
+    [
+        ("m8", ((Field.POSITION, R3), (Field.SPEED, R3), (Field.ENERGY, R3))),
+        ("m10", ((Field.COUNT, S4),)),  # of the sender's sensor of that type
+    ],
+)
+def test_delay_and_block_touch_every_field_of_their_message(message, expected):
+    for kind in ("DelayMessage", "BlockMessage"):
+        assert touched(CODE.mission, Fault("late", FAULT_TYPES[kind], message, (5.0,))) == expected
 
 
 def test_a_field_that_a_body_names_twice_is_touched_once():

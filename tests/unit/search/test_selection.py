@@ -34,20 +34,18 @@ def shares(selected: list[Individual], population: list[Individual]) -> list[flo
     return [round(counts[id(individual)] / len(selected), 1) for individual in population]
 
 
-def test_roulette_selects_in_proportion_to_fitness():
-    population = population_of(0.0, 1.0, 3.0, 6.0)
+@pytest.mark.parametrize(
+    ("select", "fitness", "expected"),
+    [
+        (roulette, (0.0, 0.0, 0.0, 0.0, 0.0), [0.2] * 5),
+        (uniform, (0.0, 1.0, 1000.0, 0.0, 5.0), [0.2] * 5),
+        (tournament, (0.0, 1.0), [0.1, 0.9]),  # of three: 1/8 and 7/8
+    ],
+)
+def test_shares_of_those_that_are_selected(select, fitness, expected):
+    population = population_of(*fitness)
 
-    selected = roulette(population, 5000, Random(1))
-
-    assert shares(selected, population) == [0.0, 0.1, 0.3, 0.6]
-
-
-def test_roulette_of_an_all_zero_population_is_uniform():
-    population = population_of(0.0, 0.0, 0.0, 0.0, 0.0)
-
-    selected = roulette(population, 5000, Random(1))
-
-    assert shares(selected, population) == [0.2] * 5
+    assert shares(select(population, 5000, Random(1)), population) == expected
 
 
 @given(st.lists(st.floats(0.0, 1e6), min_size=1).filter(sum), st.integers(0, 2**32))
@@ -75,20 +73,6 @@ def test_roulette_returns_as_many_as_wanted_at_any_scale(scale):
 def test_roulette_refuses_negative_fitness():
     with pytest.raises(EvaluationError, match=r"found fitness -1\.0"):
         roulette(population_of(3.0, -1.0), 2, Random(1))
-
-
-def test_uniform_selection_does_not_look_at_fitness():
-    population = population_of(0.0, 1.0, 1000.0, 0.0, 5.0)
-
-    assert shares(uniform(population, 5000, Random(1)), population) == [0.2] * 5
-
-
-def test_tournaments_of_three_prefer_the_better():
-    population = population_of(0.0, 1.0)
-
-    selected = tournament(population, 5000, Random(1))
-
-    assert shares(selected, population) == [0.1, 0.9]  # 1/8 and 7/8
 
 
 def test_the_best_are_each_selected_once():

@@ -51,21 +51,19 @@ def test_an_empty_pool_is_refused():
         SearchSpace.of(paper_mission(), FaultPool("fs", ()))
 
 
-def test_individuals_of_the_paper_have_20_faults_with_the_pools_values():
-    space, rng = paper_space(), Random(1)
+@pytest.mark.parametrize(
+    ("duration", "pool", "n_faults"),
+    [(1000, "", 20), (1, "f9", 1), (7, "f9", 7), (20, "f9", 20), (30, "f9", 20)],
+)
+def test_individuals_of_the_paper_have_20_faults_or_what_fits_with_the_pools_values(
+    duration, pool, n_faults
+):
+    space = paper_space(duration, *pool.split())
 
-    for _ in range(50):
-        specification = random_specification(space, 20, rng)
-        assert len(specification) == 20
-        for timed in specification:
-            assert timed.values == space.candidates[timed.fault].values
-
-
-@pytest.mark.parametrize(("duration", "n_faults"), [(1, 1), (7, 7), (20, 20), (30, 20)])
-def test_a_pool_of_one_fault_fills_the_mission_as_far_as_wanted(duration, n_faults):
-    specification = random_specification(paper_space(duration, "f9"), 20, Random(1))
+    specification = random_specification(space, 20, Random(1))
 
     assert len(specification) == n_faults
+    assert all(each.values == space.candidates[each.fault].values for each in specification)
 
 
 def test_every_fault_of_the_pool_is_drawn():
@@ -80,3 +78,21 @@ def test_fault_ticks_count_what_lies_inside_the_mission():
     specification = (TimedFault("f1", 0, 9), TimedFault("f3", 95, 120), TimedFault("f9", 200, 300))
 
     assert fault_ticks(specification, 100) == 10 + 5
+
+
+@pytest.mark.parametrize(
+    ("timed", "message"),
+    [
+        (
+            TimedFault("f9", 15.08, 20, (1.0, 2.0, 3.0)),
+            "mine made: fault 'f9' has window 15.08 … 20",
+        ),
+        (TimedFault("f8", 15, 20, (2.5,)), "mine made: fault 'f8' has DELAY 2.5"),
+        (TimedFault("f99", 0, 1), "mine made: fault pool .* has no fault 'f99'"),
+        (TimedFault("f1", 0, 1000), "mine made .*; expected its window within 0 … 999"),
+        (TimedFault("f9", 0, 1, (1e9, 0.0, 0.0)), "its values within the bounds"),
+    ],
+)
+def test_an_operators_offspring_passes_the_gate_and_stays_within_bounds(timed, message):
+    with pytest.raises(SpecificationError, match=message):
+        paper_space().require((timed,), "mine")

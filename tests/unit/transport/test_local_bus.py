@@ -22,15 +22,6 @@ def test_every_subscriber_receives_every_message_in_order():
     assert first == second == [{"data": 1.0}, {"data": 2.0}]
 
 
-def test_topics_are_apart():
-    bus, received = LocalBus(), []
-    bus.subscribe(SPEED, received.append)
-
-    bus.advertise(Topic("/r2/speed", "std_msgs/Float64"))({"data": 1.0})
-
-    assert received == []
-
-
 def test_a_topic_keeps_its_type():
     bus = LocalBus()
     bus.advertise(SPEED)
