@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from mrsfi import reporting
 from mrsfi.campaign_folders import open_campaign, open_to_fly
-from mrsfi.engines import evaluator, own_engine, silent
-from mrsfi.explaining import evaluation_of, explainer_of_campaign
+from mrsfi.engines import Workers
+from mrsfi.explaining import evaluation_of, explained, explainer_of_campaign
 from mrsfi.flight import Flight, fly
 from mrsfi.regressions import keep
 from mrsfi.weaknesses import harvested
@@ -144,14 +144,10 @@ class Campaign:
             If it does not fly as it is recorded.
         """
         with open_to_fly(self.folder) as campaign:
-            case, subject = explainer_of_campaign(campaign), evaluation_of(campaign, index)
-            seed = case.mission_seeds[0]
-            settings = EngineSettings(AUTO).tried(case.code, seed, silent)
-            with (
-                evaluator(case.code, seed, settings) as many,
-                own_engine(many, case.code, seed, settings) as engine,
-            ):
-                return case.explain(many, engine, subject, keep)
+            some = [evaluation_of(campaign, index)]
+            about = explainer_of_campaign(campaign)
+            ((_, found),) = explained(about, some, EngineSettings(AUTO), Workers(), keep)
+            return found
 
     def keep(
         self,

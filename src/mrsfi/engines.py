@@ -3,9 +3,12 @@
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
 from mrsfi_runtime.engine.settings import ROSBRIDGE, EngineSettings
+from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.server_address import without_token
 
@@ -21,6 +24,34 @@ _N_PROCESSORS = os.cpu_count() or 1
 
 def silent(_: str) -> None:
     """Tell nobody."""
+
+
+@dataclass(frozen=True, slots=True)
+class Workers:
+    """Who evaluates: so many processes of this machine, as many as it has processors by default.
+
+    Or a cluster: ``dask`` is the address of its scheduler, or ``local`` for one of this machine.
+    """
+
+    number: int | None = None
+    dask: str | None = None
+
+    def require_sense(self, engine: EngineSettings) -> None:
+        """Refuse what contradicts itself or the engine, or dask where it is missing."""
+        engine.require_workers(self.number or 1)
+        if self.dask is None:
+            return
+        require_address(self.dask)
+        if engine.name == ROSBRIDGE:
+            raise UsageError(
+                f"--dask makes no sense with --engine {ROSBRIDGE}, whose flights need a server "
+                "beside them; expected another engine, or --workers"
+            )
+        if self.dask != LOCAL and self.number is not None:
+            raise UsageError(
+                f"--workers {self.number}: makes no sense with --dask {self.dask}, which has the "
+                "workers that were started for it; leave --workers out"
+            )
 
 
 def recorded_engine(settings: EngineSettings) -> EngineRecord:
@@ -64,21 +95,19 @@ def evaluator(
     code: "MissionCode",
     seed: int,
     engine: EngineSettings,
-    workers: int | None = None,
-    dask: str | None = None,
+    workers: Workers,
     tell: Tell = silent,
     on_reached: Tell = silent,
 ) -> "Iterator[Evaluator]":
     """Yield what evaluates specifications of a mission, as long as the body runs.
 
-    ``seed`` is the mission seed of what is evaluated without naming one. There are as many workers
-    as processors, or one where a server is named; ``dask`` is the address of a scheduler, or
-    ``local`` for a cluster of this machine. ``tell`` is told what does not compile, ``on_reached``
-    who evaluates, before the mission is handed out. A cluster that is out of reach or without
-    workers is a ``TransportError``.
+    ``seed`` is the mission seed of what is evaluated without naming one. Where a server is named
+    there is one worker by default. ``tell`` is told what does not compile, ``on_reached`` who
+    evaluates, before the mission is handed out. A cluster that is out of reach or without workers
+    is a ``TransportError``.
     """
-    if dask is None:
-        n_workers = workers or (1 if engine.url else _N_PROCESSORS)
+    if workers.dask is None:
+        n_workers = workers.number or (1 if engine.url else _N_PROCESSORS)
         on_reached(f"{n_workers} workers")
         from mrsfi_runtime.engine.pools import WorkerPool  # noqa: PLC0415 - not for --help
 
@@ -88,6 +117,18 @@ def evaluator(
     from mrsfi_runtime.engine.cluster.connection import Cluster  # noqa: PLC0415 - optional
     from mrsfi_runtime.engine.cluster.pool import ClusterPool  # noqa: PLC0415 - optional
 
-    with Cluster(dask, workers or _N_PROCESSORS) as cluster:
+    with Cluster(workers.dask, workers.number or _N_PROCESSORS) as cluster:
         on_reached(f"{cluster.n_workers()} workers of {cluster.address}")
         yield ClusterPool(cluster, code, seed, engine)
+
+
+@contextmanager
+def flying(
+    code: "MissionCode", seed: int, engine: EngineSettings, workers: Workers, tell: Tell = silent
+) -> "Iterator[tuple[Evaluator, Engine]]":
+    """Yield what evaluates specifications, and an engine of this process, for what it alone can."""
+    with (
+        evaluator(code, seed, engine, workers, tell) as many,
+        own_engine(many, code, seed, engine) as own,
+    ):
+        yield many, own

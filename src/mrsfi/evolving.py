@@ -1,23 +1,33 @@
 """Campaigns from the first evaluation to the last."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import platform
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
+from typing import TypeAlias
 
-from mrsfi.campaign_folders import FlyableCampaign, manifest_of
-from mrsfi.engines import recorded_engine
+from mrsfi.campaign_folders import FlyableCampaign, free_folder, manifest_of, open_to_fly
+from mrsfi.engines import Tell, Workers, evaluator, own_engine, recorded_engine, silent
 from mrsfi.folders import MissionFolders
+from mrsfi.versions import installed_version
+from mrsfi.weaknesses import harvest
+from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.causes.cover import ALGORITHMS
-from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.imported_files import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.run import CampaignProgress, require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace
+
+Progress: TypeAlias = Callable[[CampaignProgress], None]
+"""Is told how far a search is, after each generation."""
 
 
 def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
@@ -28,40 +38,114 @@ def require_searchable(code: MissionCode, settings: CampaignSettings) -> None:
 
 @contextmanager
 def begun(
-    path: Path,
     folders: MissionFolders,
+    code: MissionCode,
     settings: CampaignSettings,
     case: str,
     engine: EngineSettings,
-) -> Iterator[None]:
-    """Make a campaign without evaluations and be its writer while the body runs."""
+    *,
+    out: Path | None = None,
+    ratio: str | None = None,
+    tell: Tell = silent,
+) -> Iterator[tuple[FlyableCampaign, EngineSettings]]:
+    """Make a campaign without evaluations, and yield it to its only writer, with what flies.
+
+    Whatever speaks against it is said before anything is written; ``ratio`` is one by which its
+    report is going to pick.
+    """
+    require_searchable(code, settings)
+    _require_ratio(settings, code.mission, ratio)
+    flown_by = engine.tried(code, settings.mission_seed, tell)
+    path = out or free_folder(folders.name, Path(case).stem)
     folder = CampaignFolder.reserve(path)
     with only_writer(folder):
         imported = imported_files(folders.generated, settings.own_modules)
         folder.fill(folders.models, folders.generated, imported)
         manifest = manifest_of(folder, folders, case, recorded_engine(engine))
         CampaignStore.create(path, settings, manifest).close()
-        yield
+        with open_to_fly(path, tell) as campaign:
+            yield campaign, flown_by
 
 
-def search(
+@contextmanager
+def resumed(
+    path: Path,
+    engine: EngineSettings,
+    *,
+    ratio: str | None = None,
+    tell: Tell = silent,
+) -> Iterator[tuple[FlyableCampaign, EngineSettings]]:
+    """Yield a campaign from before to its only writer, with what it goes on with."""
+    with only_writer(CampaignFolder(path)), open_to_fly(path, tell) as campaign:
+        store = campaign.store
+        _tell_other_versions(store.manifest.versions, tell)
+        tell(
+            f"resuming {path}: {store.n_generations} generations, {store.n_evaluations} "
+            f"evaluations and {store.n_failures} failures are recorded"
+        )
+        _require_ratio(store.settings, campaign.mission, ratio)
+        yield campaign, engine.tried(campaign.code, store.settings.mission_seed, tell)
+
+
+def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | None) -> None:
+    """Refuse a ratio that makes no sense before the search, not after it."""
+    if ratio is not None:
+        Measure.of(settings, mission).require(parse_ratio(ratio).goals)
+
+
+def _tell_other_versions(recorded: Mapping[str, str], tell: Tell) -> None:
+    for name, version in recorded.items():
+        now = platform.python_version() if name == "python" else installed_version(name)
+        if now != version:
+            tell(
+                f"warning: begun with {name} {version}, going on with {now}: "
+                "the result may differ from that of one run"
+            )
+
+
+def evolve(
     campaign: FlyableCampaign,
-    evaluator: Evaluator,
-    progress: Callable[[CampaignProgress], None] = lambda _: None,
+    engine: EngineSettings,
+    workers: Workers,
+    watched: AbstractContextManager[Progress],
+    *,
+    explains: bool = True,
+    tell: Tell = silent,
 ) -> None:
-    """Run the search of a campaign to its end."""
-    store = campaign.store
+    """Search to the end, and then find all the ways in which goals break.
+
+    ``watched`` yields what is told after each generation. Somebody else's simulation is not asked
+    again after the search.
+    """
+    path, store = campaign.folder.path, campaign.store
     settings = store.settings
-    evaluate_many, *replicas = (
-        partial(evaluator.evaluate_many, seed=seed) for seed in settings.mission_seeds
-    )
-    run_campaign(
-        settings,
-        campaign.code.mission,
-        campaign.code.pool,
-        evaluate_many,
-        store,
-        progress,
-        replicas=replicas,
-        algorithms=ALGORITHMS,
-    )
+    seed, before = settings.mission_seed, (store.n_generations, len(store.flights()))
+
+    def tell_who(who: str) -> None:
+        tell(f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.words}, {who}")
+
+    with evaluator(campaign.code, seed, engine, workers, tell, tell_who) as many:
+        evaluate_many, *replicas = (
+            partial(many.evaluate_many, seed=each) for each in settings.mission_seeds
+        )
+        with watched as progress:
+            run_campaign(
+                settings,
+                campaign.mission,
+                campaign.pool,
+                evaluate_many,
+                store,
+                progress,
+                replicas=replicas,
+                algorithms=ALGORITHMS,
+            )
+        if explains and engine.has_simulation:
+            try:
+                with own_engine(many, campaign.code, seed, engine) as own:
+                    harvest(campaign, many, own, tell)
+            except WorkerLost:
+                raise
+            except EvaluationError as error:
+                tell(f"what breaks which goal is not looked for: {error}")
+    if (store.n_generations, len(store.flights())) == before:
+        tell("was finished already; its report is written anew")

@@ -1,11 +1,11 @@
 """Why specifications of a campaign, or from a file, break goals, with cause sets as models."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mrsfi.campaign_folders import FlyableCampaign, find_evaluation, require_same
-from mrsfi.engines import Tell
+from mrsfi.engines import Tell, Workers, flying, silent
 from mrsfi.folders import MissionFolders
 from mrsfi.loading import load_fresh, read_specification, specification_writer
 from mrsfi_runtime.analysis.columns import top
@@ -15,6 +15,7 @@ from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.explanation import explain as find_out
 from mrsfi_runtime.engine.flights import Engine, Evaluator
+from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
@@ -187,6 +188,26 @@ def _subject(campaign: FlyableCampaign, evaluation: Evaluation) -> NamedSpecific
         named_faults(campaign.mission, campaign.pool, evaluation.specification, names),
         evaluation,
     )
+
+
+def explained(
+    explainer: Explainer,
+    specifications: Iterable[NamedSpecification],
+    engine: EngineSettings,
+    workers: Workers,
+    keep: float,
+    tell: Tell = silent,
+) -> Iterator[tuple[NamedSpecification, Explanation | None]]:
+    """Yield specifications, each with all about why it breaks goals, as ``Explainer.explain``."""
+    workers.require_sense(engine)
+    code, seed = explainer.code, explainer.mission_seeds[0]
+    if engine.name == AUTO:
+        engine = engine.tried(code, seed, tell)
+    with flying(code, seed, engine, workers, tell) as (evaluator, own):
+        for each in specifications:
+            if not engine.has_simulation:
+                require_repeatable(own, each)
+            yield each, explainer.explain(evaluator, own, each, keep)
 
 
 def require_repeatable(engine: Engine, subject: NamedSpecification) -> None:

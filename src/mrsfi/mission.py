@@ -1,11 +1,12 @@
 """A mission and all that can be done with it."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrsfi.engines import Tell, evaluator, opened, silent
+from mrsfi.engines import Tell, Workers, evaluator, opened, silent
 from mrsfi.folders import MissionFolders, campaign_file, find_mission
 from mrsfi.project import choose_metamodels, project
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
@@ -285,30 +286,24 @@ class Mission:
         RecordError
             If the folder is in use, or cannot be written.
         """
-        from mrsfi.campaign import Campaign  # noqa: PLC0415 - brings numpy
-        from mrsfi.campaign_folders import free_folder, open_to_fly  # noqa: PLC0415
-        from mrsfi.evolving import begun, require_searchable, search  # noqa: PLC0415
-        from mrsfi.weaknesses import harvest  # noqa: PLC0415
+        from mrsfi import evolving  # noqa: PLC0415 - brings numpy
+        from mrsfi.campaign import Campaign  # noqa: PLC0415 - likewise
 
         if case is None:
             chosen = CampaignSettings.parse("[search]", "settings", **settings)
         else:
             chosen = CampaignSettings.load(campaign_file(self.folders, case), **settings)
-        case, workers = str(case or "script"), _workers(workers)
-        path = _path("out", out)
-        require_searchable(self.code, chosen)
-        asked, seed = _settings(engine), chosen.mission_seed
-        flown_by = asked.tried(self.code, seed, tell)
-        path = path or free_folder(self.name, Path(case).stem)
-        with (
-            begun(path, self.folders, chosen, case, asked),
-            open_to_fly(path) as campaign,
-            evaluator(campaign.code, seed, flown_by, workers, tell=tell) as many,
-        ):
-            search(campaign, many, progress)
-            if explain and flown_by.has_simulation:  # nobody else's is asked again
-                harvest(campaign, many, flown_by)
-        return Campaign(path)
+        asked, many = _settings(engine), _workers(workers)
+        many.require_sense(asked)
+        begun = evolving.begun(
+            *(self.folders, self.code, chosen, str(case or "script"), asked),
+            out=_path("out", out),
+            tell=tell,
+        )
+        with begun as (campaign, flown_by):
+            watched = nullcontext(progress)
+            evolving.evolve(campaign, flown_by, many, watched, explains=explain, tell=tell)
+        return Campaign(campaign.folder.path)
 
     def compare(
         self,
@@ -349,7 +344,7 @@ class Mission:
         if isinstance(algorithms, str) or not algorithms or len({*algorithms}) < len(algorithms):
             known = expected(algorithms, ALGORITHM_NAMES, "a list of different ones of")
             raise UsageError(f"algorithms: found {algorithms!r}; {known}")
-        n_seeds, workers = require_whole("n_seeds", n_seeds), _workers(workers)
+        n_seeds, who = require_whole("n_seeds", n_seeds), _workers(workers)
         path = _path("out", out) or project().runs / f"compare-{self.name}-{Path(case).stem}"
         file = campaign_file(self.folders, case)
         settings = settings_of(file, self.code, algorithms, evaluations)
@@ -357,7 +352,7 @@ class Mission:
         flown_by = _settings(engine).tried(self.code, seed, silent)
         with only_comparison(path, self.folders.models, self.folders.generated) as folder:
             code = load_code(folder.generated)
-            with evaluator(code, seed, flown_by, workers) as many:
+            with evaluator(code, seed, flown_by, who) as many:
                 comparison = compared(folder, settings, n_seeds, code, many)
             write_compared(folder, self.name, settings, comparison)
         return comparison
@@ -399,8 +394,8 @@ def _settings(engine: str | EngineSettings) -> EngineSettings:
     return engine if isinstance(engine, EngineSettings) else EngineSettings(engine)
 
 
-def _workers(workers: int | None) -> int | None:
-    return None if workers is None else require_whole("workers", workers)
+def _workers(workers: int | None) -> Workers:
+    return Workers(None if workers is None else require_whole("workers", workers))
 
 
 def _path(name: str, given: Path | str | None) -> Path | None:

@@ -1,12 +1,16 @@
 """What breaks the goals of a mission at the least, as a campaign has found out, and files of it."""
 
-from collections.abc import Callable, Collection, Sequence
-from itertools import combinations
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import combinations, islice
 from pathlib import Path
+from time import monotonic
 from types import MappingProxyType
 
-from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign
-from mrsfi.engines import own_engine
+from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly
+from mrsfi.engines import Tell, Workers, flying, silent
 from mrsfi_runtime.analysis import fault_tree, fmea
 from mrsfi_runtime.analysis.drawing import Drawing, drawn
 from mrsfi_runtime.analysis.tables import as_csv
@@ -15,13 +19,15 @@ from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.harvest import harvest as find_out
 from mrsfi_runtime.causes.ways import Way
-from mrsfi_runtime.causes.weakness import Known, faults_of
-from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.causes.weakness import Known, Weakness, faults_of, in_seeds
+from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.encoding import fault_texts
+from mrsfi_runtime.record.manifest import EngineRecord
+from mrsfi_runtime.record.measure import counted
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.search.space import SearchSpace
 
@@ -33,6 +39,9 @@ FAULT_TREES = MappingProxyType(
 
 MAPS = (".csv", ".png", ".svg")
 """What the name of a map may end in."""
+
+_EVERY = 2.0
+"""Seconds between two lines about a harvest."""
 
 
 def require_format(path: Path, known: Collection[str]) -> str:
@@ -84,21 +93,49 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
     )
 
 
-def harvest(
-    campaign: FlyableCampaign,
-    evaluator: Evaluator,
-    settings: EngineSettings,
-    on_flown: Callable[[Known, int, int], None] = lambda *_: None,
-) -> Harvest:
+@contextmanager
+def flying_again(
+    run: Path,
+    engine: Callable[[EngineRecord], EngineSettings],
+    workers: Workers,
+    tell: Tell = silent,
+) -> Iterator[tuple[FlyableCampaign, Evaluator, Engine]]:
+    """Yield a campaign, what evaluates specifications of it, and an engine of this process.
+
+    ``engine`` says what flies, of what the campaign was begun with.
+    """
+    with open_to_fly(run, tell) as campaign:
+        settings = engine(campaign.store.manifest.engine)
+        workers.require_sense(settings)
+        seed = campaign.store.settings.mission_seed
+        settings = settings.tried(campaign.code, seed, tell)
+        with flying(campaign.code, seed, settings, workers, tell) as (evaluator, own):
+            yield campaign, evaluator, own
+
+
+def harvest(campaign: FlyableCampaign, evaluator: Evaluator, engine: Engine, tell: Tell) -> None:
     """Find all the ways in which goals break, as far as the campaign does not know them yet.
 
-    What is flown is recorded; the settings are those of what flies. ``on_flown`` is told what is
-    known, how many flights were taken until now, and how many it may take.
+    What is flown is recorded.
     """
-    space = SearchSpace.of(campaign.mission, campaign.pool)
-    seed = campaign.store.settings.mission_seed
-    with own_engine(evaluator, campaign.code, seed, settings) as engine:
-        return find_out(space, campaign.store, evaluator.evaluate_many, engine.record, on_flown)
+    store, space = campaign.store, SearchSpace.of(campaign.mission, campaign.pool)
+    n_before, told = len(store.flights()), -math.inf
+
+    def tell_of(known: Known, n_flown: int, n_most: int) -> None:
+        nonlocal told
+        if n_flown > n_before and monotonic() - told > _EVERY:
+            told = monotonic()
+            tell(f"harvest  {n_flown} of at most {n_most} flights  {_found(known.weaknesses())}")
+
+    found = find_out(space, store, evaluator.evaluate_many, engine.record, tell_of)
+    if len(store.flights()) > n_before:
+        tell(f"harvest  {counted(found.n_flights, 'flights')}  {_found(found.weaknesses)}")
+
+
+def _found(weaknesses: Iterable[Weakness]) -> str:
+    found = {(each.column.goal, each.faults) for each in weaknesses}
+    goals = {goal for goal, _ in found}
+    return f"{counted(len(found), 'ways')} to break {counted(len(goals), 'goals')}"
 
 
 def mildest(
@@ -118,6 +155,28 @@ def mildest(
     shown = [way.shown for way in found]
     seeds = following(campaign.store.settings.mission_seed, n_seeds)
     return shrinking.mildest(space, known, shown, evaluator.evaluate_many, record, seeds)
+
+
+def refined(
+    campaign: FlyableCampaign,
+    evaluator: Evaluator,
+    record: Record,
+    found: Sequence[Way],
+    n_seeds: int | None,
+    *,
+    is_mildest: bool,
+) -> list[Way]:
+    """Return ways, each with its mildest form if asked for, in as many mission seeds as asked."""
+    least = mildest(campaign, evaluator, record, found) if is_mildest else ()
+    told = [one.weakness for one in least] or [one for way in found for one in way.by]
+    if n_seeds is not None:
+        seeds = following(campaign.store.settings.mission_seed, n_seeds)
+        told = [*in_seeds(campaign.mission, told, evaluator.evaluate_many, seeds)]
+    flown = iter(told)
+    if is_mildest:
+        forms = (replace(each, weakness=next(flown)) for each in least)
+        return [replace(way, mildest=form) for way, form in zip(found, forms, strict=True)]
+    return [replace(way, by=tuple(islice(flown, len(way.by)))) for way in found]
 
 
 def write_map(

@@ -10,7 +10,6 @@ import pytest
 
 from mrsfi import reporting
 from mrsfi_runtime.analysis import drawing
-from mrsfi_runtime.cli import evolve
 from tests.support.cli import MISSION, SMALL, mrsfi_process, workspace
 from tests.support.mutilation import installed  # noqa: F401 - a fixture
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
@@ -31,7 +30,7 @@ def undrawn() -> Iterator[None]:
     here = nullcontext(SimpleNamespace(draw=drawing.draw_here))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(drawing, "drawn", lambda _: empty)
-        for room in (evolve, reporting):
+        for room in (drawing, reporting):
             patch.setattr(room, "DrawingProcess", lambda *_: here)
         yield
 

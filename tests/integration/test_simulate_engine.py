@@ -3,7 +3,7 @@
 import pytest
 from click.testing import CliRunner
 
-from mrsfi_runtime.cli.commands.simulate import command
+from mrsfi_runtime.cli.simulate import command
 from mrsfi_runtime.engine import rosbridge
 from tests.support.tree import ROOT
 from tests.tiers import slow

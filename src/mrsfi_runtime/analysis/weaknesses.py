@@ -7,7 +7,7 @@ from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.measure import NONE
+from mrsfi_runtime.record.measure import NONE, counted
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
 MATRIX = "Share of forms that do; (%): only believed, *: unseen by the CI, joint: with others"
@@ -23,15 +23,11 @@ def said(goals: Sequence[str], found: Sequence[Way], n_flights: int) -> str:
     """Return in a sentence how many of some goals break, and how."""
     n_goals = len({each.goal for each in found})
     n_alone = len({each.goal for each in found if len(each.faults) == 1})
-    told, by = _counted(len(goals), "goals"), _counted(len(found), "ways")
+    told, by = counted(len(goals), "goals"), counted(len(found), "ways")
     return (
         f"{n_goals} of {told} can be broken, {n_alone} of them by a single fault: {by}, found with "
-        f"{_counted(n_flights, 'flights')}"
+        f"{counted(n_flights, 'flights')}"
     )
-
-
-def _counted(number: int, nouns: str) -> str:
-    return f"{number} {nouns.removesuffix('s') if number == 1 else nouns}"
 
 
 def matrix(
@@ -63,7 +59,7 @@ def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
     """Return in a sentence which faults of a pool are in none of all ways to break a goal."""
     guilty = {fault for way in found for fault in way.faults}
     rest = [fault.id for fault in pool if fault.id not in guilty]
-    faults = _counted(len(pool), "faults")
+    faults = counted(len(pool), "faults")
     if not rest:
         return f"Each of {faults} breaks a goal in some form, alone or together with others"
     breaks = "breaks" if len(rest) == 1 else "break"

@@ -11,6 +11,7 @@ import click
 from rich.table import Table
 
 from mrsfi.comparing import compared, settings_of, write_compared
+from mrsfi.engines import Workers, evaluator
 from mrsfi.folders import (
     campaign_file,
     find_mission,
@@ -18,7 +19,7 @@ from mrsfi.folders import (
 from mrsfi.loading import load_fresh
 from mrsfi.project import project
 from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
+from mrsfi_runtime.cli.options import EngineOptions
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
@@ -41,7 +42,7 @@ def compare_algorithms(  # noqa: PLR0913 - one for each option
     algorithms: str,
     seeds: int,
     evaluations: int,
-    workers: WorkerOptions,
+    workers: Workers,
     engine: EngineOptions,
     out: Path | None,
     is_json: bool,
@@ -78,7 +79,7 @@ def _compared(
     settings: Mapping[str, CampaignSettings],
     n_seeds: int,
     engine: EngineSettings,
-    workers: WorkerOptions,
+    workers: Workers,
 ) -> Comparison:
     """Make the runs that are missing; tell of each, and how long the rest may take."""
     n_runs = len(settings) * n_seeds
@@ -106,8 +107,8 @@ def _compared(
     code = load_code(folder.generated)
     seed = next(iter(settings.values())).mission_seed
     try:
-        with workers.evaluator(code, seed, engine, tell_who) as evaluator:
-            return compared(folder, settings, n_seeds, code, evaluator, tell_of)
+        with evaluator(code, seed, engine, workers, tell, tell_who) as many:
+            return compared(folder, settings, n_seeds, code, many, tell_of)
     except (KeyboardInterrupt, TransportError):
         tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")
         raise

@@ -53,11 +53,6 @@ def print_json(value: Any) -> None:
     click.echo(json.dumps(value, indent=2, allow_nan=False))
 
 
-def counted(number: int, nouns: str) -> str:
-    """Return ``1 robot`` or ``2 robots``."""
-    return f"{number} {nouns.removesuffix('s') if number == 1 else nouns}"
-
-
 def print_changes(respelt: Iterable[Path], difference: Iterable[str]) -> None:
     """Print a unified diff of models, after the files in which more changes than was asked for."""
     for path in respelt:

@@ -1,63 +1,197 @@
 """The command ``mrsfi evolve``: begins a campaign or continues one, by one writer at a time."""
 
-import platform
-from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
-from mrsfi.campaign_folders import FlyableCampaign, free_folder, open_to_fly
-from mrsfi.evolving import begun, require_searchable, search
-from mrsfi.folders import campaign_file, find_mission
-from mrsfi.loading import load_fresh
-from mrsfi.versions import installed_version
-from mrsfi_runtime.analysis.drawing import DrawingProcess
-from mrsfi_runtime.analysis.fronts import parse_ratio
-from mrsfi_runtime.analysis.report import map_drawing
+from mrsfi.engines import Workers
 from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.engines import (
+from mrsfi_runtime.cli.options import (
     EngineOptions,
-    WorkerOptions,
+    engine_options,
+    generated_option,
+    worker_options,
 )
-from mrsfi_runtime.cli.progress import search_progress, share
-from mrsfi_runtime.cli.report import report
-from mrsfi_runtime.cli.weaknesses import show_harvest
-from mrsfi_runtime.engine.flights import Evaluator
-from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.errors import EvaluationError, TransportError, UsageError, WorkerLost
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.folder import CampaignFolder, only_writer
-from mrsfi_runtime.record.measure import Measure
-from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.engine.settings import AUTO
+from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost
+from mrsfi_runtime.model.faults import COSTS
+from mrsfi_runtime.record.manifest import BOTH, CI
+from mrsfi_runtime.record.settings import ALGORITHM_NAMES, MINIMISING, VIOLATIONS
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from mrsfi.campaign_folders import FlyableCampaign
+    from mrsfi_runtime.engine.settings import EngineSettings
+
+_HELP = """Evolve fault specifications against MISSION and print what breaks it.
+
+The campaign file says how: algorithm, population, generations, fitness. --case a and
+--case b are the files case_a.toml and case_b.toml beside the models; options replace single
+values. Everything goes into a new folder, runs/NAME-CASE-N: copies of the models and of the
+code it ran on, every evaluation, figures, tables, and the ten worst as XMI.
+
+Then it finds out which faults break which goal, and what is the least that does, with at most as
+many flights as the search took, and never more than a thousand; what it prints first is that.
+mrsfi weaknesses lists all of it; mrsfi explain says why one specification does what it does.
+Somebody else's simulation is only searched on.
+
+\b
+Examples:
+  mrsfi evolve uuv_sampling
+  mrsfi evolve uuv_sampling --case b --ratio g3:g1=2:1
+  mrsfi evolve uuv_sampling --seed 7 --generations 5 --out runs/short
+  mrsfi evolve uuv_sampling --algorithm random --evaluations 1000
+  mrsfi evolve uuv_sampling --algorithm cover --until 0.02
+  mrsfi evolve uuv_sampling --algorithm guided --minimise faults --violations true --goals g2
+  mrsfi evolve uuv_sampling --case my_campaign.toml --json | jq .best.fitness
+  mrsfi evolve --resume runs/uuv_sampling-a-1
+
+Same seed, same result, bit for bit, with any number of workers. A campaign that was ended,
+by Ctrl-C, a kill or a loss of power, can be reported and replayed, and goes on with
+--resume DIR: nothing that is recorded is evaluated again, and the result is that of one run.
+"""
+
 
 _FREE = frozenset(
     {"resume", "ratio", "no_explain", "is_json"}
-    | {option.name for options in (EngineOptions, WorkerOptions) for option in fields(options)}
+    | {option.name for options in (EngineOptions, Workers) for option in fields(options)}
 )
 """Parameters of ``mrsfi evolve`` that do not decide what a campaign finds."""
 
 
-@contextmanager
-def resumed(path: Path, ctx: click.Context) -> Iterator[None]:
-    """Be the writer of a campaign from before while the body runs."""
+def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[str] | None:
+    return None if text is None else [goal.strip() for goal in text.split(",")]
+
+
+@click.command(name="evolve", help=_HELP)
+@click.pass_context
+@click.argument("mission", metavar="[MISSION]", required=False)
+@generated_option
+@click.option(
+    "--case",
+    show_default="a",
+    metavar="a|b|FILE",
+    help="Campaign file: case_NAME.toml beside the models, or any TOML file.",
+)
+@click.option("--seed", type=int, help="Seed of the search.")
+@click.option("--mission-seed", type=int, help="Mission seed: decides the samples.")
+@click.option(
+    "--algorithm",
+    metavar="NAME",
+    help=f"How to search: {', '.join(ALGORITHM_NAMES)}, or your own, MODULE:FUNCTION.",
+)
+@click.option("--generations", type=int, help="Generations after the first.")
+@click.option("--population", type=int, help="Individuals of a generation.")
+@click.option("--evaluations", type=int, help="Stop after exactly so many evaluations.")
+@click.option("--until", type=float, metavar="P", help="Cover until all bounds are at most P.")
+@click.option("--faults", type=int, help="Timed faults of an individual; with --minimise at most.")
+@click.option("--goals", metavar="G,H,…", callback=_goal_ids, help="Goals to look at.")
+@click.option("--violations", metavar="NAME", help=f"What is counted: {', '.join(VIOLATIONS)}.")
+@click.option(
+    "--minimise",
+    metavar="|".join(COSTS),
+    help=f"Also seek few of these, by algorithm {' or '.join(MINIMISING)}.",
+)
+@worker_options
+@engine_options(BOTH, CI, default=AUTO)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="New folder of the campaign [default: runs/NAME-CASE-N, first free N].",
+)
+@click.option(
+    "--resume",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Go on with the campaign in DIR, with its own settings; no MISSION then.",
+)
+@click.option("--ratio", metavar="G:H=M:N", help="Also pick from the front, such as g3:g1=2:1.")
+@click.option("--no-explain", is_flag=True, help="Do not look for the causes of the ten worst.")
+@click.option("--json", "is_json", is_flag=True, help="Print the summary for a script.")
+def command(
+    ctx: click.Context,
+    /,
+    engine: EngineOptions,
+    workers: Workers,
+    resume: Path | None,
+    ratio: str | None,
+    no_explain: bool,
+    is_json: bool,
+    **given: Any,
+) -> None:
+    """Evolve fault specifications against a mission and print the most critical."""
+    from mrsfi.evolving import evolve
+    from mrsfi_runtime.analysis.drawing import DrawingProcess
+    from mrsfi_runtime.analysis.report import map_drawing
+    from mrsfi_runtime.cli.progress import search_progress
+    from mrsfi_runtime.cli.summary import report
+
+    if resume is None:
+        opened = _begun(engine.settings(default=AUTO), workers, ratio, **given)
+    else:
+        opened = _resumed(resume, ctx, engine, workers, ratio)
+    with (
+        opened as (campaign, flown_by),
+        DrawingProcess(map_drawing(campaign.mission)) as process,
+    ):
+        path = campaign.folder.path
+        watched = search_progress(campaign.store)
+        try:
+            evolve(campaign, flown_by, workers, watched, explains=not no_explain, tell=tell)
+        except (KeyboardInterrupt, TransportError, WorkerLost):
+            tell(f"what was found until now is kept; see it with: mrsfi report {path}")
+            tell(f"go on with: mrsfi evolve --resume {path}")
+            raise
+        report(campaign, ratio, is_json=is_json, draw=process.draw)
+
+
+def _begun(
+    engine: "EngineSettings",
+    workers: Workers,
+    ratio: str | None,
+    mission: str | None,
+    generated: Path | None,
+    case: str | None,
+    out: Path | None,
+    **overrides: object,
+) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
+    """Refuse what cannot be searched; return what begins the campaign, and the engine."""
+    from mrsfi.evolving import begun
+    from mrsfi.folders import campaign_file, find_mission
+    from mrsfi.loading import load_fresh
+    from mrsfi_runtime.record.settings import CampaignSettings
+
+    workers.require_sense(engine)
+    if mission is None:
+        raise UsageError("found no MISSION; expected one, or --resume DIR to go on with a campaign")
+    case = case or "a"
+    folders = find_mission(mission, generated)
+    settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
+    code = load_fresh(folders)
+    return begun(folders, code, settings, case, engine, out=out, ratio=ratio, tell=tell)
+
+
+def _resumed(
+    path: Path, ctx: click.Context, engine: EngineOptions, workers: Workers, ratio: str | None
+) -> "AbstractContextManager[tuple[FlyableCampaign, EngineSettings]]":
+    """Refuse options that contradict the campaign; return what goes on with it."""
+    from mrsfi.evolving import resumed
+    from mrsfi_runtime.record.store import CampaignStore
+
     with CampaignStore.open(path) as store:  # first: a lock makes no sense where no campaign is
         store.require_flyable()
         manifest, settings = store.manifest, store.settings
     begun_with = {"mission": manifest.mission, "case": manifest.case, **settings.as_json()}
     _require_same_options(path, ctx, begun_with)
-    with only_writer(CampaignFolder(path)):
-        _tell_other_versions(manifest.versions)
-        with CampaignStore.open(path) as store:
-            tell(
-                f"resuming {path}: {store.n_generations} generations, {store.n_evaluations} "
-                f"evaluations and {store.n_failures} failures are recorded"
-            )
-        yield
+    flown_by = engine.settings(manifest.engine, AUTO)
+    workers.require_sense(flown_by)
+    return resumed(path, flown_by, ratio=ratio, tell=tell)
 
 
 def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str, Any]) -> None:
@@ -78,125 +212,3 @@ def _require_same_options(path: Path, ctx: click.Context, recorded: Mapping[str,
                 f"{label}: found {given}; {path} was begun with {recorded[name]} and goes on with "
                 "it; leave the option out, or begin a new campaign without --resume"
             )
-
-
-def _tell_other_versions(recorded: Mapping[str, str]) -> None:
-    for name, version in recorded.items():
-        now = platform.python_version() if name == "python" else installed_version(name)
-        if now != version:
-            tell(
-                f"warning: begun with {name} {version}, going on with {now}: "
-                "the result may differ from that of one run"
-            )
-
-
-def evolve(
-    ctx: click.Context,
-    /,
-    *,
-    engine: EngineOptions,
-    workers: WorkerOptions,
-    resume: Path | None,
-    ratio: str | None,
-    no_explain: bool,
-    is_json: bool,
-    **given: Any,
-) -> None:
-    """Evolve fault specifications against a mission and print the most critical."""
-    tried = None
-    if resume is None:
-        asked = engine.settings(default=AUTO)
-        workers.require_sense(asked)
-        path, writer, tried = _new_campaign(ratio, asked, **given)
-    else:
-        path, writer = resume, resumed(resume, ctx)
-    with writer, open_to_fly(path, tell) as campaign:
-        _require_ratio(campaign.store.settings, campaign.mission, ratio)
-        with DrawingProcess(map_drawing(campaign.mission)) as process:
-            flown_by = tried or _tried(campaign, engine, workers)
-            _search(campaign, flown_by, workers, explains=not no_explain)
-            report(campaign, ratio, is_json=is_json, draw=process.draw)
-
-
-def _new_campaign(
-    ratio: str | None,
-    engine: EngineSettings,
-    mission: str | None,
-    generated: Path | None,
-    case: str | None,
-    out: Path | None,
-    **overrides: object,
-) -> tuple[Path, AbstractContextManager[None], EngineSettings]:
-    """Refuse what cannot be searched; return the campaign's folder, what begins it, the engine."""
-    if mission is None:
-        raise UsageError("found no MISSION; expected one, or --resume DIR to go on with a campaign")
-    case = case or "a"
-    folders = find_mission(mission, generated)
-    settings = CampaignSettings.load(campaign_file(folders, case), **overrides)
-    code = load_fresh(folders)
-    require_searchable(code, settings)
-    _require_ratio(settings, code.mission, ratio)
-    tried = engine.tried(code, settings.mission_seed, tell)
-    path = free_folder(folders.name, Path(case).stem) if out is None else out
-    return path, begun(path, folders, settings, case, engine), tried
-
-
-def _tried(
-    campaign: FlyableCampaign, options: EngineOptions, workers: WorkerOptions
-) -> EngineSettings:
-    """Return the engine that a campaign from before goes on with."""
-    engine = options.settings(campaign.store.manifest.engine, AUTO)
-    workers.require_sense(engine)
-    return engine.tried(campaign.code, campaign.store.settings.mission_seed, tell)
-
-
-def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | None) -> None:
-    """Refuse a ratio that makes no sense before the search, not after it."""
-    if ratio is not None:
-        Measure.of(settings, mission).require(parse_ratio(ratio).goals)
-
-
-def _search(
-    campaign: FlyableCampaign, settings: EngineSettings, workers: WorkerOptions, *, explains: bool
-) -> None:
-    """Search, and then find all the ways in which goals break."""
-    path, store = campaign.folder.path, campaign.store
-    chosen = store.settings
-
-    def tell_who(who: str) -> None:
-        tell(f"campaign {path}: {chosen.algorithm}, seed {chosen.seed}, {settings.words}, {who}")
-
-    seed = chosen.mission_seed
-    try:
-        with workers.evaluator(campaign.code, seed, settings, tell_who) as evaluator:
-            n_generations = store.n_generations
-            _run(campaign, evaluator)
-            is_new = store.n_generations > n_generations
-            if explains and settings.has_simulation:
-                is_new |= _harvest(campaign, evaluator, settings)
-    except (KeyboardInterrupt, TransportError, WorkerLost):
-        tell(f"what was found until now is kept; see it with: mrsfi report {path}")
-        tell(f"go on with: mrsfi evolve --resume {path}")
-        raise
-    if not is_new:
-        tell("was finished already; its report is written anew")
-
-
-def _run(campaign: FlyableCampaign, evaluator: Evaluator) -> None:
-    """Run the search to its end, and show how far it is."""
-    store = campaign.store
-    n_flown = store.n_evaluations + store.n_failures
-    recorded = share(store.settings, store.n_generations, n_flown)
-    with search_progress(store.settings, recorded) as progress:
-        search(campaign, evaluator, progress)
-
-
-def _harvest(campaign: FlyableCampaign, evaluator: Evaluator, settings: EngineSettings) -> bool:
-    """Find all the ways in which goals break; return whether anything was flown."""
-    try:
-        return show_harvest(campaign, evaluator, settings)
-    except WorkerLost:
-        raise
-    except EvaluationError as error:
-        tell(f"what breaks which goal is not looked for: {error}")
-        return False

@@ -1,38 +1,113 @@
 """The command ``mrsfi explain``: which faults of a specification break which goal, and why."""
 
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi.campaign_folders import open_to_fly
-from mrsfi.engines import own_engine
-from mrsfi.explaining import (
-    Explainer,
-    NamedSpecification,
-    evaluation_of,
-    explainer_of_campaign,
-    explainer_of_file,
-    most_critical,
-    require_repeatable,
-)
-from mrsfi.folders import find_mission, is_mission
+from mrsfi.engines import Workers
+from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.engines import EngineOptions, WorkerOptions
-from mrsfi_runtime.cli.explained import Shown, as_json, print_explanation
-from mrsfi_runtime.cli.progress import tell_of_fitness
-from mrsfi_runtime.cli.weaknesses import harvest_now
-from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.cli.options import (
+    EngineOptions,
+    OneOf,
+    engine_options,
+    generated_option,
+    worker_options,
+)
+from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.manifest import BOTH, CI
+from mrsfi_runtime.record.settings import VIOLATIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mrsfi.explaining import Explainer, NamedSpecification
+    from mrsfi_runtime.engine.settings import EngineSettings
+
+_HELP = """Find out which faults of a specification break which goal.
+
+RUN is the folder of a campaign, whose most critical specification is explained, or those that an
+option names. With --faults, MISSION is a mission, and FILE a fault specification in XMI: one that
+search found, or one written by hand.
+
+\b
+Examples:
+  mrsfi explain runs/uuv_sampling-a-1
+  mrsfi explain runs/uuv_sampling-a-1 --evaluation 412
+  mrsfi explain runs/uuv_sampling-a-1 --top 10 --json
+  mrsfi explain runs/uuv_sampling-a-1 --all
+  mrsfi explain uuv_sampling --faults models/uuv_sampling/mine.xmi --measure masked
+
+The cause set are the faults without which the violations would not be: flown alone, they keep a
+share of every goal's violations, believed (or what the campaign measures) and true ones alike, and
+without any single one of them they do not. It is written as XMI, and beside it its simplest form,
+with shorter windows and plainer values: fly them with mrsfi simulate --faults. Labels say what each
+fault is to each goal:
+
+\b
+  sole       in the goal's cause set, and enough alone
+  joint      in the goal's cause set with others
+  redundant  could take the place of one in it
+  masking    without it there would be more violations
+  lesser     none of these, but alone it breaks the goal: others break it more, or hide it
+  bystander  none of these
+
+With --all it is about none of them, but about all the ways in which goals break: what is not known
+yet is flown and recorded, as at the end of mrsfi evolve, and printed as by mrsfi weaknesses.
+"""
 
 
-def explain_faults(  # noqa: PLR0913 - one parameter per option
+@click.command(name="explain", help=_HELP)
+@click.argument("target", metavar="RUN|MISSION")
+@generated_option
+@click.option(
+    "--faults",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Explain this fault specification of MISSION.",
+)
+@click.option("--best", is_flag=True, help="The most critical evaluation of RUN, as without it.")
+@click.option("--all", "is_all", is_flag=True, help="All the ways in which goals of RUN break.")
+@click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N of RUN.")
+@click.option("--top", "n_top", type=click.IntRange(1), metavar="K", help="The K most critical.")
+@click.option(
+    "--keep",
+    type=click.FloatRange(0.0, 1.0, min_open=True),
+    default=KEEP,
+    show_default=True,
+    help="Share of its violations that a cause set keeps of every goal.",
+)
+@click.option(
+    "--measure",
+    "kind",
+    type=OneOf(VIOLATIONS),
+    show_default="that of RUN, else believed",
+    help="Violations that it keeps beside the true ones.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    show_default="that of RUN, else 1",
+    help="With --faults: mission seed.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Where to write the cause sets [default: RUN/causes, or the folder of FILE; kept "
+    "weaknesses need one].",
+)
+@worker_options
+@engine_options(BOTH, CI, default=AUTO)
+@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+def command(  # noqa: PLR0913 - one parameter per option
+    *,
     target: str,
     generated: Path | None,
-    *,
     engine: EngineOptions,
-    workers: WorkerOptions,
+    workers: Workers,
     faults: Path | None,
     best: bool,
     is_all: bool,
@@ -45,6 +120,10 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
     is_json: bool,
 ) -> None:
     """Find out which faults of a specification break which goal."""
+    from mrsfi import explaining
+    from mrsfi.campaign_folders import open_to_fly
+    from mrsfi.folders import find_mission
+
     chosen = {
         "--best": best or None,
         "--all": is_all or None,
@@ -59,8 +138,8 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
             raise click.UsageError(f"{given[0]} is about a campaign; --faults names a file")
         settings = engine.settings(default=AUTO)
         folders = find_mission(target, generated)
-        explainer, subject = explainer_of_file(folders, faults, kind, seed, out, tell)
-        _explain_all(explainer, [subject], settings, workers, keep, is_json=is_json)
+        explainer, one = explaining.explainer_of_file(folders, faults, kind, seed, out, tell)
+        _explain(explainer, [one], settings, workers, keep, is_json=is_json)
         return
     if seed is not None or generated is not None:
         option = "--generated" if seed is None else "--seed"
@@ -68,20 +147,25 @@ def explain_faults(  # noqa: PLR0913 - one parameter per option
             f"{option} needs --faults; a campaign has code and mission seed of its own"
         )
     if is_all:
-        harvest_now(_run(target), engine, workers, is_json=is_json)
+        _harvest(_run(target), engine, workers, is_json=is_json)
         return
     with open_to_fly(_run(target), tell) as campaign:
-        recorded_by = campaign.store.manifest.engine
-        settings = engine.settings(recorded_by if recorded_by.is_foreign else None, AUTO)
-        subjects = [] if n_top is None else most_critical(campaign, n_top)
-        subjects = subjects or [evaluation_of(campaign, evaluation)]
-        explainer = explainer_of_campaign(campaign, kind, out)
-        tell_of_fitness(campaign.store.settings, explainer.measure)
-        _explain_all(explainer, subjects, settings, workers, keep, is_json=is_json)
+        settings = engine.again(campaign.store.manifest.engine)
+        some = [] if n_top is None else explaining.most_critical(campaign, n_top)
+        some = some or [explaining.evaluation_of(campaign, evaluation)]
+        explainer = explaining.explainer_of_campaign(campaign, kind, out)
+        fitness = campaign.store.settings.fitness
+        if ":" in fitness:
+            about = explainer.measure.words
+            tell(f"fitness {fitness} plays no part: causes are about {about}")
+        _explain(explainer, some, settings, workers, keep, is_json=is_json)
 
 
 def _run(target: str) -> Path:
     """Return the folder of a campaign; the name of a mission is a ``UsageError`` that says so."""
+    from mrsfi.folders import is_mission
+    from mrsfi_runtime.record.folder import CampaignFolder
+
     path = Path(target)
     if not CampaignFolder(path).database.is_file() and is_mission(target):
         raise UsageError(
@@ -91,36 +175,44 @@ def _run(target: str) -> Path:
     return path
 
 
-def _explain_all(
-    explainer: Explainer,
-    subjects: Sequence[NamedSpecification],
-    settings: EngineSettings,
-    workers: WorkerOptions,
+def _explain(
+    explainer: "Explainer",
+    specifications: "Sequence[NamedSpecification]",
+    engine: "EngineSettings",
+    workers: Workers,
     keep: float,
     *,
     is_json: bool,
 ) -> None:
     """Explain specifications one after the other; print each, and write its cause set."""
-    workers.require_sense(settings)
-    seed = explainer.mission_seeds[0]
-    if settings.name == AUTO:
-        settings = settings.tried(explainer.code, seed, tell)
+    from mrsfi.explaining import explained
+    from mrsfi_runtime.cli.explained import Shown, as_json, print_explanation
+
     told = []
-    with (
-        workers.evaluator(explainer.code, seed, settings) as evaluator,
-        own_engine(evaluator, explainer.code, seed, settings) as engine,
-    ):
-        for subject in subjects:
-            if not settings.has_simulation:
-                require_repeatable(engine, subject)
-            found = explainer.explain(evaluator, engine, subject, keep)
-            paths = explainer.write_sets(subject, found)
-            shown = Shown(
-                explainer.code, explainer.measure, subject.title, subject.faults, keep, paths
-            )
-            if is_json:
-                told.append(as_json(shown, found))
-            else:
-                print_explanation(shown, found)
+    for each, found in explained(explainer, specifications, engine, workers, keep, tell):
+        paths = explainer.write_sets(each, found)
+        shown = Shown(explainer.code, explainer.measure, each.title, each.faults, keep, paths)
+        if is_json:
+            told.append(as_json(shown, found))
+        else:
+            print_explanation(shown, found)
     if is_json:
         print_json({"explanations": told})
+
+
+def _harvest(run: Path, engine: EngineOptions, workers: Workers, *, is_json: bool) -> None:
+    """Find what a campaign does not know yet of the ways in which goals break; print them all."""
+    from mrsfi.weaknesses import flying_again, harvest, harvested
+    from mrsfi_runtime.cli.ways import print_all
+    from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+
+    with (
+        only_writer(CampaignFolder(run)),
+        flying_again(run, engine.again, workers, tell) as (campaign, evaluator, own),
+    ):
+        harvest(campaign, evaluator, own, tell)
+        known = harvested(campaign)
+        if is_json:
+            print_json([each for way in known.ways for each in way.as_json()])
+        else:
+            print_all(campaign, known, known.ways, campaign.mission.goal_ids)

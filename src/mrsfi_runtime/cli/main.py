@@ -40,7 +40,7 @@ _COMMANDS = MappingProxyType(
 )
 """Subcommands and their one-line help: ``mrsfi --help`` need not import them."""
 
-_MODULES = MappingProxyType({"import": "import_model"})
+_MODULES = MappingProxyType({"import": "import_model", "compare": "commands.compare"})
 """Modules of the subcommands whose names Python does not allow."""
 
 
@@ -97,7 +97,7 @@ class CommandGroup(click.Group):
         """Import one subcommand."""
         if cmd_name not in _COMMANDS:
             return None
-        module = import_module(f"mrsfi_runtime.cli.commands.{_MODULES.get(cmd_name, cmd_name)}")
+        module = import_module(f"mrsfi_runtime.cli.{_MODULES.get(cmd_name, cmd_name)}")
         return cast("click.Command", module.command)
 
     def resolve_command(

@@ -10,11 +10,11 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.terminal import progress_console
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 
 if TYPE_CHECKING:
     from mrsfi_runtime.kernel.state import State
+    from mrsfi_runtime.record.store import CampaignStore
     from mrsfi_runtime.search.run import CampaignProgress
 
 _LINES = 100
@@ -28,10 +28,10 @@ _PACE = 8
 
 
 @contextmanager
-def search_progress(
-    settings: CampaignSettings, begun: float = 0.0
-) -> "Iterator[Callable[[CampaignProgress], None]]":
-    """Yield the function to call after each generation; ``begun`` is the share done before."""
+def search_progress(store: "CampaignStore") -> "Iterator[Callable[[CampaignProgress], None]]":
+    """Yield the function to call after each generation of a campaign that may be begun already."""
+    settings = store.settings
+    begun = _share(settings, store.n_generations, store.n_evaluations + store.n_failures)
     console = progress_console()
     if not console.is_terminal:
         yield PlainLines(settings, monotonic, begun)
@@ -111,10 +111,10 @@ class FlightProgress:
 
 def share_done(settings: CampaignSettings, state: "CampaignProgress") -> float:
     """Return the share of a search that is done, above 0, at most 1."""
-    return share(settings, state.generation + 1, state.n_evaluations + state.n_failures)
+    return _share(settings, state.generation + 1, state.n_evaluations + state.n_failures)
 
 
-def share(settings: CampaignSettings, n_generations: int, n_asked: int) -> float:
+def _share(settings: CampaignSettings, n_generations: int, n_asked: int) -> float:
     """Return the share of a search that so many generations or specifications are."""
     if settings.evaluations is not None:
         return min(1.0, n_asked / settings.evaluations)
@@ -126,9 +126,3 @@ def _generation(settings: CampaignSettings, state: "CampaignProgress") -> str:
         return str(state.generation)
     width = len(str(settings.generations))
     return f"{state.generation:>{width}}/{settings.generations}"
-
-
-def tell_of_fitness(settings: CampaignSettings, measure: Measure) -> None:
-    """Tell what causes are about, if the fitness is a function of the user's own."""
-    if ":" in settings.fitness:
-        tell(f"fitness {settings.fitness} plays no part: causes are about {measure.words}")

@@ -1,14 +1,16 @@
-"""A flight with what the user wants written of it: log, trace, bag and page."""
+"""A flight with what the user wants written of it: log, trace, bag and page; and printed."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import IO, Any, TypeAlias
 
 from mrsfi.versions import installed_version
-from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.engines import FlightFiles
+from mrsfi_runtime.cli.console import print_json, tell
+from mrsfi_runtime.cli.options import FlightFiles
 from mrsfi_runtime.cli.progress import FlightProgress
+from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
+from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.engine.flights import Engine, PlainEngine
 from mrsfi_runtime.files import whole_file, written_file
@@ -16,6 +18,7 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.events import Events
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
@@ -51,6 +54,25 @@ def fly_recorded(
     return outcome
 
 
+def print_flight(
+    mission: Mission,
+    pool: FaultPool,
+    specification: Specification,
+    outcome: Outcome,
+    title: str,
+    head: Mapping[str, object] | None,
+) -> None:
+    """Print what happened to each goal, under which faults; for a script, where it has a head."""
+    faults = named_faults(mission, pool, specification)
+    if head is not None:
+        goals = goals_as_json(mission, outcome)
+        print_json({**head, "goals": goals, "faults": faults_as_json(faults, outcome)})
+        return
+    print_table(title, goal_table(mission, outcome))
+    if faults:
+        print_table("Faults", *fault_tables(faults, outcome))
+
+
 _Finish: TypeAlias = Callable[[Outcome], None]
 """Writes what is written when the flight is over."""
 
@@ -76,7 +98,7 @@ def _recorder(
         if files.trace is not None:
             observers.append(TraceTable(mission, opened.enter_context(written_file(files.trace))))
         if files.mcap is not None:
-            from mrsfi_runtime.record.bag.writer import Bag  # noqa: PLC0415 - slow to import
+            from mrsfi_runtime.record.bag.writer import Bag
 
             whole = opened.enter_context(whole_file(files.mcap))
             bag = Bag(mission, whole, faults, Events(mission, faults, tallies))
@@ -99,9 +121,9 @@ def _page(
     engine: Engine, stream: IO[bytes], faults: Sequence[NamedFault], subject: Subject
 ) -> tuple[Observer, _Finish]:
     """Return what records a flight for a page, and what writes the page; numpy comes with that."""
-    from mrsfi_runtime.analysis.page.content import PageEntry, flight_page  # noqa: PLC0415
-    from mrsfi_runtime.analysis.page.document import document  # noqa: PLC0415
-    from mrsfi_runtime.engine.recording import Recorder  # noqa: PLC0415
+    from mrsfi_runtime.analysis.page.content import PageEntry, flight_page
+    from mrsfi_runtime.analysis.page.document import document
+    from mrsfi_runtime.engine.recording import Recorder
 
     mission = engine.code.mission
     recorder = Recorder(initial_state(mission, engine.seed))

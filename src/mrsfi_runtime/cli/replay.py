@@ -1,30 +1,42 @@
 """The command ``mrsfi replay``."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.progress import track
 
-from mrsfi.campaign_folders import (
-    FlyableCampaign,
-    OpenCampaign,
-    find_evaluation,
-    open_to_fly,
-    require_same,
-)
 from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.engines import EngineOptions, FlightFiles
-from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded
-from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
-from mrsfi_runtime.cli.terminal import print_table, progress_console
-from mrsfi_runtime.engine.flights import Engine
-from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.store import Evaluation
+from mrsfi_runtime.cli.options import EngineOptions, FlightFiles, engine_options, recording_options
+from mrsfi_runtime.record.manifest import BOTH, CI
+
+if TYPE_CHECKING:
+    from mrsfi.campaign_folders import FlyableCampaign
+    from mrsfi_runtime.engine.flights import Engine
+
+_HELP = """Fly evaluations of CAMPAIGN again and compare them with their record, bit for bit.
+
+The flight uses the campaign's own copies of models and code, so it is the same whatever was
+edited since. A difference ends with exit code 7 and says what differs; a campaign of other rules
+of the world ends with exit code 9 and says which mrsfi flies it.
+
+\b
+Examples:
+  mrsfi replay runs/uuv_sampling-a-1                    the most critical specification
+  mrsfi replay runs/uuv_sampling-a-1 --evaluation 412 --log flight.log --trace flight.csv
+  mrsfi replay runs/uuv_sampling-a-1 --all              every evaluation
+"""
 
 
-def replay(
+@click.command(name="replay", help=_HELP)
+@click.argument("folder", metavar="CAMPAIGN", type=click.Path(path_type=Path))
+@click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N.")
+@click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
+@click.option("--all", "is_all", is_flag=True, help="Every evaluation.")
+@recording_options
+@engine_options(BOTH, CI)
+@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+def command(
     folder: Path,
-    *,
     engine: EngineOptions,
     evaluation: int | None,
     best: bool,
@@ -33,6 +45,9 @@ def replay(
     is_json: bool,
 ) -> None:
     """Fly evaluations of a campaign again and compare them with their record."""
+    from mrsfi.campaign_folders import find_evaluation, open_to_fly, require_same
+    from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded, print_flight
+
     if sum((evaluation is not None, best, is_all)) > 1:
         raise click.UsageError("--evaluation, --best and --all exclude each other")
     if is_all:
@@ -45,16 +60,34 @@ def replay(
                 _replay_all(campaign, opened, is_json=is_json)
                 return
             recorded = find_evaluation(campaign, evaluation)
-            title = f"evaluation {recorded.index} of {folder}"
-            again = ("mrsfi", "replay", str(folder), "--evaluation", str(recorded.index))
-            outcome = fly_recorded(
-                opened, recorded.specification, campaign.pool, files, Subject(title, again)
-            )
+            specification, number = recorded.specification, recorded.index
+            again = ("mrsfi", "replay", str(folder), "--evaluation", str(number))
+            subject = Subject(f"evaluation {number} of {folder}", again)
+            outcome = fly_recorded(opened, specification, campaign.pool, files, subject)
         require_same(folder, recorded, outcome)
-        _print_one(campaign, recorded, is_json=is_json)
+    title = (
+        f"Evaluation {number} of {folder}, generation "
+        f"{recorded.generation}, fitness {recorded.fitness[0]:.2f}"
+    )
+    head = {
+        "evaluation": number,
+        "generation": recorded.generation,
+        "fitness": list(recorded.fitness),
+        "is_same": True,
+        "digest": outcome.digest,
+    }
+    told = head if is_json else None
+    print_flight(campaign.mission, campaign.pool, specification, outcome, title, told)
+    if not is_json:
+        click.echo(f"same as recorded, digest {outcome.digest}")
 
 
-def _replay_all(campaign: FlyableCampaign, engine: Engine, *, is_json: bool) -> None:
+def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool) -> None:
+    from rich.progress import track
+
+    from mrsfi.campaign_folders import require_same
+    from mrsfi_runtime.cli.terminal import progress_console
+
     n_evaluations = campaign.store.n_evaluations
     recorded = campaign.store.evaluations()
     console = progress_console()
@@ -66,28 +99,3 @@ def _replay_all(campaign: FlyableCampaign, engine: Engine, *, is_json: bool) -> 
         print_json({"n_evaluations": n_evaluations, "is_same": True, "digest": digest})
     else:
         click.echo(f"same: all {n_evaluations} evaluations, campaign digest {digest}")
-
-
-def _print_one(campaign: OpenCampaign, recorded: Evaluation, *, is_json: bool) -> None:
-    mission, outcome = campaign.mission, recorded.outcome
-    faults = named_faults(mission, campaign.pool, recorded.specification)
-    if is_json:
-        print_json(
-            {
-                "evaluation": recorded.index,
-                "generation": recorded.generation,
-                "fitness": list(recorded.fitness),
-                "is_same": True,
-                "digest": outcome.digest,
-                "goals": goals_as_json(mission, outcome),
-                "faults": faults_as_json(faults, outcome),
-            }
-        )
-        return
-    title = (
-        f"Evaluation {recorded.index} of {campaign.folder.path}, generation "
-        f"{recorded.generation}, fitness {recorded.fitness[0]:.2f}"
-    )
-    print_table(title, goal_table(mission, outcome))
-    print_table("Faults", *fault_tables(faults, outcome))
-    click.echo(f"same as recorded, digest {outcome.digest}")

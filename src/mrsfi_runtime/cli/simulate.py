@@ -1,32 +1,70 @@
 """The command ``mrsfi simulate``."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi.engines import opened
-from mrsfi.folders import find_mission
-from mrsfi.loading import load_fresh, read_specification
-from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.engines import SIMULATION, EngineOptions, FlightFiles
-from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded
-from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
-from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.options import (
+    SIMULATION,
+    EngineOptions,
+    FlightFiles,
+    engine_options,
+    generated_option,
+    mission_argument,
+    recording_options,
+)
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.model.faults import FaultPool, Specification
-from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
-from mrsfi_runtime.transport.server_address import without_token
+from mrsfi_runtime.record.manifest import BOTH, CI
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.generated_code import MissionCode
+    from mrsfi_runtime.model.faults import FaultPool, Specification
+
+_HELP = """Fly MISSION once and print what happened to each goal.
+
+Without --faults it flies without faults. A fault specification is XMI: one that search found
+(runs/NAME/critical/01.xmi), or one written by hand: a copy of the pool whose faults have
+start and finish.
+
+\b
+Examples:
+  mrsfi simulate uuv_sampling
+  mrsfi simulate uuv_sampling --seed 7 --log flight.log --trace flight.csv
+  mrsfi simulate uuv_sampling --faults runs/uuv_sampling-a-1/critical/01.xmi
+  mrsfi simulate uuv_sampling --engine rosbridge
+
+\b
+On a server of yours, simulation and collective intelligence apart:
+  mrsfi bridge --port 9090
+  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side simulation
+  mrsfi simulate uuv_sampling --engine rosbridge --url ws://127.0.0.1:9090 --side ci
+
+A violation counts once per goal and tick: believed by the collective intelligence, true in
+the simulation, phantom (believed, not true), masked (true, not believed). A goal is missed from
+the tick on at which it is certain, from the truth alone, that its purpose is not met; – if it was
+met.
+"""
 
 
-def simulate(
+@click.command(name="simulate", help=_HELP)
+@mission_argument
+@generated_option
+@click.option("--no-faults", is_flag=True, help="Fly without faults, as without this option.")
+@click.option(
+    "--faults",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Fly under this fault specification.",
+)
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
+@recording_options
+@engine_options(BOTH, CI, SIMULATION)
+@click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
+def command(
     mission: str,
     generated: Path | None,
-    *,
     engine: EngineOptions,
     no_faults: bool,
     faults: Path | None,
@@ -35,6 +73,11 @@ def simulate(
     is_json: bool,
 ) -> None:
     """Fly a mission once and print what happened to each goal."""
+    from mrsfi.engines import opened
+    from mrsfi.folders import find_mission
+    from mrsfi.loading import load_fresh
+    from mrsfi_runtime.cli.recorded_flight import Subject, fly_recorded, print_flight
+
     if no_faults and faults is not None:
         raise click.UsageError("--no-faults and --faults exclude each other")
     settings = engine.settings()
@@ -48,62 +91,37 @@ def simulate(
             )
         _serve(folders.name, code, settings)
         return
-    if settings.name == AUTO:
-        settings = settings.tried(code, seed, tell)
+    settings = settings.tried(code, seed, tell) if settings.name == AUTO else settings
+    pool, specification = (code.pool, ()) if faults is None else _written(faults, code)
+    flown = "without faults" if faults is None else f"under {faults}"
+    title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
+    chosen = [] if faults is None else ["--faults", str(faults)]
+    again = ["mrsfi", "simulate", mission, *chosen, "--seed", str(seed)]
+    text = "" if faults is None else faults.read_text(encoding="utf-8", errors="replace")
     with opened(code, seed, settings, tell) as flown_by:
-        pool, specification = _flown(faults, code)
-        flown = "without faults" if faults is None else f"under {faults}"
-        title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
-        subject = Subject(title, _command(mission, faults, seed), _text(faults))
+        subject = Subject(title, again, text)
         outcome = fly_recorded(flown_by, specification, pool, files, subject)
-    named = named_faults(code.mission, pool, specification)
-    if is_json:
-        print_json(_as_json(code.mission, seed, named, outcome))
-        return
-    print_table(title, goal_table(code.mission, outcome))
-    if named:
-        print_table("Faults", *fault_tables(named, outcome))
+    head = {"mission": code.mission.name, "duration": code.mission.duration, "seed": seed}
+    head["digest"] = outcome.digest
+    print_flight(code.mission, pool, specification, outcome, title, head if is_json else None)
 
 
-def _flown(path: Path | None, code: MissionCode) -> tuple[FaultPool, Specification]:
-    if path is None:
-        return code.pool, ()
+def _written(path: Path, code: "MissionCode") -> "tuple[FaultPool, Specification]":
+    """Return a written specification with its pool, and tell what is odd about it."""
+    from mrsfi.loading import read_specification
+
     written = read_specification(path, code)
     for oddity in written.oddities(path, code.mission):
         tell(oddity)
     return written.pool, written.specification
 
 
-def _command(mission: str, faults: Path | None, seed: int) -> list[str]:
-    """Return what flies the same again."""
-    chosen = [] if faults is None else ["--faults", str(faults)]
-    return ["mrsfi", "simulate", mission, *chosen, "--seed", str(seed)]
-
-
-def _text(faults: Path | None) -> str:
-    return "" if faults is None else faults.read_text(encoding="utf-8", errors="replace")
-
-
-def _serve(name: str, code: MissionCode, settings: EngineSettings) -> None:
+def _serve(name: str, code: "MissionCode", settings: EngineSettings) -> None:
     """Serve the simulation until it is interrupted or the connection is gone."""
-    from mrsfi_runtime.engine.simulation_process import (  # noqa: PLC0415 - brings a server
-        serve_simulation,
-    )
+    from mrsfi_runtime.engine.simulation_process import serve_simulation
+    from mrsfi_runtime.transport.server_address import without_token
 
     def on_ready(url: str, _host: object) -> None:
         tell(f"simulation of {name} serves at {without_token(url)}; Ctrl-C ends it")
 
     serve_simulation(code, settings.url, settings.client, settings.patience, on_ready)
-
-
-def _as_json(
-    mission: Mission, seed: int, faults: Sequence[NamedFault], outcome: Outcome
-) -> dict[str, Any]:
-    return {
-        "mission": mission.name,
-        "duration": mission.duration,
-        "seed": seed,
-        "digest": outcome.digest,
-        "goals": goals_as_json(mission, outcome),
-        "faults": faults_as_json(faults, outcome),
-    }

@@ -3,7 +3,7 @@
 import pytest
 
 from mrsfi.engines import recorded_engine
-from mrsfi_runtime.cli.engines import EngineOptions
+from mrsfi_runtime.cli.options import EngineOptions
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import UsageError

@@ -5,8 +5,12 @@ from typing import Any
 
 import click
 
-from mrsfi_runtime.cli.commands.missions import generated_option, mission_argument
-from mrsfi_runtime.cli.engines import engine_options, worker_options
+from mrsfi_runtime.cli.options import (
+    engine_options,
+    generated_option,
+    mission_argument,
+    worker_options,
+)
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.record.manifest import BOTH
 

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi_runtime.cli.commands.missions import generated_option, mission_argument
-from mrsfi_runtime.cli.console import counted, print_changes, print_json, tell
+from mrsfi_runtime.cli.console import print_changes, print_json, tell
+from mrsfi_runtime.cli.options import generated_option, mission_argument, tell_of_metamodels
 from mrsfi_runtime.errors import EvaluationError, ModelError, UsageError
+from mrsfi_runtime.record.measure import counted
 
 if TYPE_CHECKING:
     from mrsfi.validation import Validated
@@ -62,7 +63,6 @@ def command(
 ) -> None:
     """Check the models of a mission and print every defect."""
     from mrsfi.validation import n_errors, validate
-    from mrsfi_runtime.cli.metamodels import tell_of_metamodels
 
     if is_fix and is_json:
         raise UsageError("--fix shows a diff and --json does not; give one of them")

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import click
 
-from mrsfi_runtime.cli.commands.missions import generated_option, mission_argument
 from mrsfi_runtime.cli.console import print_changes, tell
+from mrsfi_runtime.cli.options import generated_option, mission_argument, tell_of_metamodels
 
 _HELP = """Give elements of MISSION other IDs, everywhere at once.
 
@@ -49,7 +49,6 @@ def command(mission: str, names: Mapping[str, str], generated: Path | None, diff
     """Give elements of a mission other IDs, or print what that would change."""
     from mrsfi.folders import find_mission
     from mrsfi.renaming import rename, renaming
-    from mrsfi_runtime.cli.metamodels import tell_of_metamodels
 
     tell_of_metamodels()
     renamed = (renaming if diff else rename)(find_mission(mission, generated), names)

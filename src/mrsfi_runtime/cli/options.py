@@ -1,27 +1,41 @@
-"""The options of flights: engine, how its two sides meet, processes or a cluster, what is kept."""
+"""What several commands take: a mission, an engine, workers, files of a flight."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, fields
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import click
 
-from mrsfi.engines import evaluator
+from mrsfi.engines import Workers
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cosimulation.waiting import Patience
-from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
-from mrsfi_runtime.engine.settings import ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
+from mrsfi_runtime.engine.settings import AUTO, ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.server_address import CLIENTS, Client
 
-if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
+mission_argument = click.argument("mission", metavar="MISSION")
+"""Gives a command the argument MISSION."""
 
-    from mrsfi_runtime.engine.flights import Evaluator
-    from mrsfi_runtime.generated_code import MissionCode
+generated_option = click.option(
+    "--generated",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Folder of the generated code [default: generated/NAME beside models/].",
+)
+"""Gives a command the option --generated."""
+
+
+def tell_of_metamodels() -> None:
+    """Tell where the metamodels are, unless they are those of mrsfi."""
+    from mrsfi.models import own_metamodels
+
+    folder = own_metamodels()
+    if folder is not None:
+        tell(f"metamodels {folder}, which are not those of mrsfi")
+
 
 SIMULATION = "simulation"
 BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
@@ -101,6 +115,13 @@ class EngineOptions:
             patience=Patience() if self.timeout is None else Patience(tick=self.timeout),
         )
 
+    def again(self, recorded: EngineRecord) -> EngineSettings:
+        """Return the settings by which a campaign is flown again: its own if it is somebody else's.
+
+        What is free is ``auto``.
+        """
+        return self.settings(recorded if recorded.is_foreign else None, AUTO)
+
     def _require_sense(self, name: str) -> None:
         given = [option for option in BUS_OPTIONS if getattr(self, option) is not None]
         if name != ROSBRIDGE and given:
@@ -150,50 +171,13 @@ def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
     return options_as("engine", EngineOptions, options)
 
 
-@dataclass(frozen=True, slots=True)
-class WorkerOptions:
-    """What the command line says of the workers; ``None`` where it says nothing."""
-
-    workers: int | None = None
-    dask: str | None = None
-
-    def require_sense(self, engine: EngineSettings) -> None:
-        """Refuse options that contradict each other or the engine, or dask where it is missing."""
-        engine.require_workers(self.workers or 1)
-        if self.dask is None:
-            return
-        require_address(self.dask)
-        if engine.name == ROSBRIDGE:
-            raise UsageError(
-                f"--dask makes no sense with --engine {ROSBRIDGE}, whose flights need a server "
-                "beside them; expected another engine, or --workers"
-            )
-        if self.dask != LOCAL and self.workers is not None:
-            raise UsageError(
-                f"--workers {self.workers}: makes no sense with --dask {self.dask}, which has the "
-                "workers that were started for it; leave --workers out"
-            )
-
-    def evaluator(
-        self,
-        code: "MissionCode",
-        seed: int,
-        engine: EngineSettings,
-        on_reached: Callable[[str], None] = lambda _: None,
-    ) -> "AbstractContextManager[Evaluator]":
-        """Return what evaluates specifications of a mission, as long as a body runs.
-
-        ``on_reached`` is told who evaluates, before the mission is handed out.
-        """
-        return evaluator(code, seed, engine, self.workers, self.dask, tell, on_reached)
-
-
 worker_options = options_as(
     "workers",
-    WorkerOptions,
+    Workers,
     (
         click.option(
             "--workers",
+            "number",
             type=click.IntRange(1),
             help="Processes that evaluate [default: as many as this machine has processors].",
         ),

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mrsfi_runtime.cli.commands.missions import generated_option, mission_argument
+from mrsfi_runtime.cli.options import generated_option, mission_argument, tell_of_metamodels
 from mrsfi_runtime.errors import GenerationError
 
 if TYPE_CHECKING:
@@ -36,7 +36,6 @@ def command(mission: str, generated: Path | None, check: bool, diff: bool, force
     """Generate the middleware of MISSION into generated/NAME/."""
     from mrsfi.folders import find_mission
     from mrsfi.models import generation_difference
-    from mrsfi_runtime.cli.metamodels import tell_of_metamodels
 
     folders = find_mission(mission, generated)
     if sum((check, diff, force)) > 1:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.engines import EngineOptions, engine_options
+from mrsfi_runtime.cli.options import EngineOptions, engine_options
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.record.manifest import BOTH, CI
 

@@ -1,0 +1,118 @@
+"""How weaknesses are printed: which fault breaks which goal, as a matrix and as a list."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import click
+from rich.table import Table
+
+from mrsfi.campaign_folders import OpenCampaign
+from mrsfi.weaknesses import untried
+from mrsfi_runtime.analysis.weaknesses import (
+    LISTED,
+    MATRIX,
+    harmless,
+    listed,
+    matrix,
+    not_found,
+    said,
+)
+from mrsfi_runtime.causes.harvest import Harvest
+from mrsfi_runtime.causes.ways import Way
+from mrsfi_runtime.causes.weakness import Known
+from mrsfi_runtime.cli.console import print_json
+from mrsfi_runtime.cli.tables import plain_table
+from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.measure import counted
+
+_MOST_UNTRIED = 10
+"""Faults and pairs that are named at most, of those that were never flown."""
+
+
+def print_all(
+    campaign: OpenCampaign, known: Harvest, found: Sequence[Way], goals: Sequence[str]
+) -> None:
+    """Print ways to break goals, what was not found of these, and what was never flown."""
+    mission, pool = campaign.mission, campaign.pool
+    click.echo(f"{said(goals, found, known.n_flights)}\n")
+    if found:
+        print_ways(mission, pool, found)
+        print_list(mission, pool, found, "How, in one of the forms that do")
+    click.echo("\n".join(not_found(known.known, each) for each in goals) + "\n")
+    click.echo(f"{harmless(pool, known.ways)}\n{_never_flown(campaign)}")
+
+
+def _never_flown(campaign: OpenCampaign) -> str:
+    """Return in a sentence which faults and pairs of faults no specification had."""
+    n_faults, never = len(campaign.pool), untried(campaign)
+    return (
+        f"Of {n_faults} faults and {n_faults * (n_faults - 1) // 2} pairs, never flown: "
+        f"{', '.join(' with '.join(each) for each in never[:_MOST_UNTRIED]) or 'none'}"
+        f"{f' and {len(never) - _MOST_UNTRIED} more' if len(never) > _MOST_UNTRIED else ''}"
+    )
+
+
+def print_bounds(known: Known, goals: Sequence[str]) -> None:
+    """Print how seldom some goals may break in a way that is not known, for a script."""
+    print_json(
+        [
+            {
+                "goal": column.goal,
+                "measure": column.kind,
+                "draws": n_kept,
+                "bound": known.bound(column),
+            }
+            for column, n_kept in known.n_kept.items()
+            if column.goal in goals
+        ]
+    )
+
+
+def print_mildest(
+    mission: Mission, pool: FaultPool, found: Sequence[Way], *, is_json: bool
+) -> None:
+    """Print the mildest form of each of some ways to break a goal."""
+    told = [(way, way.mildest) for way in found if way.mildest is not None]
+    if is_json:
+        print_json([{"number": way.number, **each.as_json()} for way, each in told])
+        return
+    shown = [replace(way, by=(each.weakness,)) for way, each in told]
+    print_list(mission, pool, shown, "The mildest form that was found")
+    for way, each in told:
+        click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
+
+
+def print_ways(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> None:
+    """Print which fault breaks which goal, of those goals that some do."""
+    goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in found)]
+    rows = [*matrix(mission, pool, goals, found)]
+    wide = plain_table(("fault", "type"), goals, rows, ("target",))
+    narrow = plain_table(("fault", "type"), goals, (row[:-1] for row in rows))
+    print_table(MATRIX, *_compact(wide, narrow))
+
+
+def print_list(mission: Mission, pool: FaultPool, found: Sequence[Way], title: str) -> None:
+    """Print ways to break goals, with a row for each fault of each."""
+    n_first = LISTED.index("fault")
+    rows = [*listed(mission, pool, found)]
+    numbers, told = LISTED[1:n_first], LISTED[n_first:]
+    wide = plain_table(("#", LISTED[0]), numbers, rows, told)
+    stacked = (
+        (*row[: n_first + 2], f"{row[n_first + 2]}\n{row[-3]}: {'; '.join(filter(None, row[-2:]))}")
+        for row in rows
+    )
+    narrow = plain_table(("#", LISTED[0]), numbers, stacked, ("fault", "how"))
+    wide.columns[-1].no_wrap = True
+    narrow.columns[-2].no_wrap = True
+    print_table(title, *_compact(wide, narrow, n_first + 1))
+
+
+def _compact(wide: Table, narrow: Table, n_whole: int | None = None) -> tuple[Table, Table]:
+    """Return tables with little room between columns, the first of which are not wrapped."""
+    for table in (wide, narrow):
+        table.padding = (0, 1, 0, 0)
+    for column in (*wide.columns, *narrow.columns[:n_whole]):
+        column.no_wrap = True
+    return wide, narrow
