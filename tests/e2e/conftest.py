@@ -1,6 +1,9 @@
+import fcntl
 import json
+import os
+import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,10 +14,9 @@ import pytest
 from mrsfi import reporting
 from mrsfi_runtime.analysis import drawing
 from tests.support.cli import MISSION, SMALL, mrsfi_process, workspace
-from tests.support.mutilation import installed  # noqa: F401 - a fixture
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
 from tests.support.rendezvous import searched, write_rendezvous
-from tests.support.shared import made_once
+from tests.support.rosbridge import process
 
 Ended: TypeAlias = subprocess.CompletedProcess[str]
 
@@ -41,6 +43,21 @@ def place(tmp_path: Path) -> Path:
     return workspace(tmp_path)
 
 
+def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:
+    """Return this worker's copy of a folder that the first of them fills, once in a run."""
+    base = factory.getbasetemp()
+    whole = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / f"shared_{name}"
+    part = whole.with_suffix(".part")
+    with whole.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not whole.exists():
+            shutil.rmtree(part, ignore_errors=True)  # what an error has left
+            part.mkdir()
+            make(part)
+            part.rename(whole)
+    return Path(shutil.copytree(whole, factory.mktemp(name) / name))
+
+
 @pytest.fixture(scope="session")
 def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a finished small campaign on goals g1 and g3, with figures; only to be read."""
@@ -50,6 +67,27 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
         mrsfi_process(*words, cwd=workspace(folder), draws=True)
 
     return made_once(tmp_path_factory, "flown", make) / "runs" / "small"
+
+
+@pytest.fixture
+def campaign(flown: Path, tmp_path: Path) -> Path:
+    """Copy of it, in a folder without models."""
+    return Path(shutil.copytree(flown, tmp_path / "runs" / "copy"))
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    """Folder with models and generated code of a small mission, and no campaign."""
+    write_rendezvous(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def url() -> Iterator[str]:
+    """Address of a server in a process of its own."""
+    with process("bridge", "--port", "0") as server:
+        assert server.stdout is not None
+        yield server.stdout.readline().strip()
 
 
 @pytest.fixture(scope="session")

@@ -36,9 +36,3 @@ def test_a_flight_that_fails_on_its_way_leaves_the_file_of_before(name, place):
     assert len((place / "t.csv").read_text().splitlines()) > 40  # it flew until then
     assert (place / name).read_text() == "of before"
     assert not [*place.glob(".*.new")]
-
-
-def test_a_bag_that_cannot_be_written_is_named(place):
-    done = mrsfi("simulate", MISSION, "--mcap", "nowhere/b.mcap", cwd=place, expected=2)
-
-    assert "nowhere/b.mcap: cannot be written: No such file" in done.stderr

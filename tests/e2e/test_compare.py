@@ -69,21 +69,6 @@ def test_the_folder_holds_runs_tables_and_figures(compared):
 
 
 @slow
-def test_a_run_is_the_campaign_of_the_same_seed(compared):
-    place, _ = compared
-    folder = place / "runs" / "compare-uuv_sampling-b"
-    run = json.loads((folder / "runs" / "random-2.json").read_text())["result"]
-
-    campaign = mrsfi_json(
-        *("evolve", MISSION, "--case", "b", "--algorithm", "random", "--seed", "2", *FEW), cwd=place
-    )
-
-    assert run["digest"] == campaign["digest"]
-    assert run["improvements"][-1][1] == campaign["best"]["fitness"]
-    assert run["front_size"] == len(campaign["front"]["points"])
-
-
-@slow
 def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(place):
     out = ("--out", "runs/c")
     mrsfi(*SMALL, "--seeds", "1", "--algorithms", "random", *out, cwd=place)
@@ -136,18 +121,20 @@ def test_runs_of_another_number_of_evaluations_or_mission_are_not_mixed(place):
 
 
 @slow
-def test_replications_of_a_campaign_file_are_flown_too(place):
-    file = place / "models" / MISSION / "case_a.toml"
+def test_a_run_is_the_campaign_of_its_seed_with_the_replications_of_its_file(place):
+    file = place / "models" / MISSION / "case_b.toml"
     edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")
-    small = ("--algorithm", "random", "--evaluations", "3", "--engine", "reference")
+    random = ("evolve", MISSION, "--case", "b", "--algorithm", "random", "--seed", "2")
 
-    found = mrsfi_json(
-        *("compare", MISSION, "--algorithms", "random", "--seeds", "1", *small[2:]), cwd=place
-    )
+    found = mrsfi_json(*SMALL, "--algorithms", "random", "--seeds", "2", cwd=place)
 
-    campaign = mrsfi_json("evolve", MISSION, *small, cwd=place)
+    campaign = mrsfi_json(*random, *FEW, cwd=place)
+    kept = place / "runs" / f"compare-{MISSION}-b" / "runs" / "random-2.json"
+    run = json.loads(kept.read_text())["result"]
     assert found["settings"]["replications"] == 2
-    assert found["runs"][0]["digest"] == campaign["digest"]
+    assert found["runs"][1]["digest"] == run["digest"] == campaign["digest"]
+    assert run["improvements"][-1][1] == campaign["best"]["fitness"]
+    assert run["front_size"] == len(campaign["front"]["points"])
 
 
 def test_a_folder_of_something_else_is_refused(place):
@@ -159,29 +146,3 @@ def test_a_folder_of_something_else_is_refused(place):
 
     assert "found something there already" in done.stderr
     assert [file.name for file in campaign.iterdir()] == ["campaign.sqlite"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("--algorithms", "paper,magic"), "found 'magic'"),
-        (("--algorithms", "paper,paper"), "expected different names"),
-        (("--algorithms", "paper,"), "expected different names"),
-        (("--seeds", "0"), "--seeds"),
-        (("--evaluations", "0"), "--evaluations"),
-        (("--case", "z"), "found no campaign file 'z'"),
-    ],
-)
-def test_wrong_usage_ends_with_2_and_makes_no_folder(arguments, message, place):
-    done = mrsfi("compare", MISSION, *arguments, cwd=place, expected=2)
-
-    assert message in done.stderr
-    assert not (place / "runs").exists()
-
-
-def test_stale_generated_code_ends_with_4(place):
-    edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
-
-    done = mrsfi(*SMALL, cwd=place, expected=4)
-
-    assert "run `mrsfi generate" in done.stderr

@@ -4,7 +4,6 @@ from tests.support.cli import (
     MISSION,
     SMALL,
     contents,
-    edit,
     interrupted,
     mrsfi,
     mrsfi_json,
@@ -29,17 +28,6 @@ def test_it_ends_with_the_ten_most_critical_the_front_and_the_folder(place):
     assert "generation 0/0" in done.stderr
 
 
-def test_the_folder_holds_what_the_run_used_and_found(flown):
-    assert (flown / "model" / "mission.xmi").is_file()
-    assert (flown / "generated" / "collective_intelligence.py").is_file()
-    assert (flown / "report.md").is_file()
-    assert (flown / "summary.json").is_file()
-    assert list((flown / "figures").glob("*.png"))
-    assert list((flown / "figures").glob("*.svg"))
-    assert list((flown / "tables").glob("*.csv"))
-    assert (flown / "critical" / "01.xmi").is_file()
-
-
 def test_a_found_specification_validates_and_flies_again(flown):
     place = flown.parent.parent
     found = flown / "critical" / "01.xmi"
@@ -49,28 +37,6 @@ def test_a_found_specification_validates_and_flies_again(flown):
     replayed = mrsfi_json("replay", flown, "--best", cwd=place)
 
     assert flight["digest"] == replayed["digest"]
-
-
-@slow
-def test_same_seed_same_digest_with_two_workers_and_another_with_another_seed(flown, place):
-    small = ("evolve", MISSION, "--case", "b", "--population", "4", "--generations", "2")
-    one = mrsfi_json("replay", flown, "--all", cwd=place)
-
-    two = mrsfi_json(*small, "--workers", "2", cwd=place)
-    other = mrsfi_json(*small, "--workers", "1", "--seed", "8", cwd=place)
-
-    assert two["digest"] == one["digest"]
-    assert other["digest"] != one["digest"]
-    assert [run["folder"] for run in (two, other)] == [
-        f"runs/uuv_sampling-b-{number}" for number in (1, 2)
-    ]
-
-
-def test_stale_generated_code_ends_with_4_and_makes_no_folder(place):
-    edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
-
-    assert "mrsfi generate" in mrsfi("evolve", MISSION, cwd=place, expected=4).stderr
-    assert not (place / "runs").exists()
 
 
 @slow
@@ -93,36 +59,12 @@ def test_a_campaign_can_count_how_long_goals_were_missed(tmp_path):
     assert best["evaluation"] in [point["evaluation"] for point in found["front"]["points"]]
 
 
-def test_a_wrong_key_in_a_campaign_file_ends_with_2_and_names_it(place):
-    (place / "mine.toml").write_text("[search]\npopulaton = 4\n", encoding="utf-8")
-
-    error = mrsfi("evolve", MISSION, "--case", "mine.toml", cwd=place, expected=2).stderr
-
-    assert "mine.toml" in error
-    assert "populaton" in error
-
-
 def test_a_folder_in_use_ends_with_9_and_stays_as_it_is(flown):
     before = contents(flown)
 
     mrsfi("evolve", MISSION, *SMALL, "--out", flown, cwd=flown.parent.parent, expected=9)
 
     assert contents(flown) == before
-
-
-def test_ctrl_c_ends_with_130_and_leaves_a_campaign_that_can_be_reported(place):
-    arguments = ("evolve", MISSION, "--population", "4", "--generations", "5000")
-
-    done = interrupted(
-        *arguments, "--workers", "2", "--out", "runs/stopped", cwd=place, sign="generation"
-    )
-
-    assert done.returncode == 130, done.stderr
-    assert "mrsfi report runs/stopped" in done.stderr
-    assert "Traceback" not in done.stderr
-    found = mrsfi_json("report", "runs/stopped", cwd=place)
-    assert found["n_generations"] >= 1
-    mrsfi("replay", "runs/stopped", cwd=place)
 
 
 @slow
@@ -159,10 +101,3 @@ def test_the_smallest_set_that_makes_a_goal_truly_fail_is_one_command(tmp_path):
     other = ("--resume", "out", "--goals", "energy")
     error = mrsfi("evolve", *other, cwd=quick, expected=2).stderr
     assert "--goals: found ['energy']" in error
-
-
-def test_an_algorithm_without_a_front_cannot_minimise(place):
-    error = mrsfi("evolve", MISSION, "--minimise", "faults", cwd=place, expected=2).stderr
-
-    assert "algorithm 'paper', which knows fitness alone; expected algorithm 'nsga2' or" in error
-    assert not (place / "runs").exists()

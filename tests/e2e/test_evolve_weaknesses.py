@@ -10,7 +10,7 @@ from signal import SIGKILL, SIGTERM
 
 import pytest
 
-from tests.support.cli import disturbed, edit, interrupted, mrsfi, mrsfi_json
+from tests.support.cli import disturbed, edit, execute, interrupted, mrsfi, mrsfi_json
 from tests.support.processes import children
 from tests.support.rendezvous import (
     N_SEARCHED,
@@ -19,18 +19,10 @@ from tests.support.rendezvous import (
     harmless,
     searched,
     write_planted,
-    write_rendezvous,
 )
 from tests.tiers import seeds, slow
 
 ONE = ("--workers", "1")
-
-
-@pytest.fixture
-def place(tmp_path):
-    """Folder with models and generated code of the mission, and none of campaigns."""
-    write_rendezvous(tmp_path)
-    return tmp_path
 
 
 @pytest.fixture
@@ -54,11 +46,6 @@ def rows(run):
     """Return the table of flights, as it is stored."""
     with closing(sqlite3.connect(run / "campaign.sqlite")) as record:
         return record.execute("SELECT * FROM flight ORDER BY idx").fetchall()
-
-
-def execute(run, statement):
-    with closing(sqlite3.connect(run / "campaign.sqlite")) as record, record:
-        record.execute(statement)
 
 
 def is_equal(run, other):
@@ -148,38 +135,26 @@ def test_a_written_witness_flown_again_breaks_what_was_printed(ended):
         assert goal[each["measure"]] > 0
 
 
-@slow
-@pytest.mark.parametrize("n_seeds", seeds([1, 2], 1))
-def test_it_flies_at_most_as_often_as_the_search_did(place, n_seeds):
-    evolve = write_planted(place, [*PLANTED, *harmless(36)], replications=n_seeds)
+def test_too_few_flights_for_any_leave_the_ten_most_critical(small):
+    evolve = write_planted(small, PLANTED)
 
-    found = mrsfi_json(*evolve, *ONE, "--out", "out", cwd=place)
-
-    assert found["n_evaluations"] == 40
-    n_recorded = len(rows(place / "out"))  # with the flights that sought mildest forms
-    assert 0 < found["weaknesses"]["n_flown"] <= min(40 * n_seeds, n_recorded)
-
-
-def test_too_few_flights_for_any_leave_the_ten_most_critical(place):
-    evolve = write_planted(place, PLANTED)
-
-    done = mrsfi(*evolve, *ONE, "--out", "out", cwd=place)
+    done = mrsfi(*evolve, *ONE, "--out", "out", cwd=small)
 
     assert done.stdout.startswith("The 4 most critical of 4 fault specifications\n")
-    assert found_in(place / "out") == []
-    shown = mrsfi("show", "out", cwd=place).stdout
+    assert found_in(small / "out") == []
+    shown = mrsfi("show", "out", cwd=small).stdout
     assert shown.startswith("0 of 3 goals can be broken")
-    assert mrsfi("show", "out", "1", cwd=place, expected=2).stderr.endswith("nothing breaks\n")
+    assert mrsfi("show", "out", "1", cwd=small, expected=2).stderr.endswith("nothing breaks\n")
 
 
 @slow
-def test_no_explain_leaves_it_out_and_resume_goes_on_with_it(ended, place):
+def test_no_explain_leaves_it_out_and_resume_goes_on_with_it(ended, small):
     run, done = ended
 
-    without = mrsfi(*searched(place), *ONE, "--no-explain", "--out", "runs/it", cwd=place)
-    found = summary(place / "runs" / "it")
-    refused = mrsfi("weaknesses", "runs/it", cwd=place, expected=9)
-    resumed = mrsfi("evolve", "--resume", "runs/it", cwd=place)
+    without = mrsfi(*searched(small), *ONE, "--no-explain", "--out", "runs/it", cwd=small)
+    found = summary(small / "runs" / "it")
+    refused = mrsfi("weaknesses", "runs/it", cwd=small, expected=9)
+    resumed = mrsfi("evolve", "--resume", "runs/it", cwd=small)
 
     assert without.stdout.startswith("The 10 most critical of 130 fault specifications\n")
     assert "harvest" not in without.stderr
@@ -187,7 +162,7 @@ def test_no_explain_leaves_it_out_and_resume_goes_on_with_it(ended, place):
     assert "let it: mrsfi explain runs/it --all" in refused.stderr
     assert "was finished already" not in resumed.stderr
     assert resumed.stdout == done.stdout
-    assert is_equal(place / "runs" / "it", run)
+    assert is_equal(small / "runs" / "it", run)
 
 
 @slow
@@ -205,18 +180,18 @@ def test_explain_all_looks_for_what_was_left_out(ended, campaign, tmp_path):
 
 @slow
 @pytest.mark.parametrize("sign", ["SIGKILL", "SIGINT"])
-def test_a_run_that_is_ended_while_it_harvests_goes_on_to_the_same(ended, place, sign):
+def test_a_run_that_is_ended_while_it_harvests_goes_on_to_the_same(ended, small, sign):
     run, done = ended
-    out = place / "runs" / "it"
-    words = (*searched(place), *ONE, "--out", "runs/it")
+    out = small / "runs" / "it"
+    words = (*searched(small), *ONE, "--out", "runs/it")
     if sign == "SIGKILL":
-        cut = disturbed(*words, cwd=place, sign="harvest ", disturb=kill)
+        cut = disturbed(*words, cwd=small, sign="harvest ", disturb=kill)
     else:
-        cut = interrupted(*words, cwd=place, sign="harvest ")
+        cut = interrupted(*words, cwd=small, sign="harvest ")
     kept = rows(out)
 
-    resumed = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=place)
-    again = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=place)
+    resumed = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=small)
+    again = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=small)
 
     assert cut.returncode == (-SIGKILL if sign == "SIGKILL" else 130), cut.stderr
     assert 1 <= len(kept) < len(rows(run))
@@ -232,13 +207,13 @@ def kill(process):
 
 
 @slow
-def test_a_worker_that_is_lost_ends_it_and_it_goes_on_to_the_same(ended, place):
+def test_a_worker_that_is_lost_ends_it_and_it_goes_on_to_the_same(ended, small):
     run, done = ended
-    words = (*searched(place), "--workers", "2", "--out", "runs/it")
+    words = (*searched(small), "--workers", "2", "--out", "runs/it")
 
-    cut = disturbed(*words, cwd=place, sign="harvest ", disturb=end_a_worker)
-    kept = rows(place / "runs" / "it")
-    resumed = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=place)
+    cut = disturbed(*words, cwd=small, sign="harvest ", disturb=end_a_worker)
+    kept = rows(small / "runs" / "it")
+    resumed = mrsfi("evolve", "--resume", "runs/it", *ONE, cwd=small)
 
     assert cut.returncode == 6, cut.stderr
     assert "a worker process died; resume the campaign" in cut.stderr
@@ -284,16 +259,16 @@ def test_whoever_flies_the_weaknesses_are_the_same(ended, campaign, tmp_path, op
     assert is_equal(tmp_path / campaign, run)
 
 
-def test_what_the_search_never_broke_is_found_all_the_same(place):
-    evolve = write_planted(place, harmless(60))
+def test_what_the_search_never_broke_is_found_all_the_same(small):
+    evolve = write_planted(small, harmless(60))
 
-    mrsfi(*evolve, *ONE, "--out", "out", cwd=place)
+    mrsfi(*evolve, *ONE, "--out", "out", cwd=small)
 
-    assert {each["goal"] for each in found_in(place / "out")} == {"g1", "g2", "g3"}
+    assert {each["goal"] for each in found_in(small / "out")} == {"g1", "g2", "g3"}
 
 
-def test_a_region_that_fails_under_some_of_the_faults_leaves_the_other_weaknesses(place):
-    code = place / "generated" / NAME / "collective_intelligence.py"
+def test_a_region_that_fails_under_some_of_the_faults_leaves_the_other_weaknesses(small):
+    code = small / "generated" / NAME / "collective_intelligence.py"
     edit(
         code,
         "return goal_tasks.visit.violated(ci, G3)",
@@ -302,20 +277,20 @@ def test_a_region_that_fails_under_some_of_the_faults_leaves_the_other_weaknesse
         "        raise ArithmeticError('a alone is late')\n"
         "    return goal_tasks.visit.violated(ci, G3)",
     )
-    evolve = write_planted(place, [[("stop_b", 20, 119)], *harmless(100)])
+    evolve = write_planted(small, [[("stop_b", 20, 119)], *harmless(100)])
 
-    mrsfi(*evolve, *ONE, "--out", "out", cwd=place)
+    mrsfi(*evolve, *ONE, "--out", "out", cwd=small)
 
-    assert any("a alone is late" in found for *_, found in rows(place / "out"))
-    assert ["stop_b"] in [each["faults"] for each in found_in(place / "out")]
+    assert any("a alone is late" in found for *_, found in rows(small / "out"))
+    assert ["stop_b"] in [each["faults"] for each in found_in(small / "out")]
 
 
 @slow
-def test_a_fitness_of_ones_own_plays_no_part_in_causes_and_explain_says_so(place):
-    evolve = write_planted(place, PLANTED, fitness="planted_search:truly_violated")
+def test_a_fitness_of_ones_own_plays_no_part_in_causes_and_explain_says_so(small):
+    evolve = write_planted(small, PLANTED, fitness="planted_search:truly_violated")
 
-    mrsfi(*evolve, *ONE, "--no-explain", "--out", "out", cwd=place)
-    told = mrsfi("explain", "out", "--engine", "reference", "--measure", "true", cwd=place)
+    mrsfi(*evolve, *ONE, "--no-explain", "--out", "out", cwd=small)
+    told = mrsfi("explain", "out", "--engine", "reference", "--measure", "true", cwd=small)
 
     assert (
         "fitness planted_search:truly_violated plays no part: causes are about true violations\n"

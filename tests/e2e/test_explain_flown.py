@@ -1,15 +1,12 @@
 """Who flies what ``mrsfi explain`` asks for: workers, servers, somebody else's simulation."""
 
 import json
-import re
-import signal
-import subprocess
 import sys
 from contextlib import contextmanager
 
 import pytest
 
-from tests.support.cli import command_line, mrsfi, mrsfi_process
+from tests.support.cli import mrsfi, mrsfi_process
 from tests.support.rendezvous import (
     NAME,
     PLANTED,
@@ -21,13 +18,6 @@ from tests.support.rosbridge import process
 from tests.tiers import slow
 
 ONE = ("--engine", "reference", "--workers", "1")
-
-
-@pytest.fixture
-def place(tmp_path):
-    """Folder with models and generated code of the mission."""
-    write_rendezvous(tmp_path)
-    return tmp_path
 
 
 @pytest.fixture(scope="module")
@@ -46,25 +36,14 @@ def told(ended):
     return mrsfi("explain", "runs/it", "--top", "3", *ONE, cwd=ended).stdout
 
 
-@pytest.fixture
-def url():
-    """Address of a server in a process of its own."""
-    with process("bridge", "--port", "0") as server:
-        yield re.search(r"ws://\S+", server.stdout.readline())[0]
-
-
 @contextmanager
 def simulation(url, cwd, *, is_chancy=False):
     """Somebody else's simulation of the mission, at a server."""
     words = ("simulate", NAME, "--engine", "rosbridge", "--side", "simulation", "--url", url)
-    line = [sys.executable, "-c", CHANCY, *words] if is_chancy else command_line(*words)
-    with subprocess.Popen(line, cwd=cwd, stderr=subprocess.PIPE, encoding="utf-8") as running:
-        try:
-            assert f"serves at {url}" in running.stderr.readline()
-            yield
-        finally:
-            running.send_signal(signal.SIGINT)
-            running.communicate(timeout=60)
+    program = (sys.executable, "-c", CHANCY) if is_chancy else ()
+    with process(*words, cwd=cwd, program=program) as running:
+        assert f"serves at {url}" in running.stderr.readline()
+        yield
 
 
 CHANCY = """
@@ -106,35 +85,35 @@ def test_whoever_flies_it_prints_the_same(ended, told, options):
 
 @slow
 def test_on_somebody_elses_simulation_nothing_is_explained_unasked_nor_what_flies_otherwise(
-    place, url
+    small, url
 ):
-    with simulation(url, place, is_chancy=True):
-        printed, found = evolved_elsewhere(place, url)
-        refused = mrsfi_process("explain", "out", "--best", cwd=place, expected=7)
+    with simulation(url, small, is_chancy=True):
+        printed, found = evolved_elsewhere(small, url)
+        refused = mrsfi_process("explain", "out", "--best", cwd=small, expected=7)
 
     assert found["weaknesses"] is None
     assert "cause " not in printed.stderr
     assert printed.stdout.startswith("The 4 most critical of 4 fault specifications\n")
     assert ": flown twice, it had violations " in refused.stderr
     assert "expected a simulation that repeats itself" in refused.stderr
-    assert not (place / "out" / "causes").exists()
+    assert not (small / "out" / "causes").exists()
 
 
-def evolved_elsewhere(place, url):
+def evolved_elsewhere(small, url):
     """Return what ``mrsfi evolve`` prints and finds on somebody else's simulation."""
-    evolve = write_planted(place, PLANTED)[:-2]
+    evolve = write_planted(small, PLANTED)[:-2]
     meet = ("--engine", "rosbridge", "--url", url, "--side", "ci", "--bundle")
-    done = mrsfi_process(*evolve, *meet, "--out", "out", cwd=place)
-    return done, json.loads((place / "out" / "summary.json").read_text(encoding="utf-8"))
+    done = mrsfi_process(*evolve, *meet, "--out", "out", cwd=small)
+    return done, json.loads((small / "out" / "summary.json").read_text(encoding="utf-8"))
 
 
 @slow
 @pytest.mark.turn(0)
-def test_somebody_elses_simulation_that_repeats_itself_is_explained_when_asked(ended, place, url):
+def test_somebody_elses_simulation_that_repeats_itself_is_explained_when_asked(ended, small, url):
     one = ("--evaluation", "0", "--json")
-    with simulation(url, place):
-        evolved_elsewhere(place, url)
-        found = mrsfi_process("explain", "out", *one, cwd=place, timeout=240)
+    with simulation(url, small):
+        evolved_elsewhere(small, url)
+        found = mrsfi_process("explain", "out", *one, cwd=small, timeout=240)
 
     expected = mrsfi("explain", "runs/it", *one, *ONE, cwd=ended)
     (told,), (same,) = (json.loads(each.stdout)["explanations"] for each in (found, expected))

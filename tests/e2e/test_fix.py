@@ -33,28 +33,23 @@ def test_fix_shows_the_diff_and_writes_what_was_right_before(place):
     assert text.splitlines()[-1].startswith(f"ok: {MISSION}")
 
 
-def test_fix_writes_when_the_user_agrees(place):
+def test_fix_writes_when_the_user_agrees_and_only_then(place):
     faults = place / "models" / MISSION / "faults.xmi"
-    before = faults.read_bytes()
+    sound = faults.read_bytes()
     edit(faults, RIGHT, WRONG)
-
-    done = _answered("y\n", "validate", MISSION, "--fix", cwd=place)
-
-    assert done.returncode == 0
-    assert faults.read_bytes() == before
-
-
-def test_fix_writes_nothing_when_the_user_does_not_agree(place):
-    edit(place / "models" / MISSION / "faults.xmi", RIGHT, WRONG)
     before = contents(place / "models")
 
     refused = _answered("n\n", "validate", MISSION, "--fix", cwd=place)
     silent = _answered("", "validate", MISSION, "--fix", cwd=place)
+    kept = contents(place / "models")
+    agreed = _answered("y\n", "validate", MISSION, "--fix", cwd=place)
 
     assert refused.returncode == 3
     assert "nothing written" in refused.stdout
     assert silent.returncode != 0
-    assert contents(place / "models") == before
+    assert kept == before
+    assert agreed.returncode == 0
+    assert faults.read_bytes() == sound
 
 
 def test_fix_of_a_flawless_mission_says_so(place):

@@ -1,12 +1,11 @@
 import os
-import subprocess
 import threading
 from pathlib import Path
 
 import pytest
 
 from m2t.load import load_mission_folder
-from tests.support.cli import MISSION, ROOT, contents, edit, mrsfi, mrsfi_json, require_program
+from tests.support.cli import MISSION, ROOT, contents, edit, mrsfi, mrsfi_json
 from tests.support.models.published import published
 
 
@@ -91,35 +90,21 @@ def test_import_of_a_model_of_ours_says_that_it_needs_none(place):
     assert "need no import" in mrsfi("import", path, cwd=place, expected=3).stderr
 
 
-def test_diff_works_with_git(place):
-    git = require_program("git")
-    model = f"models/{MISSION}/mission.xmi"
-    identity = ["-c", "user.name=t", "-c", "user.email=t@example.org"]
-    for arguments in (["init", "-q"], ["add", "models"], [*identity, "commit", "-qm", "x"]):
-        subprocess.run([git, *arguments], cwd=place, check=True)
-    edit(place / model, 'name="JEN" speed="4.0"', 'name="JEN" speed="6.0"')
-    shown = subprocess.run(
-        [git, "show", f"HEAD:{model}"], cwd=place, check=True, capture_output=True
-    )
-    (place / "old.xmi").write_bytes(shown.stdout)
-
-    assert mrsfi("diff", "old.xmi", MISSION, cwd=place).stdout == "robot r2: speed 4.0 → 6.0\n"
-    assert mrsfi("diff", "old.xmi", "old.xmi", cwd=place).stdout == "no difference\n"
-    (change,) = mrsfi_json("diff", "old.xmi", model, cwd=place)["changes"]
-    assert (change["element"], change["old"], change["new"]) == ("robot r2", "4.0", "6.0")
-
-
-def test_diff_reads_a_pipe(place):
+def test_diff_reads_files_and_pipes(place):
     model = place / "models" / MISSION / "mission.xmi"
-    old = model.read_bytes()
+    old, pipe = place / "old.xmi", place / "old"
+    old.write_bytes(model.read_bytes())
     edit(model, 'name="JEN" speed="4.0"', 'name="JEN" speed="6.0"')
-    pipe = place / "old"
     os.mkfifo(pipe)
-    writer = threading.Thread(target=pipe.write_bytes, args=(old,), daemon=True)
+    writer = threading.Thread(target=pipe.write_bytes, args=(old.read_bytes(),), daemon=True)
     writer.start()
 
-    assert mrsfi("diff", pipe, model, cwd=place).stdout == "robot r2: speed 4.0 → 6.0\n"
+    for given in (pipe, old):
+        assert mrsfi("diff", given, MISSION, cwd=place).stdout == "robot r2: speed 4.0 → 6.0\n"
     writer.join(10)
+    assert mrsfi("diff", old, old, cwd=place).stdout == "no difference\n"
+    (change,) = mrsfi_json("diff", "old.xmi", model, cwd=place)["changes"]
+    assert (change["element"], change["old"], change["new"]) == ("robot r2", "4.0", "6.0")
 
 
 def test_diff_of_nothing_ends_with_2_and_of_no_model_with_3(place):

@@ -3,7 +3,6 @@ from pathlib import Path
 import pytest
 
 from mrsfi.folders import find_mission
-from mrsfi_runtime.errors import UsageError
 from tests.support.cli import MISSION
 
 
@@ -35,9 +34,3 @@ def test_inside_the_mission_folder_a_dot_is_enough(here, monkeypatch):
 
     assert found.name == MISSION
     assert found.generated == Path("..", "..", "generated", MISSION)
-
-
-def test_an_unknown_mission_is_told_which_there_are(here):
-    assert here.is_dir()
-    with pytest.raises(UsageError, match=MISSION):
-        find_mission("atlantis")

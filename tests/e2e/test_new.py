@@ -80,11 +80,6 @@ def test_what_was_found_is_kept_and_fails_the_build_when_it_comes_back(begun):
     assert "collide" in suite[0][0].get("message")
 
 
-@slow
-def test_commands_work_from_any_folder_inside(begun):
-    assert "2 robots" in mrsfi("validate", "demo", cwd=begun / "models" / "demo").stdout
-
-
 def test_it_may_begin_with_a_mission_that_there_is(tmp_path):
     place = workspace(tmp_path)
 

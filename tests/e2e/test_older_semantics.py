@@ -54,11 +54,7 @@ def test_an_older_campaign_is_reported(old, tmp_path):
     assert "; what was missed is not recorded." in report
     assert "| 0/0 | 0/0 | 171/0 | 127/139 | 0/0 |" in report
     assert len(list((old / "critical").iterdir())) == 3
-
-
-def test_an_older_campaign_is_shown_to_people(old, tmp_path):
     text = mrsfi("report", old, cwd=tmp_path).stdout
-
     assert "The 3 most critical of 3 fault specifications" in text
     assert text.count("missed from ?") == 3
     assert text.splitlines()[-1].split() == ["digest", DIGEST_OF_1]

@@ -1,10 +1,9 @@
 """A campaign flies its own copies of what its code imports, whatever the project has by now."""
 
 import shutil
-import sqlite3
 import sys
 from collections.abc import Iterator
-from contextlib import chdir, closing
+from contextlib import chdir
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,7 @@ import pytest
 from mrsfi.campaign_folders import mission_of, open_campaign
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.cli import edit, mrsfi
+from tests.support.cli import edit, execute, mrsfi
 from tests.support.edited import COLLECTIVE, write_body
 from tests.support.interrupted import begin, digest
 from tests.support.rendezvous import NAME, write_rendezvous
@@ -31,17 +30,8 @@ population = 2
 faults = 2
 fitness = "own:worst"
 """
-EVOLVE = (
-    "evolve",
-    NAME,
-    "--case",
-    "own.toml",
-    "--engine",
-    "reference",
-    "--no-explain",
-    "--workers",
-    "1",
-)
+CASED = ("evolve", NAME, "--case", "own.toml", "--engine", "reference")
+EVOLVE = (*CASED, "--no-explain", "--workers", "1")
 
 
 def forget() -> None:
@@ -71,10 +61,12 @@ def place(searched: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> It
     """Copy of it whose campaign was killed in its middle, and whose modules were edited since."""
     shutil.copytree(searched, tmp_path, dirs_exist_ok=True)
     monkeypatch.syspath_prepend(tmp_path)
-    with closing(sqlite3.connect(tmp_path / "runs" / "it" / "campaign.sqlite")) as store, store:
-        store.execute("DELETE FROM evaluation WHERE idx >= 3")
-        store.execute("DELETE FROM generation WHERE idx >= 1")
-        store.execute("DELETE FROM flight")
+    execute(
+        tmp_path / "runs" / "it",
+        "DELETE FROM evaluation WHERE idx >= 3",
+        "DELETE FROM generation WHERE idx >= 1",
+        "DELETE FROM flight",
+    )
     edit(tmp_path / "team.py", "> 60", "> 30")
     edit(tmp_path / "own.py", "float(", "2.0 * float(")
     yield tmp_path
@@ -144,11 +136,8 @@ def test_a_mission_given_by_path_is_found_where_it_lies(place, models):
 def test_a_weakness_is_kept_where_its_mission_lies(found, tmp_path):
     place = Path(shutil.copytree(found, tmp_path / "place"))
     shutil.copytree(place / "models", place / "some")
-    with closing(sqlite3.connect(place / "runs" / "it" / "campaign.sqlite")) as store, store:
-        store.execute(
-            f"UPDATE meta SET value = json_set(value, '$.place', 'some/{NAME}') "
-            "WHERE key = 'manifest'"
-        )
+    moved = f"UPDATE meta SET value = json_set(value, '$.place', 'some/{NAME}')"
+    execute(place / "runs" / "it", f"{moved} WHERE key = 'manifest'")
 
     mrsfi("keep", "runs/it", "--weakness", "1", cwd=place)
     again = mrsfi("keep", "runs/it", "--weakness", "1", cwd=place, expected=2).stderr

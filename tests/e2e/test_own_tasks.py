@@ -28,6 +28,8 @@ def test_generate_writes_the_files_and_names_what_is_left_to_write(project):
     fill(project / "generated" / "own_task")
     mrsfi("generate", "own_task", cwd=project)
     mrsfi("validate", "own_task", cwd=project)
+    flown = mrsfi("simulate", "own_task", "--no-faults", cwd=project).stdout
+    assert ["near", "Loiter"] in [line.split()[:2] for line in flown.splitlines()]
 
 
 def test_no_command_flies_what_is_not_written(project):
@@ -43,12 +45,3 @@ def test_no_command_flies_what_is_not_written(project):
     for command, *options in (("evolve",), *engines):
         assert EMPTY in mrsfi(command, "own_task", *options, cwd=project, expected=6).stderr
     assert not (project / "runs").exists()
-
-
-def test_the_goal_is_shown_by_the_name_of_its_task(project):
-    mrsfi("generate", "own_task", cwd=project, expected=4)
-    fill(project / "generated" / "own_task")
-
-    done = mrsfi("simulate", "own_task", "--no-faults", cwd=project)
-
-    assert ["near", "Loiter"] in [line.split()[:2] for line in done.stdout.splitlines()]

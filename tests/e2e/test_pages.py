@@ -17,6 +17,7 @@ RUN = (
     "README.md",
     "docs/concepts.md",
     "docs/paper.md",
+    "docs/editing-models.md",
     "docs/projects.md",
     "docs/bags.md",
     "docs/gallery.md",

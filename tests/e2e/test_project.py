@@ -9,8 +9,8 @@ import pytest
 
 import mrsfi as api
 from mrsfi.project import project
-from tests.support.cli import MISSION, mrsfi, mrsfi_json
-from tests.support.own_metamodels import add_feature, copy_metamodels
+from tests.support.cli import MISSION, edit, mrsfi, mrsfi_json
+from tests.support.own_metamodels import add_feature, attribute, copy_metamodels
 from tests.support.tree import ROOT
 from tests.tiers import slow
 
@@ -96,18 +96,10 @@ def test_a_mission_that_there_is_not_is_sought_where_the_settings_say(team):
     assert f"the name of one in src/missions/: {MISSION}" in done.stderr
 
 
-PAYLOAD = (
-    '<eStructuralFeatures xsi:type="ecore:EAttribute" name="payload" '
-    'eType="ecore:EDataType http://www.eclipse.org/emf/2002/Ecore#//EDouble"/>'
-)
-
-
 def _own_metamodels(place):
     copy_metamodels(place / "metamodels")
-    add_feature(place / "metamodels" / "mission.ecore", "Robot", PAYLOAD)
-    model = place / "models" / MISSION / "mission.xmi"
-    text = model.read_text(encoding="utf-8")
-    model.write_text(text.replace('name="LEN"', 'name="LEN" payload="3.5"'), encoding="utf-8")
+    add_feature(place / "metamodels" / "mission.ecore", "Robot", attribute("payload", "EDouble"))
+    edit(place / "models" / MISSION / "mission.xmi", 'name="LEN"', 'name="LEN" payload="3.5"')
 
 
 def test_metamodels_of_ones_own_are_used_and_named(place):

@@ -1,25 +1,10 @@
 import json
-import shutil
-import sqlite3
-from contextlib import closing
-from pathlib import Path
 
 import pytest
 
 from mrsfi_runtime.model.outcome import TOLD
-from tests.support.cli import edit, mrsfi, mrsfi_json
+from tests.support.cli import edit, execute, mrsfi, mrsfi_json
 from tests.tiers import slow
-
-
-@pytest.fixture
-def campaign(flown: Path, tmp_path: Path) -> Path:
-    """Copy of a finished campaign, in a folder without models."""
-    return Path(shutil.copytree(flown, tmp_path / "runs" / "copy"))
-
-
-def execute(campaign: Path, statement: str) -> None:
-    with closing(sqlite3.connect(campaign / "campaign.sqlite")) as connection, connection:
-        connection.execute(statement)
 
 
 def test_replay_of_the_best_is_the_same_as_recorded(campaign, tmp_path):
@@ -58,6 +43,8 @@ def test_a_forged_digest_ends_with_7(campaign, tmp_path):
     assert "digest" in error
     mrsfi("replay", campaign, "--all", cwd=tmp_path, expected=7)
     mrsfi("replay", campaign, "--evaluation", "1", cwd=tmp_path)
+    missing = mrsfi("replay", campaign, "--evaluation", "99999", cwd=tmp_path, expected=9).stderr
+    assert "99999" in missing
 
 
 def test_an_edited_copy_of_the_code_ends_with_9_and_is_named(campaign, tmp_path):
@@ -82,19 +69,13 @@ def test_report_takes_the_latest_campaign_writes_the_same_bytes_and_picks_by_rat
         assert (campaign / name).read_bytes() == (flown / name).read_bytes()
 
 
-def test_a_replay_tells_a_script_what_came_of_each_goal(campaign, tmp_path):
-    found = mrsfi_json("replay", campaign, "--best", cwd=tmp_path)
-    best = mrsfi_json("report", campaign, cwd=tmp_path)["best"]
-
-    for count in TOLD:
-        assert {goal["id"]: goal[count] for goal in found["goals"]} == best[count]
-
-
 def test_replay_report_and_summary_name_the_same_faults(campaign, tmp_path):
     found = mrsfi_json("replay", campaign, "--best", "--log", "best.log", cwd=tmp_path)
     printed = mrsfi("replay", campaign, "--best", cwd=tmp_path).stdout
     best = mrsfi_json("report", campaign, cwd=tmp_path)["best"]
 
+    for count in TOLD:
+        assert {goal["id"]: goal[count] for goal in found["goals"]} == best[count]
     log = (tmp_path / "best.log").read_text(encoding="utf-8")
     report = (campaign / "report.md").read_text(encoding="utf-8")
     _, section = report.split(f"### Faults of 1, evaluation {best['evaluation']}\n")
@@ -110,12 +91,14 @@ def test_replay_report_and_summary_name_the_same_faults(campaign, tmp_path):
     assert log.count(": first changes something\n") == len(changed) > 0
 
 
-@pytest.mark.parametrize("command", ["report", "replay"])
-def test_a_folder_without_a_campaign_ends_with_9(command, tmp_path):
+@pytest.mark.parametrize("words", [("report",), ("replay",), ("evolve", "--resume"), ("explain",)])
+def test_a_folder_without_a_campaign_ends_with_9_and_stays_as_it_is(words, tmp_path):
     (tmp_path / "empty").mkdir()
 
-    assert "empty" in mrsfi(command, "empty", cwd=tmp_path, expected=9).stderr
-    assert "nowhere" in mrsfi(command, "nowhere", cwd=tmp_path, expected=9).stderr
+    for name in ("empty", "nowhere"):
+        error = mrsfi(*words, name, cwd=tmp_path, expected=9).stderr
+        assert f"{name}: found no campaign.sqlite" in error
+    assert [entry.name for entry in tmp_path.rglob("*")] == ["empty"]
 
 
 def test_a_broken_campaign_ends_with_9(campaign, tmp_path):
@@ -124,10 +107,3 @@ def test_a_broken_campaign_ends_with_9(campaign, tmp_path):
 
     (campaign / "campaign.sqlite").write_bytes(b"not a database at all" * 100)
     assert "campaign.sqlite" in mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr
-
-
-def test_an_evaluation_that_is_not_there_ends_with_9(campaign, tmp_path):
-    assert (
-        "99999"
-        in mrsfi("replay", campaign, "--evaluation", "99999", cwd=tmp_path, expected=9).stderr
-    )

@@ -15,14 +15,12 @@ from tests.support.cli import (
     MISSION,
     SMALL,
     edit,
-    mrsfi,
     mrsfi_json,
     mrsfi_process,
     stop_specification,
     workspace,
 )
 from tests.support.interrupted import MISSION as QUICK
-from tests.support.page_simulator import page_simulator
 from tests.support.processes import children, is_running
 from tests.support.rosbridge import process
 from tests.tiers import slow
@@ -44,13 +42,6 @@ def quick(tmp_path):
 def bus_json(*arguments, cwd):
     """Run ``mrsfi … --json`` in a process: roslibpy has one kind of transport in each."""
     return json.loads(mrsfi_process(*arguments, "--json", cwd=cwd).stdout)
-
-
-@pytest.fixture
-def url():
-    """Address of a server in a process of its own."""
-    with process("bridge", "--port", "0") as server:
-        yield re.search(r"ws://\S+", server.stdout.readline())[0]
 
 
 def wait_for(condition):
@@ -80,16 +71,6 @@ def test_a_flight_over_rosbridge_prints_what_the_reference_does(place):
 
 
 @slow
-def test_a_simulator_that_leaves_out_what_a_tick_has_to_bring_ends_the_command(place, url):
-    line = 'publish(f"/truth/{robot}", data=truth)'
-    with page_simulator(place, url, line, f"if robot != 'r1' or tick < 100: {line}"):
-        side = ("--url", url, "--side", "ci")
-        told = mrsfi_process("simulate", MISSION, *ROSBRIDGE, *side, cwd=place, expected=8)
-
-    assert "run 1, tick 100: nothing on /truth/r1" in told.stderr
-
-
-@slow
 def test_logs_traces_and_bags_are_the_same(place):
     faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
     for name, options in (("local", ()), ("bus", ROSBRIDGE)):
@@ -106,31 +87,21 @@ def test_logs_traces_and_bags_are_the_same(place):
 
 @slow
 def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_how(quick):
-    digests = []
-    for name, options in (("local", REFERENCE), ("bus", (*ROSBRIDGE, "--client", "twisted"))):
-        out = f"runs/{name}"
-        found = bus_json("evolve", QUICK, *TINY, *options, "--out", out, cwd=quick)
-        digests.append(found["digest"])
-    replayed = bus_json("replay", "runs/local", "--best", *ROSBRIDGE, cwd=quick)
-    with CampaignStore.open(quick / "runs" / "bus") as store:
-        recorded = store.manifest.as_json()
-
-    assert digests[0] == digests[1]
-    assert replayed["is_same"]
-    assert recorded["engine"] == "rosbridge"
-    assert recorded["bus"] == {"url": None, "client": "twisted", "side": "both"}
-
-
-@slow
-def test_a_campaign_with_bundles_finds_the_same_and_records_how(quick):
     local = mrsfi_json("evolve", QUICK, *TINY, *REFERENCE, "--out", "runs/local", cwd=quick)
-    words = (*TINY, *ROSBRIDGE, "--bundle", "--out", "runs/bundles")
-    found = bus_json("evolve", QUICK, *words, cwd=quick)
-    with CampaignStore.open(quick / "runs" / "bundles") as store:
-        recorded = store.manifest.as_json()
+    replayed = bus_json("replay", "runs/local", "--best", *ROSBRIDGE, cwd=quick)
+    how = {"url": None, "client": "asyncio", "side": "both"}
+    assert replayed["is_same"]
+    for options, expected in (
+        (("--client", "twisted"), how | {"client": "twisted"}),
+        (("--bundle",), how | {"bundle": True}),
+    ):
+        out = f"runs/{options[0]}"
+        found = bus_json("evolve", QUICK, *TINY, *ROSBRIDGE, *options, "--out", out, cwd=quick)
+        with CampaignStore.open(quick / out) as store:
+            recorded = store.manifest.as_json()
 
-    assert found["digest"] == local["digest"]
-    assert recorded["bus"] == {"url": None, "client": "asyncio", "side": "both", "bundle": True}
+        assert found["digest"] == local["digest"]
+        assert (recorded["engine"], recorded["bus"]) == ("rosbridge", expected)
 
 
 @slow
@@ -163,19 +134,6 @@ def test_two_sides_meet_on_a_server(place, url, client):
     assert flown == mrsfi_json("simulate", MISSION, *faults, "--log", "local.log", cwd=place)
     assert (place / "ci.log").read_bytes() == (place / "local.log").read_bytes()
     assert (code, told) == (130, "mrsfi: interrupted\n")
-
-
-@slow
-def test_a_simulation_that_is_killed_ends_the_flight_with_its_tick_and_signal(place):
-    with process("simulate", MISSION, *ROSBRIDGE, "--trace", "t.csv", cwd=place) as flight:
-        wait_for(lambda: has_lines(place / "t.csv", 100))
-        os.kill(children(flight.pid)[0], signal.SIGKILL)
-        code, told = ended(flight)
-
-    assert code == 8
-    assert re.search(
-        r"^mrsfi: run 1, tick \d+: the connection to ws://.* was lost; .*SIGKILL", told
-    )
 
 
 def test_a_ci_that_is_killed_leaves_no_process_behind(place):
@@ -232,17 +190,8 @@ def n_evaluations(folder):
 
 @slow
 def test_a_campaign_whose_workers_die_leaves_no_process_behind(place):
-    words = (
-        "evolve",
-        MISSION,
-        *ROSBRIDGE,
-        "--population",
-        "4",
-        "--workers",
-        "2",
-        "--out",
-        "runs/w",
-    )
+    few = ("--population", "4", "--workers", "2", "--out", "runs/w")
+    words = ("evolve", MISSION, *ROSBRIDGE, *few)
     with process(*words, cwd=place) as campaign:
         wait_for(lambda: len(descendants(campaign.pid)) >= 5)  # 2 workers, 2 simulations, a tracker
         started = descendants(campaign.pid)
@@ -254,34 +203,6 @@ def test_a_campaign_whose_workers_die_leaves_no_process_behind(place):
 def descendants(pid):
     found = children(pid)
     return found + [each for child in found for each in descendants(child)]
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (("--url", "ws://127.0.0.1:1"), "--url needs --engine rosbridge"),
-        (("--bundle",), "--bundle needs --engine rosbridge"),
-        ((*ROSBRIDGE, "--side", "ci"), "--side ci needs --url"),
-        ((*ROSBRIDGE, "--side", "simulation"), "--side simulation needs --url"),
-        ((*ROSBRIDGE, "--url", "nowhere"), "expected ws://HOST:PORT"),
-        (
-            (*ROSBRIDGE, "--side", "simulation", "--url", "ws://127.0.0.1:1", "--no-faults"),
-            "give faults, logs and --json there",
-        ),
-    ],
-)
-def test_options_that_make_no_sense_together_are_refused(place, words, expected):
-    done = mrsfi("simulate", MISSION, *words, cwd=place, expected=2)
-
-    assert expected in done.stderr
-
-
-def test_many_workers_cannot_share_a_server(place):
-    words = (*ROSBRIDGE, "--url", "ws://127.0.0.1:1", "--workers", "2")
-    done = mrsfi("evolve", MISSION, *words, cwd=place, expected=2)
-
-    assert "expected --workers 1" in done.stderr
-    assert not (place / "runs").exists()
 
 
 def test_a_server_that_is_not_there_ends_with_exit_code_8(place):

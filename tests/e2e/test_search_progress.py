@@ -41,16 +41,35 @@ def test_share_done_counts_generations_or_evaluations(settings, at, share):
     assert share_done(settings, at) == share
 
 
-def test_a_line_has_generation_best_mean_and_time_left(capfd):
-    clock = ticking(65.0)
-    lines = PlainLines(CampaignSettings(generations=1), lambda: next(clock))
+@pytest.mark.parametrize(
+    ("settings", "seconds", "begun", "at", "printed"),
+    [
+        (
+            CampaignSettings(generations=1),
+            65.0,
+            0.0,
+            state(0, n_evaluations=20),
+            "generation 0/1  best 12.00  mean 3.46  evaluations 20  left 1:05\n",
+        ),
+        (
+            CampaignSettings(generations=9),
+            60.0,
+            0.7,  # what was recorded before does not count into the time left
+            state(7, n_evaluations=90),
+            "generation 7/9  best 12.00  mean 3.46  evaluations 90  left 2:00\n",
+        ),
+        (CampaignSettings(evaluations=100), 0.0, 0.5, state(7, n_evaluations=50), ""),
+    ],
+    ids=["begun", "resumed", "recorded before"],
+)
+def test_a_line_has_generation_best_mean_and_time_left(
+    capfd, settings, seconds, begun, at, printed
+):
+    clock = ticking(seconds)
 
-    lines(state(0, n_evaluations=20))
+    PlainLines(settings, lambda: next(clock), begun=begun)(at)
 
-    assert capfd.readouterr() == (
-        "",
-        "generation 0/1  best 12.00  mean 3.46  evaluations 20  left 1:05\n",
-    )
+    assert capfd.readouterr() == ("", printed)
 
 
 def test_a_long_search_prints_some_hundred_lines_and_always_the_last(capfd):
@@ -65,15 +84,6 @@ def test_a_long_search_prints_some_hundred_lines_and_always_the_last(capfd):
     assert printed[-1].startswith("generation 5000/5000")
 
 
-def test_what_was_recorded_before_does_not_count_into_the_time_left(capfd):
-    clock = ticking(60.0)
-    lines = PlainLines(CampaignSettings(generations=9), lambda: next(clock), begun=0.7)
-
-    lines(state(7, n_evaluations=90))
-
-    assert capfd.readouterr().err.endswith("evaluations 90  left 2:00\n")
-
-
 def test_the_time_left_follows_a_search_that_became_faster(capfd):
     clock = iter([0.0, *(100.0 * k for k in range(1, 11)), *(1000.0 + k for k in range(1, 11))])
     lines = PlainLines(CampaignSettings(generations=49), lambda: next(clock))
@@ -84,14 +94,6 @@ def test_the_time_left_follows_a_search_that_became_faster(capfd):
     printed = capfd.readouterr().err.splitlines()
     assert printed[9].endswith("left 66:40")
     assert printed[19].endswith("left 0:30")
-
-
-def test_a_generation_that_was_all_recorded_before_prints_nothing(capfd):
-    lines = PlainLines(CampaignSettings(evaluations=100), lambda: 0.0, begun=0.5)
-
-    lines(state(7, n_evaluations=50))
-
-    assert capfd.readouterr().err == ""
 
 
 def test_a_long_flight_tells_now_and_then_how_far_it_is(place, monkeypatch):

@@ -2,19 +2,7 @@ from m2t.load import _Loading
 from tests.support.cli import MISSION, contents, edit, mrsfi, mrsfi_json, stop_specification
 
 
-def test_validate_says_ok_and_how_much_there_is(place):
-    text = mrsfi("validate", MISSION, cwd=place).stdout
-
-    assert text.splitlines()[-1].startswith(
-        f"ok: {MISSION}: 3 robots, 8 obstacles, 6 goals, 12 messages, 30 faults, "
-    )
-
-
-def test_validate_accepts_the_path_of_a_mission_folder(place, tmp_path):
-    assert "ok: uuv_sampling" in mrsfi("validate", place / "models" / MISSION, cwd=tmp_path).stdout
-
-
-def test_validate_loads_the_models_once(place, monkeypatch):
+def test_validate_loads_once_and_says_how_much_there_is(place, tmp_path, monkeypatch):
     inspect, loaded = _Loading.inspect, []
 
     def counted(self, *paths):
@@ -22,20 +10,19 @@ def test_validate_loads_the_models_once(place, monkeypatch):
         return inspect(self, *paths)
 
     monkeypatch.setattr(_Loading, "inspect", counted)
-    mrsfi("validate", MISSION, cwd=place)
-
+    text = mrsfi("validate", place / "models" / MISSION, cwd=tmp_path).stdout
     assert len(loaded) == 1
-
-
-def test_validate_as_json_has_counts_and_diagnostics(place):
     found = mrsfi_json("validate", MISSION, cwd=place)
 
+    assert text.splitlines()[-1].startswith(
+        f"ok: {MISSION}: 3 robots, 8 obstacles, 6 goals, 12 messages, 30 faults, "
+    )
     assert found["mission"] == MISSION
     assert found["n_errors"] == 0
     assert len(found["diagnostics"]) == found["n_warnings"]
 
 
-def test_validate_of_a_broken_model_ends_with_3_and_names_the_line(place):
+def test_a_broken_model_ends_with_3_and_its_line_and_nothing_is_written(place):
     mission = place / "models" / MISSION / "mission.xmi"
     edit(mission, 'name="LEN" speed="5.0"', 'name="LEN" speed="fast"')
     line = next(
@@ -44,10 +31,14 @@ def test_validate_of_a_broken_model_ends_with_3_and_names_the_line(place):
         if 'speed="fast"' in text
     )
 
+    before = contents(place)
+
     text = mrsfi("validate", MISSION, cwd=place, expected=3).stdout
+    mrsfi("generate", MISSION, cwd=place, expected=3)
 
     assert f"mission.xmi:{line}: error: " in text
     assert "1 error" in text.splitlines()[-1]
+    assert contents(place) == before
 
 
 def test_a_figure_in_another_unit_is_a_warning_and_with_strict_an_error(place):
@@ -94,35 +85,18 @@ def test_a_second_generation_writes_nothing(place):
     assert "unchanged  generated/uuv_sampling/mission_loader.py" in text
 
 
-def test_generate_check_ends_with_4_when_a_model_changed_and_writes_nothing(place):
+def test_generate_check_and_diff_show_what_a_changed_model_means_and_write_nothing(place):
     assert "fresh" in mrsfi("generate", MISSION, "--check", cwd=place).stdout
     edit(place / "models" / MISSION / "mission.xmi", 'name="LEN"', 'name="LENA"')
     before = contents(place)
 
     error = mrsfi("generate", MISSION, "--check", cwd=place, expected=4).stderr
+    shown = mrsfi("generate", MISSION, "--diff", cwd=place).stdout
 
     assert "mission_loader.py" in error
     assert "mrsfi generate" in error
-    assert contents(place) == before
-
-
-def test_generate_diff_shows_only_the_lines_that_mean_the_change(place):
-    edit(place / "models" / MISSION / "mission.xmi", 'name="LEN"', 'name="LENA"')
-    before = contents(place)
-
-    text = mrsfi("generate", MISSION, "--diff", cwd=place).stdout
-
-    assert "-" in text
-    assert any(line.startswith("+") and "LENA" in line for line in text.splitlines())
-    assert contents(place) == before
-
-
-def test_generate_of_a_broken_model_ends_with_3_and_writes_nothing(place):
-    edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="fast"')
-    before = contents(place)
-
-    mrsfi("generate", MISSION, cwd=place, expected=3)
-
+    assert "-" in shown
+    assert any(line.startswith("+") and "LENA" in line for line in shown.splitlines())
     assert contents(place) == before
 
 

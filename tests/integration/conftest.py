@@ -1,29 +1,23 @@
-"""Figures that tests measured, printed at the end of the run."""
+"""Models and code that tests of generation edit."""
 
-from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
+from m2t.generate import generate
+from tests.support.models.copies import copy_models
 from tests.support.own_metamodels import own_metamodels  # noqa: F401 - a fixture
-
-_FIGURE = "figure"
 
 
 @pytest.fixture
-def note(record_property: Callable[[str, object], None]) -> Callable[[str], None]:
-    """Keep a line for the end of the run."""
-    return lambda line: record_property(_FIGURE, line)
+def models(tmp_path: Path) -> Path:
+    """Folder of the paper's models, to be edited."""
+    return copy_models(tmp_path, "uuv_sampling")
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    lines = [
-        value
-        for reports in terminalreporter.stats.values()
-        for report in reports
-        for name, value in getattr(report, "user_properties", ())
-        if name == _FIGURE and getattr(report, "when", "") == "call"
-    ]
-    if lines:
-        terminalreporter.section("figures")
-        for line in lines:
-            terminalreporter.write_line(line)
+@pytest.fixture
+def target(tmp_path: Path, models: Path) -> Path:
+    """Folder of the code generated from them."""
+    folder = tmp_path / "generated" / "uuv_sampling"
+    generate(models, folder)
+    return folder

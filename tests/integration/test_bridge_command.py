@@ -1,13 +1,10 @@
 """``mrsfi bridge`` and ``python -m mrsfi_bridge`` as processes."""
 
 import json
-import os
 import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from queue import SimpleQueue
 
@@ -17,6 +14,7 @@ from websockets.sync.client import connect
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
 from mrsfi_runtime.transport.topics import Topic
 from tests.support.cli import command_line, mrsfi
+from tests.support.rosbridge import process
 
 PATIENCE_S = 30.0
 TOGETHER = (*command_line("bridge"), "--port", "0")
@@ -29,41 +27,23 @@ ALONE = (sys.executable, "-c", _ALONE, "--port", "0")
 BOTH = pytest.mark.parametrize("command", [TOGETHER, ALONE], ids=["mrsfi", "alone"])
 
 
-@contextmanager
-def running(
-    *arguments: str, cwd: Path, command: Sequence[str] = TOGETHER, **environment: str
-) -> Iterator[subprocess.Popen[str]]:
-    with subprocess.Popen(
-        [*command, *arguments],
-        cwd=cwd,
-        env={**os.environ, **environment},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        encoding="utf-8",
-    ) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
-
-
-def url_of(process: subprocess.Popen[str]) -> str:
-    assert process.stdout is not None
-    return process.stdout.readline().strip()
+def url_of(server: subprocess.Popen[str]) -> str:
+    assert server.stdout is not None
+    return server.stdout.readline().strip()
 
 
 @BOTH
 @pytest.mark.parametrize(("sign", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 0)])
 def test_it_prints_its_url_serves_and_ends_when_told(tmp_path, command, sign, code):
-    with running(cwd=tmp_path, command=command) as process, connect(url_of(process)) as connection:
+    with process(cwd=tmp_path, program=command) as server, connect(url_of(server)) as connection:
         connection.send("{")
         connection.send(json.dumps({"op": "call_service", "service": "/rosapi/get_time"}))
         answer = json.loads(connection.recv(PATIENCE_S))
-        process.send_signal(sign)
-        rest, log = process.communicate(timeout=PATIENCE_S)
+        server.send_signal(sign)
+        rest, log = server.communicate(timeout=PATIENCE_S)
 
     assert answer["result"] is True
-    assert process.returncode == code
+    assert server.returncode == code
     assert rest == ""
     assert "ended: 1 clients, 1 operations received, 0 messages sent, 1 dropped" in log
     assert "Traceback" not in log
@@ -74,7 +54,8 @@ def test_definitions_of_the_user_are_known(tmp_path):
     folder.mkdir(parents=True)
     (folder / "Depth.msg").write_text("float64 metres\n", encoding="utf-8")
 
-    with running("--types", "defs", cwd=tmp_path) as process, connect(url_of(process)) as peer:
+    words = ("--types", "defs")
+    with process(*words, cwd=tmp_path, program=TOGETHER) as server, connect(url_of(server)) as peer:
         peer.send(json.dumps({"op": "advertise", "topic": "/d", "type": "my/Depth"}))
         peer.send(json.dumps({"op": "subscribe", "topic": "/d"}))
         peer.send(json.dumps({"op": "publish", "topic": "/d", "msg": {}}))
@@ -140,8 +121,8 @@ def test_both_ways_to_run_it_have_the_same_help(tmp_path):
 
 def test_roslibpy_talks_to_it_where_the_runtime_cannot_be_imported(tmp_path):
     heard, depth = SimpleQueue(), Topic("/depth", "std_msgs/Float64")
-    with running(cwd=tmp_path, command=ALONE) as process:
-        client = RosbridgeTransport(url_of(process), "asyncio")
+    with process(cwd=tmp_path, program=ALONE) as server:
+        client = RosbridgeTransport(url_of(server), "asyncio")
         try:
             client.subscribe(depth, heard.put)
             client.advertise(depth)({"data": 4.5})
@@ -153,10 +134,10 @@ def test_roslibpy_talks_to_it_where_the_runtime_cannot_be_imported(tmp_path):
 
 def test_a_public_server_takes_its_token_from_the_environment(tmp_path):
     token = "0123456789abcdef"
-    options = ("--host", "0.0.0.0", "--public")
+    options = (*TOGETHER, "--host", "0.0.0.0", "--public")
 
-    with running(*options, cwd=tmp_path, MRSFI_BRIDGE_TOKEN=token) as process:
-        url = url_of(process)
+    with process(cwd=tmp_path, program=options, MRSFI_BRIDGE_TOKEN=token) as server:
+        url = url_of(server)
         port = url.rpartition(":")[2]
         with connect(f"ws://127.0.0.1:{port}/?token={token}") as peer:
             peer.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes"}))

@@ -225,16 +225,6 @@ def test_a_frame_beyond_the_limit_ends_its_client_only():
         assert is_served(server)
 
 
-def test_a_frame_of_100_megabytes_is_refused_by_its_header():
-    with bridge() as server, raw_socket(server.url) as connection:
-        connection.sendall(struct.pack("!BBQ", 0x81, 0x80 | 127, 100 * MEBI) + bytes(4))
-
-        (frame,) = parse_frames(connection.recv(4096))
-        assert struct.unpack("!H", frame.data[:2]) == (1009,)
-        assert until_closed(connection) < PATIENCE
-        assert is_served(server)
-
-
 @pytest.mark.parametrize(
     ("content", "code"),
     [

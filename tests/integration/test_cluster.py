@@ -187,17 +187,6 @@ def test_a_scheduler_without_workers_is_refused(tmp_path):
         Cluster(place.address, patience=0.5)
 
 
-def test_a_lost_scheduler_is_a_transport_error(tmp_path, specifications):
-    with scheduler(tmp_path, 1) as place, Cluster(place.address) as cluster:
-        pool = ClusterPool(cluster, load_code(GENERATED), 1, SLOW_ENGINE)
-        asked = pool.evaluate_many(specifications)
-        next(asked)
-        place.process.kill()
-
-        with pytest.raises(TransportError, match="the connection to the scheduler is lost"):
-            list(asked)
-
-
 @slow
 def test_a_worker_with_other_source_is_refused_also_when_it_joins_late(tmp_path, specifications):
     package = Path(copytree(ROOT / "src" / "mrsfi_runtime", tmp_path / "other" / "mrsfi_runtime"))

@@ -1,9 +1,7 @@
-"""What README, CONTRIBUTING and docs/ name exists, and short commands print what README prints."""
+"""What README, CONTRIBUTING and docs/ name exists, and a region that a page shows flies."""
 
 import ast
 import re
-import shlex
-import shutil
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 from functools import cache
@@ -14,8 +12,6 @@ import click
 import mrsfi
 from mrsfi_runtime.cli.main import cli
 from mrsfi_runtime.engine.region_lint import lint_regions
-from tests.support.cli import edit, workspace
-from tests.support.cli import mrsfi as run_mrsfi
 from tests.support.edited import COLLECTIVE
 from tests.support.tree import ROOT
 
@@ -109,27 +105,6 @@ def _block_after(heading: str, sign: str, page: str = "README.md") -> str:
     return next(block for block in blocks if sign in block)
 
 
-def _performed(console: str, folder: Path, *codes: int) -> str:
-    """Perform the commands of a console text, and return it with what they print here."""
-    text, exits = "", iter(codes)
-    for line in console.splitlines():
-        if not line.startswith("$ "):
-            continue
-        text += f"{line}\n"
-        program, *words = shlex.split(line.removeprefix("$ "))
-        if program == "sed":
-            _, found, replaced, _ = words[1].split("/")
-            edit(folder / words[2], found, replaced)
-        elif program == "git":
-            assert words[0] == "restore"
-            lock = shutil.ignore_patterns("*.mrsfi-*")
-            shutil.copytree(ROOT / words[1], folder / words[1], ignore=lock, dirs_exist_ok=True)
-        else:
-            done = run_mrsfi(*words, cwd=folder, expected=next(exits))
-            text += done.stderr + done.stdout
-    return "".join(f"{line.rstrip()}\n" for line in text.splitlines()).rstrip() + "\n"
-
-
 def test_every_path_named_exists():
     missing = [
         f"{page}: {name}"
@@ -208,23 +183,6 @@ def test_the_tree_of_contributing_is_the_tree():
     ]
 
     assert sorted(named) == sorted(rooms)
-
-
-def test_the_flight_without_faults_ends_as_the_readme_says(tmp_path):
-    console = _block_after("Five minutes", "--no-faults")
-
-    assert _performed(console, workspace(tmp_path), 0) == console
-
-
-def test_an_edit_of_a_model_and_a_defect_are_shown_as_the_page_says(tmp_path):
-    page, heading = "docs/editing-models.md", "Edit a model, see the code change"
-    speed, defect = (_block_after(heading, sign, page) for sign in ("--diff", "r9"))
-    folder = workspace(tmp_path)
-
-    assert _performed(speed, folder, 0, 0) == speed
-    assert _performed(defect, folder, 3) == defect
-    for path in (ROOT / "models").rglob("*.xmi"):
-        assert (folder / path.relative_to(ROOT)).read_bytes() == path.read_bytes(), "is left broken"
 
 
 def test_a_region_that_a_page_shows_is_one_that_flies():

@@ -6,28 +6,12 @@ import re
 import subprocess
 import sys
 
-import pytest
-
 from m2t.generate import generate
 from m2t.load import load_mission_folder
-from m2t.saving import save
-from mrsfi_runtime.errors import ModelError
-from tests.support.models.generation import ROOT, contents, copy_models
+from tests.support.models.generation import ROOT, contents
 
 PAGE = (ROOT / "docs" / "editing-models.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-
-
-@pytest.fixture
-def copied(tmp_path):
-    return copy_models(tmp_path)
-
-
-@pytest.fixture
-def target(tmp_path, copied):
-    folder = tmp_path / "generated" / "uuv_sampling"
-    generate(copied, folder)
-    return folder
 
 
 def run(script, folder):
@@ -51,14 +35,14 @@ def changed_lines(before, after):
     }
 
 
-def test_script_is_ten_lines_and_changes_one_line_of_model_and_code(tmp_path, copied, target):
-    models, code = contents(copied), contents(target)
+def test_script_is_ten_lines_and_changes_one_line_of_model_and_code(tmp_path, models, target):
+    before, code = contents(models), contents(target)
 
     run(BLOCKS[0], tmp_path)
-    generate(copied, target)
+    generate(models, target)
 
     assert len([line for line in BLOCKS[0].splitlines() if line]) == 10
-    assert changed_lines(models, contents(copied)) == {
+    assert changed_lines(before, contents(models)) == {
         "mission.xmi": [
             '-  <robots ID="r2" name="JEN" speed="4.0">',
             '+  <robots ID="r2" name="JEN" speed="6.0">',
@@ -69,26 +53,12 @@ def test_script_is_ten_lines_and_changes_one_line_of_model_and_code(tmp_path, co
     }
 
 
-def test_changed_attribute_changes_its_own_line_in_model_and_code(copied, target):
-    models, code = contents(copied), contents(target)
-    loaded = load_mission_folder(copied)
-
-    loaded.mission.goals[0].messages[0].header = "urgent"
-    save(loaded)
-    generate(copied, target)
-
-    assert [len(lines) for lines in changed_lines(models, contents(copied)).values()] == [2]
-    assert {name: len(lines) for name, lines in changed_lines(code, contents(target)).items()} == {
-        "mission_loader.py": 2
-    }
-
-
-def test_new_elements_stand_in_the_models(tmp_path, copied):
-    models = contents(copied)
+def test_new_elements_stand_in_the_models(tmp_path, models):
+    before = contents(models)
 
     run("".join(BLOCKS[:2]), tmp_path)
 
-    changes = changed_lines(models, contents(copied))
+    changes = changed_lines(before, contents(models))
     assert changes["mission.xmi"][2:] == [
         '+    <batteries ID="b7" name="Spare battery of JEN" totalEnergy="500.0"/>'
     ]
@@ -99,23 +69,7 @@ def test_new_elements_stand_in_the_models(tmp_path, copied):
         "+    </stopRobot>",
         "+  </faults>",
     ]
-    assert len(load_mission_folder(copied).faults.faults) == 31
-
-
-def test_saving_without_an_edit_writes_nothing(copied):
-    assert save(load_mission_folder(copied)) == ()
-
-
-def test_element_that_is_still_referred_to_cannot_be_lost(copied):
-    before = contents(copied)
-    models = load_mission_folder(copied)
-    robots = models.mission.robots
-
-    robots.remove(robots[0])
-
-    with pytest.raises(ModelError, match="'r1'"):
-        save(models)
-    assert contents(copied) == before
+    assert len(load_mission_folder(models).faults.faults) == 31
 
 
 def test_scripts_of_the_page_satisfy_the_type_checker(tmp_path):

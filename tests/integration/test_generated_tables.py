@@ -5,8 +5,7 @@ from pathlib import Path
 from m2t.generate import diff, generate
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
-from tests.support.models.copies import edit
-from tests.support.models.generation import copy_models
+from tests.support.models.copies import copy_models, edit
 
 ROBOT = """  <robots ID="r4" name="MEL" speed="4.0">
     <position x="-250.0" y="-250.0" z="1.0"/>
@@ -37,8 +36,8 @@ def add_robot(models: Path) -> None:
     edit(models / "mission.xmi", '  <servers ID="sv1"', f'{ROBOT}  <servers ID="sv1"')
 
 
-def test_a_robot_with_two_sensors_adds_rows_only(tmp_path, note):
-    models, target = copy_models(tmp_path), tmp_path / "generated" / "uuv_sampling"
+def test_a_robot_with_two_sensors_adds_rows_only(tmp_path):
+    models, target = copy_models(tmp_path, "uuv_sampling"), tmp_path / "generated" / "uuv_sampling"
     generate(models, target)
     add_robot(models)
 
@@ -47,12 +46,10 @@ def test_a_robot_with_two_sensors_adds_rows_only(tmp_path, note):
     assert changed["topics.py"] == ROWS
     assert changed.keys() <= {"topics.py", "mission_loader.py", "collective_intelligence.py"}
     assert all(line.startswith("+") for lines in changed.values() for line in lines)
-    sizes = ", ".join(f"{name} {len(lines)}" for name, lines in changed.items())
-    note(f"a robot with two sensors more, in lines: {sizes}")
 
 
 def test_the_robot_of_a_row_more_flies(tmp_path):
-    models, target = copy_models(tmp_path), tmp_path / "generated" / "uuv_sampling"
+    models, target = copy_models(tmp_path, "uuv_sampling"), tmp_path / "generated" / "uuv_sampling"
     add_robot(models)
     generate(models, target)
     code = load_code(target)

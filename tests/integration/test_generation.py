@@ -39,27 +39,14 @@ from tests.support.models.generation import (
     GENERATED,
     ROOT,
     contents,
-    copy_models,
     run_module,
     write_mission,
 )
 
 
 @pytest.fixture
-def models(tmp_path):
-    return copy_models(tmp_path)
-
-
-@pytest.fixture
 def target(tmp_path):
     return tmp_path / "generated" / "uuv_sampling"
-
-
-def test_mission_becomes_five_files_and_a_manifest(models, target):
-    result = generate(models, target)
-
-    assert result.written == FILES
-    assert sorted(contents(target)) == sorted((*FILES, "manifest.json"))
 
 
 def test_result_does_not_depend_on_the_hash_seed(tmp_path, models):

@@ -10,22 +10,10 @@ from m2t.generate import generate, stale
 from mrsfi_runtime.errors import GenerationError, ModelError, ProtectedRegionError
 from mrsfi_runtime.generated_code import load_code
 from tests.support.models.copies import edit
-from tests.support.models.generation import FILES, ROOT, contents, copy_models, run_module
+from tests.support.models.generation import FILES, ROOT, contents, run_module
 
 CODE = "    # written by hand\n    return ci.mission.tick > 3\n"
 COLLECTIVE = "collective_intelligence.py"
-
-
-@pytest.fixture
-def models(tmp_path):
-    return copy_models(tmp_path)
-
-
-@pytest.fixture
-def target(tmp_path, models):
-    folder = tmp_path / "generated" / "uuv_sampling"
-    generate(models, folder)
-    return folder
 
 
 def write_code(target, goal="g4"):
@@ -123,29 +111,7 @@ def test_deleting_a_goal_without_code_removes_its_functions(models, target):
     assert "g4" not in (target / COLLECTIVE).read_text()
 
 
-def test_helpers_and_imports_survive(models, target):
-    path = target / COLLECTIVE
-    edit(
-        path,
-        "# protected region imports on begin\n",
-        "# protected region imports on begin\nimport math\n",
-    )
-    edit(
-        path,
-        "# protected region helpers on begin\n",
-        "# protected region helpers on begin\ndef half(x: float) -> float:\n"
-        '    """Return the half."""\n    return math.fabs(x) / 2\n\n\n',
-    )
-    edit(path, "goal_tasks.gather_samples.violated(ci, G4)", "half(ci.mission.tick) > 1")
-    before = path.read_text()
-
-    generate(models, target)
-
-    assert path.read_text() == before
-    load_code(target)
-
-
-def test_formatter_run_over_hand_written_code_edits_nothing_outside_regions(models, target):
+def test_helpers_and_imports_survive_and_a_formatter_edits_nothing_outside_regions(models, target):
     path = target / COLLECTIVE
     begin = "# protected region {} on begin\n"
     edit(path, begin.format("imports"), begin.format("imports") + "import math\n")
@@ -157,6 +123,7 @@ def test_formatter_run_over_hand_written_code_edits_nothing_outside_regions(mode
 
     assert body(target, "g4.check") == "    return half(ci.mission.tick) > 1\n"
     assert generate(models, target).written == ()
+    load_code(target)
 
 
 def test_edit_outside_regions_is_refused_unless_forced(models, target):

@@ -1,24 +1,14 @@
 """A robot's greatest speed: what the model says reaches the code, what it omits stays so."""
 
-from pathlib import Path
-
 import pytest
 
-from m2t.fixes import mend
 from m2t.generate import diff, generate
-from m2t.load import inspect_folder, load_mission_folder
+from m2t.load import load_mission_folder
 from m2t.saving import save
 from mrsfi_runtime.generated_code import load_code
 from tests.support.models.copies import MISSION, edit
-from tests.support.models.generation import copy_models
 
 NOMINAL, BOUNDED = 'name="JEN" speed="4.0"', 'name="JEN" speed="4.0" maxSpeed="4.5"'
-
-
-@pytest.fixture
-def models(tmp_path: Path) -> Path:
-    """A copy of the paper's models, in which no robot names its greatest speed."""
-    return copy_models(tmp_path)
 
 
 def test_the_code_has_the_greatest_speed_of_the_robot_that_names_one(models, tmp_path):
@@ -71,15 +61,3 @@ def test_a_script_gives_it_and_takes_it_back(models):
 
     assert bounded == before.replace(NOMINAL, BOUNDED)
     assert (models / MISSION).read_text(encoding="ascii") == before
-
-
-@pytest.mark.parametrize("given", [NOMINAL, BOUNDED])
-def test_fixing_something_else_keeps_it_as_it_is(models, given):
-    edit(models / MISSION, NOMINAL, given)
-    before = (models / MISSION).read_bytes()
-    edit(models / MISSION, '<goals ID="g2"', '<goals ID="g2" dependentGoals="g2"')
-
-    mending = mend(inspect_folder(models))
-
-    assert mending is not None
-    assert mending.contents == {models / MISSION: before}

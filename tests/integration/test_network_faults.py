@@ -4,7 +4,7 @@ import asyncio
 import json
 import resource
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from random import Random
 
@@ -29,21 +29,18 @@ from tests.support.missing import skip
 from tests.tiers import slow
 
 STRING = "std_msgs/String"
-Note = Callable[[str], None]
 
 
 @contextmanager
-def bounded(server: Server, extra: int, note: Note, what: str) -> Iterator[None]:
-    """Require that the server's memory grows by less than so much in the body; note it."""
+def bounded(server: Server, extra: int) -> Iterator[None]:
+    """Require that the server's memory grows by less than so much in the body."""
     before = server.peak_memory()
     yield
-    after = server.peak_memory()
-    note(f"{what}: the server took {before / MEBI:.0f} MiB, then at most {after / MEBI:.0f}")
-    assert after - before < extra
+    assert server.peak_memory() - before < extra
 
 
 @slow
-def test_a_client_that_never_reads_is_told_and_cut_off_and_the_others_miss_nothing(note):
+def test_a_client_that_never_reads_is_told_and_cut_off_and_the_others_miss_nothing():
     text = "x" * 65_536
     n_messages = 800
 
@@ -53,7 +50,7 @@ def test_a_client_that_never_reads_is_told_and_cut_off_and_the_others_miss_nothi
         Client(server.url) as speaker,
         Client(server.url) as reader,
     ):
-        with bounded(server, 40 * MEBI, note, "a client that never reads"):
+        with bounded(server, 40 * MEBI):
             deaf = raw_socket(server.url)
             send_operation(deaf, "subscribe", topic="/flood", type=STRING)
             reader.send("subscribe", topic="/flood", type=STRING)
@@ -70,12 +67,12 @@ def test_a_client_that_never_reads_is_told_and_cut_off_and_the_others_miss_nothi
 
 
 @slow
-def test_10_000_malformed_frames_harm_nobody(note):
+def test_10_000_malformed_frames_harm_nobody():
     random = Random(7)
     n_texts, n_binaries = 9_500, 500
 
     with bridge() as server, Witness(server.url) as witness:
-        with bounded(server, 40 * MEBI, note, "10,000 malformed frames"):
+        with bounded(server, 40 * MEBI):
             with Client(server.url) as client:
                 for number in range(n_texts):
                     client.send_raw(f'{{"op": "publish", "topic": "/{number}", "msg": ')
@@ -88,7 +85,6 @@ def test_10_000_malformed_frames_harm_nobody(note):
             assert witness.is_served()
         n_dropped = dropped(server)
 
-    note(f"10,000 malformed frames: {n_dropped:,} operations dropped")
     assert codes == {1007}
     assert n_dropped >= n_texts
 
@@ -100,11 +96,11 @@ def closed_after(url: str, content: bytes) -> int | None:
         return client.closed()
 
 
-def test_noise_below_the_websocket_protocol_harms_nobody(note):
+def test_noise_below_the_websocket_protocol_harms_nobody():
     random = Random(8)
 
     with bridge() as server, Witness(server.url) as witness:
-        with bounded(server, 20 * MEBI, note, "noise"):
+        with bounded(server, 20 * MEBI):
             for _ in range(200):
                 raw = raw_socket(server.url)
                 raw.sendall(bytes([random.randrange(256)]) + random.randbytes(300))
@@ -127,7 +123,7 @@ def many_files() -> Iterator[None]:
 
 @slow
 @pytest.mark.usefixtures("many_files")
-def test_1_000_connections_are_served_and_one_more_is_refused(note):
+def test_1_000_connections_are_served_and_one_more_is_refused():
     async def subscribed(url: str) -> ClientConnection:
         client = await connect_async(url, compression=None, ping_interval=None, open_timeout=30)
         operation = {"op": "subscribe", "topic": "/all", "type": STRING}
@@ -149,7 +145,7 @@ def test_1_000_connections_are_served_and_one_more_is_refused(note):
         return received, refused.value.response.status_code
 
     with bridge("--max-clients", 1000) as server:
-        with bounded(server, 120 * MEBI, note, "1,000 connections"):
+        with bounded(server, 120 * MEBI):
             received, status = asyncio.run(crowd(server.url))
 
         assert received == {"to all"}
@@ -159,9 +155,9 @@ def test_1_000_connections_are_served_and_one_more_is_refused(note):
 
 
 @pytest.mark.parametrize("manner", ["one frame", "continued frames", "fragments"])
-def test_a_message_of_100_megabytes_is_refused_in_bounded_memory(manner, note):
+def test_a_message_of_100_megabytes_is_refused_in_bounded_memory(manner):
     with bridge("--max-frame", 4) as server, Witness(server.url) as witness:
-        with bounded(server, 40 * MEBI, note, f"100 MB in {manner}"), raw_socket(server.url) as raw:
+        with bounded(server, 40 * MEBI), raw_socket(server.url) as raw:
             send_operation(raw, "set_level", level="error")
             hundred_megabytes(raw, manner)
             raw.shutdown(socket.SHUT_WR)

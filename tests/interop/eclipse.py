@@ -5,7 +5,7 @@ import json
 import os
 import shutil
 import subprocess
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import zip_longest
@@ -164,3 +164,21 @@ def _saved(path: Path, found: dict[str, Any]) -> Saved:
     """Return one answer of the harness; a file that cannot be loaded is not saved at all."""
     saved = Path(found["saved"] or os.devnull)
     return Saved(path, tuple(found["errors"]), saved, path.read_bytes(), saved.read_bytes())
+
+
+def require_same(part: str, emf: Sequence[Saved], ours: Iterable[bytes], note: Note) -> None:
+    """Note the figures, then require that we save what Eclipse saves, without problems."""
+    different = [
+        difference(file.path, file.content, content)
+        for file, content in zip(emf, ours, strict=True)
+        if content != file.content
+    ]
+    note(
+        part,
+        files_checked=len(emf),
+        with_equal_bytes=len(emf) - len(different),
+        differences=len(different),
+        complaints_of_EMF=sum(len(file.problems) for file in emf),
+    )
+    assert [found for file in emf for found in file.problems] == []
+    assert different[:9] == []

@@ -13,7 +13,15 @@ from m2t.saving import saved
 from m2t.specification import write_specification
 from m2t.write.ecore import dumps_metamodel
 from m2t.write.xmi import dumps
-from tests.interop.eclipse import METAMODELS, ROOT, Note, Saved, difference, require_harness, resave
+from tests.interop.eclipse import (
+    METAMODELS,
+    ROOT,
+    Note,
+    Saved,
+    require_harness,
+    require_same,
+    resave,
+)
 from tests.interop.random_metamodels import draw_metamodel
 from tests.interop.spellings import respelt
 from tests.support.cli import MISSION, SMALL, mrsfi, workspace
@@ -169,7 +177,7 @@ def test_emf_validates_drawn_metamodels_and_both_save_the_same_bytes(tmp_path, n
 
     again = [_loaded_metamodel(file.saved) for file in files]
     _require_equal("(b) drawn metamodels, from us to EMF", files, note)
-    _require_same("(b) drawn metamodels, from EMF to us", files, again, note)
+    require_same("(b) drawn metamodels, from EMF to us", files, again, note)
 
 
 def _loaded_metamodel(path: Path) -> bytes:
@@ -184,7 +192,7 @@ def test_what_emf_saves_we_load_and_write_with_the_same_bytes(drawn, emf, tmp_pa
 
     ours = [content for folder in drawn for content in _saved(tmp_path / folder.path.name)]
 
-    _require_same("(b) drawn models, from EMF to us", emf, ours, note)
+    require_same("(b) drawn models, from EMF to us", emf, ours, note)
 
 
 def test_other_spellings_are_saved_by_emf_and_us_with_the_same_bytes(emf, note):
@@ -192,27 +200,10 @@ def test_other_spellings_are_saved_by_emf_and_us_with_the_same_bytes(emf, note):
 
     ours = [content for folder in folders for content in _saved(folder)]
 
-    _require_same("(b) drawn models in other spellings", emf, ours, note)
+    require_same("(b) drawn models in other spellings", emf, ours, note)
 
 
 def _saved(folder: Path) -> tuple[bytes, bytes]:
     """Return what we save of the mission and the faults of a folder."""
     contents = saved(load_mission_folder(folder))
     return contents[folder / MISSION_FILE], contents[folder / FAULTS_FILE]
-
-
-def _require_same(part: str, emf: list[Saved], ours: list[bytes], note: Note) -> None:
-    pairs = list(zip(emf, ours, strict=True))
-    different = [
-        difference(file.path, file.content, content)
-        for file, content in pairs
-        if content != file.content
-    ]
-    note(
-        part,
-        files_checked=len(pairs),
-        with_equal_bytes=len(pairs) - len(different),
-        differences=len(different),
-    )
-    assert [found for file in emf for found in file.problems] == []
-    assert different[:9] == []

@@ -58,7 +58,6 @@ _RECORDED = " and ".join(
     for left_out in (
         "metamodel",
         "additions",  # what a team adds to the metamodels is not known to EVL
-        "command_line",
         "broken_model_is_reported",  # a part of their own
         "mutilated",  # broken in their structure, nearly all of them
     )

@@ -4,10 +4,11 @@ import json
 import os
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import chdir, redirect_stderr, redirect_stdout
+from contextlib import chdir, closing, redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -153,6 +154,13 @@ def stop_specification(
     )
     path.write_text(_SPECIFICATION.format(faults=faults), encoding="ascii")
     return path
+
+
+def execute(campaign: Path, *statements: str) -> None:
+    """Edit the record of a campaign."""
+    with closing(sqlite3.connect(campaign / "campaign.sqlite")) as store, store:
+        for statement in statements:
+            store.execute(statement)
 
 
 def contents(folder: Path) -> Mapping[str, tuple[bytes, int]]:

@@ -22,225 +22,161 @@ OTHER = KERNEL + TWO
 COLORS = "import enum\nclass Low(enum.IntEnum):\n    A = 1\nclass High(enum.IntEnum):\n    A = 2\n"
 
 
-def _verdict(body: str, names: str = "", arguments: str = "x") -> Mapping[str, str]:
-    """Return a function in one file, and what its names stand for in another."""
+def _edit(
+    body: str, names: str, old: str, new: str, other: str = "", arguments: str = "x"
+) -> tuple[Mapping[str, str], str, str]:
+    """Return a function in one file, what its names stand for in others, and an edit of them."""
     verdict = f"{KERNEL}from edit_names import *\n@kernel\ndef verdict({arguments}):\n"
-    return {"edit_team": f"{verdict}    return {body}\n", "edit_names": f"{KERNEL}{names}\n"}
+    files = {"edit_team": f"{verdict}    return {body}\n", "edit_names": f"{KERNEL}{names}\n"}
+    return files | ({"edit_other": other} if other else {}), old, new
 
 
 def _numbers(last: float) -> str:
     return f"import numpy as np\nTABLE = np.arange(5000) * 0.1\nTABLE[2500] = {last}\n"
 
 
-_INNER = {"edit_other": f"{KERNEL}@kernel\ndef inner(x):\n    return x * 2.0\n"}
-_BY_MODULE = {"edit_other": OTHER}
-
 EDITS: Mapping[str, tuple[Mapping[str, str], str, str]] = {
-    "alias of an import": (
-        {
-            **_verdict("policy(x)", "from edit_other import careful as policy"),
-            **_BY_MODULE,
-        },
+    "alias of an import": _edit(
+        "policy(x)",
+        "from edit_other import careful as policy",
         "careful as policy",
         "bold as policy",
+        OTHER,
     ),
-    "default of an argument": (
-        {**_verdict("pick(x, 2.0)", "PICK = min", "x, pick=PICK")},
-        "PICK = min",
-        "PICK = max",
+    "default of an argument": _edit(
+        "pick(x, 2.0)", "PICK = min", "PICK = min", "PICK = max", arguments="x, pick=PICK"
     ),
-    "default of a keyword": (
-        {**_verdict("by(x)", "@kernel\ndef by(x, *, step=1.0):\n    return x + step\n")},
-        "step=1.0",
-        "step=2.0",
+    "default of a keyword": _edit(
+        "by(x)", "@kernel\ndef by(x, *, step=1.0):\n    return x + step\n", "step=1.0", "step=2.0"
     ),
-    "a library's function behind a name": (
-        {**_verdict("whole(x)", "from math import floor as whole")},
-        "floor",
-        "ceil",
+    "a library's function behind a name": _edit(
+        "whole(x)", "from math import floor as whole", "floor", "ceil"
     ),
-    "a builtin behind a name": (
-        {**_verdict("pick(x, 2.0)", "pick = min")},
-        "pick = min",
-        "pick = max",
-    ),
-    "alias of a constant": (
-        {
-            **_verdict("x + LIMIT", "from edit_other import LOW as LIMIT"),
-            "edit_other": "LOW, HIGH = 1.0, 2.0\n",
-        },
+    "a builtin behind a name": _edit("pick(x, 2.0)", "pick = min", "pick = min", "pick = max"),
+    "alias of a constant": _edit(
+        "x + LIMIT",
+        "from edit_other import LOW as LIMIT",
         "LOW as",
         "HIGH as",
+        "LOW, HIGH = 1.0, 2.0\n",
     ),
-    "alias of a class": ({**_verdict("kind(x)", "kind = int")}, "= int", "= float"),
-    "fields of a class": (
-        {
-            **_verdict(
-                "Point(x, 1.0).a",
-                "from typing import NamedTuple\n"
-                "class Point(NamedTuple):\n    a: float\n    b: float\n",
-            )
-        },
+    "alias of a class": _edit("kind(x)", "kind = int", "= int", "= float"),
+    "fields of a class": _edit(
+        "Point(x, 1.0).a",
+        "from typing import NamedTuple\nclass Point(NamedTuple):\n    a: float\n    b: float\n",
         "    a: float\n    b: float\n",
         "    b: float\n    a: float\n",
     ),
-    "alias of an enum": (
-        {
-            **_verdict("x if Color.A > 1 else -x", "from edit_other import Low as Color"),
-            "edit_other": COLORS,
-        },
+    "alias of an enum": _edit(
+        "x if Color.A > 1 else -x",
+        "from edit_other import Low as Color",
         "Low as",
         "High as",
+        COLORS,
     ),
-    "value of an enum": (
-        {
-            **_verdict("x if Low.A > 1 else -x", "from edit_other import Low"),
-            "edit_other": COLORS,
-        },
-        "A = 1",
-        "A = 3",
+    "value of an enum": _edit(
+        "x if Low.A > 1 else -x", "from edit_other import Low", "A = 1", "A = 3", COLORS
     ),
-    "swapped closures": (
-        {
-            **_verdict(
-                "first(x) - 2.0 * second(x)",
-                "from edit_other import made\nfirst, second = made(3.0), made(5.0)",
-            ),
-            "edit_other": f"{KERNEL}def made(step):\n    @kernel\n    def by(x):\n"
-            "        return x * step\n    return by\n",
-        },
+    "swapped closures": _edit(
+        "first(x) - 2.0 * second(x)",
+        "from edit_other import made\nfirst, second = made(3.0), made(5.0)",
         "first, second =",
         "second, first =",
+        f"{KERNEL}def made(step):\n    @kernel\n    def by(x):\n"
+        "        return x * step\n    return by\n",
     ),
-    "a tuple of functions": (
-        {
-            **_verdict("ALL[0](x)", "from edit_other import careful, bold\nALL = (careful, bold)"),
-            **_BY_MODULE,
-        },
+    "a tuple of functions": _edit(
+        "ALL[0](x)",
+        "from edit_other import careful, bold\nALL = (careful, bold)",
         "(careful, bold)",
         "(bold, careful)",
+        OTHER,
     ),
-    "a tuple of long arrays": (
-        {
-            **_verdict("x + ALL[0][2500]", "from edit_other import TABLE\nALL = (TABLE,)"),
-            "edit_other": _numbers(7.0),
-        },
+    "a tuple of long arrays": _edit(
+        "x + ALL[0][2500]",
+        "from edit_other import TABLE\nALL = (TABLE,)",
         "7.0",
         "8.0",
+        _numbers(7.0),
     ),
-    "nearly equal digits": (
-        {
-            **_verdict("x * 0.0 + TABLE[2500]", "from edit_other import TABLE"),
-            "edit_other": _numbers(0.1),
-        },
+    "nearly equal digits": _edit(
+        "x * 0.0 + TABLE[2500]",
+        "from edit_other import TABLE",
         "= 0.1\n",
         "= 0.10000000000000002\n",
+        _numbers(0.1),
     ),
-    "a nested tuple": (
-        {**_verdict("x + ALL[0][1]", "ALL = ((1, 2.5), 3)")},
-        "2.5",
-        "4.5",
-    ),
-    "a helper of a helper in another file": (
-        {
-            **_verdict("inner(inner(x))", "from edit_other import inner"),
-            **_INNER,
-        },
+    "a nested tuple": _edit("x + ALL[0][1]", "ALL = ((1, 2.5), 3)", "2.5", "4.5"),
+    "a helper of a helper in another file": _edit(
+        "inner(inner(x))",
+        "from edit_other import inner",
         "x * 2.0",
         "x * 3.0",
+        f"{KERNEL}@kernel\ndef inner(x):\n    return x * 2.0\n",
     ),
-    "a marked lambda": (
-        {**_verdict("by(x)", "by = kernel(lambda x: x + 1.0)")},
-        "x + 1.0",
-        "x + 2.0",
-    ),
-    "a partial function": (
-        {
-            **_verdict(
-                "by(x)",
-                "from functools import partial\nfrom edit_other import careful, bold\n"
-                "by = partial(careful)",
-            ),
-            **_BY_MODULE,
-        },
+    "a marked lambda": _edit("by(x)", "by = kernel(lambda x: x + 1.0)", "x + 1.0", "x + 2.0"),
+    "a partial function": _edit(
+        "by(x)",
+        "from functools import partial\nfrom edit_other import careful, bold\n"
+        "by = partial(careful)",
         "partial(careful)",
         "partial(bold)",
+        OTHER,
     ),
-    "what a module's name stands for": (
-        {
-            **_verdict("edit_other.policy(x)", "import edit_other"),
-            "edit_other": f"{OTHER}policy = careful\n",
-        },
+    "what a module's name stands for": _edit(
+        "edit_other.policy(x)",
+        "import edit_other",
         "policy = careful",
         "policy = bold",
+        f"{OTHER}policy = careful\n",
     ),
-    "what a star imports": (
-        {
-            **_verdict("x + LIMIT", "from edit_other import *"),
-            "edit_other": "LIMIT = 1.0\n",
-        },
-        "1.0",
-        "2.0",
+    "what a star imports": _edit(
+        "x + LIMIT", "from edit_other import *", "1.0", "2.0", "LIMIT = 1.0\n"
     ),
-    "a constant that an import computes": (
-        {
-            **_verdict("x + LIMIT", "from edit_other import LIMIT"),
-            "edit_other": "LIMIT = sum(k * 0.5 for k in range(9))\n",
-        },
+    "a constant that an import computes": _edit(
+        "x + LIMIT",
+        "from edit_other import LIMIT",
         "range(9)",
         "range(8)",
+        "LIMIT = sum(k * 0.5 for k in range(9))\n",
     ),
-    "a wrapped helper": (
-        {
-            **_verdict(
-                "by(x)",
-                "def twice(inner):\n    @kernel\n    def outer(x):\n"
-                "        return inner(inner(x))\n    return outer\n"
-                "@twice\n@kernel\ndef by(x):\n    return x + 1.0\n",
-            )
-        },
+    "a wrapped helper": _edit(
+        "by(x)",
+        "def twice(inner):\n    @kernel\n    def outer(x):\n"
+        "        return inner(inner(x))\n    return outer\n"
+        "@twice\n@kernel\ndef by(x):\n    return x + 1.0\n",
         "x + 1.0",
         "x + 2.0",
     ),
-    "a global in a comprehension": (
-        {**_verdict("max([x * STEP for _ in range(2)])", "STEP = 1.5")},
-        "1.5",
-        "2.5",
+    "a global in a comprehension": _edit(
+        "max([x * STEP for _ in range(2)])", "STEP = 1.5", "1.5", "2.5"
     ),
-    "a text": (
-        {**_verdict("x if MODE == 'near' else -x", "MODE = 'near'")},
-        "MODE = 'near'",
-        "MODE = 'away'",
+    "a text": _edit(
+        "x if MODE == 'near' else -x", "MODE = 'near'", "MODE = 'near'", "MODE = 'away'"
     ),
-    "a number of numpy": (
-        {**_verdict("x + LIMIT", "import numpy as np\nLIMIT = np.float64(1.0)")},
+    "a number of numpy": _edit(
+        "x + LIMIT",
+        "import numpy as np\nLIMIT = np.float64(1.0)",
         "np.float64(1.0)",
         "np.float64(1.1)",
     ),
-    "an attribute of a function": (
-        {**_verdict("x + by.step", "@kernel\ndef by(x):\n    return x\nby.step = 1.0\n")},
+    "an attribute of a function": _edit(
+        "x + by.step",
+        "@kernel\ndef by(x):\n    return x\nby.step = 1.0\n",
         "step = 1.0",
         "step = 2.0",
     ),
-    "a conditional import": (
-        {
-            **_verdict(
-                "policy(x)",
-                "IS_BOLD = False\nif IS_BOLD:\n    from edit_other import bold as policy\n"
-                "else:\n    from edit_other import careful as policy",
-            ),
-            **_BY_MODULE,
-        },
+    "a conditional import": _edit(
+        "policy(x)",
+        "IS_BOLD = False\nif IS_BOLD:\n    from edit_other import bold as policy\n"
+        "else:\n    from edit_other import careful as policy",
         "IS_BOLD = False",
         "IS_BOLD = True",
+        OTHER,
     ),
-    "an object": (
-        {
-            **_verdict(
-                "LIMIT.value + x",
-                "class Limit:\n    value = 1.0\nLIMIT = Limit()",
-            )
-        },
+    "an object": _edit(
+        "LIMIT.value + x",
+        "class Limit:\n    value = 1.0\nLIMIT = Limit()",
         "value = 1.0",
         "value = 2.0",
     ),

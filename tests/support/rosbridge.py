@@ -7,6 +7,7 @@ specification per seed in a process of its own: a process has one kind of client
 import asyncio
 import json
 import logging
+import os
 import subprocess
 import sys
 import threading
@@ -36,7 +37,7 @@ _SILENT.disabled = True
 _OPTIONS = {"compression": None, "max_size": None, "ping_interval": None, "logger": _SILENT}
 
 Tamper = Callable[[str], list[str]]
-"""What becomes of a frame: nothing, itself, itself twice, others."""
+"""What becomes of a frame."""
 
 
 def digests(engine: Engine, seeds: Sequence[int]) -> list[list[str]]:
@@ -87,8 +88,8 @@ class Relay:
     ----------
     upstream
         The server behind it.
-    to_server, to_client
-        What becomes of the frames in either direction.
+    to_server
+        What becomes of the frames to the server.
     jitter
         Greatest delay of a frame in seconds; the delays are random.
     scatter
@@ -101,13 +102,11 @@ class Relay:
         upstream: str,
         *,
         to_server: Tamper | None = None,
-        to_client: Tamper | None = None,
         jitter: float = 0.0,
         scatter: float = 0.0,
     ) -> None:
         self._upstream = upstream
         self._to_server = to_server or (lambda frame: [frame])
-        self._to_client = to_client or (lambda frame: [frame])
         self._jitter = jitter
         self._scatter = scatter
         self._random = Random(1)
@@ -138,7 +137,7 @@ class Relay:
         async with connect(self._upstream, **_OPTIONS) as server:
             await asyncio.gather(
                 self._pump(client, server, self._to_server),
-                self._pump(server, client, self._to_client),
+                self._pump(server, client, lambda frame: [frame]),
             )
 
     async def _pump(self, source, sink, tamper: Tamper) -> None:
@@ -191,37 +190,15 @@ def _topic(frame: str) -> str:
     return message["topic"] if message["op"] == "publish" else ""
 
 
-def nth(topic: str, n: int, change: Tamper) -> Tamper:
-    """Return a tamper that changes what becomes of the n-th message on a topic, from 0."""
-    seen = []
-
-    def tamper(frame: str) -> list[str]:
-        message = json.loads(frame)
-        if message["op"] != "publish" or message["topic"] != topic:
-            return [frame]
-        seen.append(frame)
-        return change(frame) if len(seen) == n + 1 else [frame]
-
-    return tamper
-
-
-def numbers(change: Callable[..., Sequence[int]]) -> Tamper:
-    """Return what becomes of a message of numbers, given how they change."""
-
-    def renumbered(frame: str) -> list[str]:
-        message = json.loads(frame)
-        message["msg"]["data"] = list(change(*message["msg"]["data"]))
-        return [json.dumps(message)]
-
-    return renumbered
-
-
 @contextmanager
-def process(*words: str | Path, cwd: Path = ROOT) -> Iterator[subprocess.Popen[str]]:
-    """Run ``mrsfi`` in a process that ends with the test."""
+def process(
+    *words: str | Path, cwd: Path = ROOT, program: Sequence[str] = (), **environment: str
+) -> Iterator[subprocess.Popen[str]]:
+    """Run ``mrsfi``, or another program, in a process that ends with the test."""
     running = subprocess.Popen(
-        command_line(*words),
+        [*program, *words] if program else command_line(*words),
         cwd=cwd,
+        env={**os.environ, **environment},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         encoding="utf-8",

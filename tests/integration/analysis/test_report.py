@@ -367,11 +367,6 @@ def test_what_an_earlier_longer_report_left_is_removed(tmp_path):
     assert "old" not in stems(folder / "tables", ".csv")
 
 
-def test_a_folder_without_a_campaign_is_refused(tmp_path):
-    with pytest.raises(RecordError, match="expected the folder of a campaign"):
-        write_report(tmp_path, CODE.mission, CODE.pool, write)
-
-
 def test_a_report_that_cannot_be_written_is_a_record_error(tmp_path):
     folder = write_campaign(tmp_path / "run", n_generations=1)
     (folder / "figures").write_text("a file where a folder should be")

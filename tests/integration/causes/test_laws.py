@@ -9,11 +9,9 @@ from math import comb
 import pytest
 
 from mrsfi_runtime.causes.attribution import attribute
-from mrsfi_runtime.causes.cause_set import Question, floor
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import explain
 from mrsfi_runtime.causes.labels import BYSTANDER, JOINT, LESSER, MASKING, REDUNDANT, SOLE
-from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -160,15 +158,3 @@ def test_counts_over_mission_seeds_are_sums(engines):
     assert counts == tuple(
         sum(getattr(outcome, kind)[0] for outcome in outcomes) for kind in ("masked", "true")
     )
-
-
-@pytest.mark.parametrize("mission", MISSIONS)
-def test_the_reference_engine_finds_the_same_cause_set(mission, engines):
-    drawn = specification(engines(mission).code, 2, 5)
-    found = []
-    for engine in (engines(mission), ReferenceEngine(engines(mission).code, 1)):
-        flown = flights(engine)
-        counts = flown.counts(drawn)
-        found.append(Question(flown, drawn, floor(counts, KEEP, range(len(counts)))).minimum())
-
-    assert found[0] == found[1]

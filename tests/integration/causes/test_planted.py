@@ -1,17 +1,14 @@
 """Causes that are there by construction, in the mission of ``tests/support/rendezvous.py``."""
 
 from dataclasses import replace
-from itertools import count
 
 import pytest
 
-from mrsfi.explaining import NamedSpecification, require_repeatable
 from mrsfi_runtime.causes.chain import FirstVerdict
 from mrsfi_runtime.causes.counts import Flights
 from mrsfi_runtime.causes.explanation import explain
 from mrsfi_runtime.cli.explained import Shown, print_explanation
 from mrsfi_runtime.engine.reference import ReferenceEngine
-from mrsfi_runtime.errors import ReplayMismatch
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.measure import Measure
@@ -102,24 +99,6 @@ def test_a_fault_that_hides_what_another_does(engine):
     assert labels["g2"] == ("bystander", "bystander", "sole")
     assert found.cause.places == (0, 2)
     assert found.left_out[1][0] == 50
-
-
-def test_flights_that_differ_are_no_ground_to_explain(engine):
-    seeds = count(1)
-
-    class Chancy(ReferenceEngine):
-        """Flies in other weather every time, whatever it is asked for."""
-
-        def evaluate(self, specification, seed=None, **more):
-            del seed
-            return super().evaluate(specification, next(seeds), **more)
-
-    subject = NamedSpecification(
-        "x", "x.xmi", named_faults(engine.code.mission, engine.code.pool, ())
-    )
-    require_repeatable(engine, subject)
-    with pytest.raises(ReplayMismatch, match=r"x\.xmi: flown twice, it had violations "):
-        require_repeatable(Chancy(engine.code, 1), subject)
 
 
 def test_what_is_violated_without_any_fault_has_no_cause(engine, capsys):

@@ -10,13 +10,10 @@ MISSION = "mission.xmi"
 FAULTS = "faults.xmi"
 
 
-def copy_models(folder: Path) -> Path:
+def copy_models(folder: Path, name: str = "uuv") -> Path:
     """Copy the paper's mission folder below a folder and return the copy."""
-    copy = folder / "models" / "uuv"
-    shutil.copytree(
-        MODELS, copy, ignore=shutil.ignore_patterns("*.mrsfi-*")
-    )  # of another test that generates
-    return copy
+    passing = shutil.ignore_patterns("*.mrsfi-*")  # of another test that generates
+    return Path(shutil.copytree(MODELS, folder / "models" / name, ignore=passing))
 
 
 def edit(path: Path, old: str, new: str) -> None:

@@ -1,13 +1,11 @@
-"""Models to generate from: copies of the paper's mission, and missions of other shapes."""
+"""Missions of other shapes than the paper's to generate from, and what is generated."""
 
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 from tests.support.tree import ROOT
 
-MODELS = ROOT / "models" / "uuv_sampling"
 GENERATED = ROOT / "generated" / "uuv_sampling"
 FILES = (
     "mission_loader.py",
@@ -25,12 +23,6 @@ ALL_TASKS = (_HERE / "all_tasks.xmi").read_text(encoding="ascii")
 
 BARE = (_HERE / "bare.xmi").read_text(encoding="ascii")
 """As little as a mission may hold: one robot, one goal, no sensor, no obstacle, no server."""
-
-
-def copy_models(folder: Path) -> Path:
-    """Return a copy of the paper's mission folder under its own name."""
-    copy = folder / "models" / "uuv_sampling"
-    return Path(shutil.copytree(MODELS, copy, ignore=shutil.ignore_patterns("*.mrsfi-*")))
 
 
 def write_mission(folder: Path, name: str, mission: str) -> Path:
