@@ -15,7 +15,7 @@ from mrsfi_runtime.cli.options import (
     mission_argument,
     recording_options,
 )
-from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.record.manifest import BOTH, CI
 
 if TYPE_CHECKING:
@@ -91,7 +91,6 @@ def command(
             )
         _serve(folders.name, code, settings)
         return
-    settings = settings.tried(code, seed, tell) if settings.name == AUTO else settings
     pool, specification = (code.pool, ()) if faults is None else _written(faults, code)
     flown = "without faults" if faults is None else f"under {faults}"
     title = f"{folders.name}, {code.mission.duration} ticks, seed {seed}, {flown}"
