@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Sequence
-from difflib import get_close_matches
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any, cast
@@ -100,16 +99,6 @@ class CommandGroup(click.Group):
         module = import_module(f"mrsfi_runtime.cli.{_MODULES.get(cmd_name, cmd_name)}")
         return cast("click.Command", module.command)
 
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Return the subcommand of arguments; of a misspelt one, say what may have been meant."""
-        near = get_close_matches(args[0], _COMMANDS, 1)
-        if args[0] not in _COMMANDS and near:
-            message = f"No such command '{args[0]}'. Did you mean '{near[0]}'?"
-            raise click.UsageError(message, ctx)
-        return super().resolve_command(ctx, args)
-
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature
         """List the subcommands without importing them."""
         with formatter.section("Commands"):
@@ -151,7 +140,12 @@ def _print_version(ctx: click.Context, _: click.Parameter, is_wanted: bool) -> N
         ctx.exit()
 
 
-@click.group(cls=CommandGroup, help=_HELP, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=CommandGroup,
+    commands=dict.fromkeys(_COMMANDS),  # for what may have been meant by another name
+    help=_HELP,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 @click.option("--traceback", is_flag=True, help="On an error, say where in the code it arose.")
 @click.option(
     "--version",

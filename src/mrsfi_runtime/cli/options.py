@@ -44,7 +44,7 @@ BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-class OneOf(click.Choice):  # type: ignore[type-arg]  # of click 8.1, too
+class OneOf(click.Choice[str]):
     """A choice that also says what may have been meant."""
 
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:  # noqa: ARG002 - click's signature
