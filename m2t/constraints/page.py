@@ -33,10 +33,10 @@ they quote numbers as Eclipse would write them (`-5.0`, not `-5`).
 {reasons}
 - `FaultFreeMission` (warning) and `MissionFlies` (error) need a flight, and so `mrsfi validate`: a
   goal is violated although nothing fails; the mission's own code fails.
-- `RegionFilled`, `RegionRuns` (errors), `RegionCompiles` and `RegionCompilesAlike` (warnings) are
-  said of regions of the generated code, not of models, by `mrsfi validate` alone: a goal task
-  or an effect of your own has empty regions until you fill them; a line cannot run; [the
-  compiled engine](compiled.md) cannot compile it, or makes something else of it.
+- `RegionFilled`, `RegionRuns` (errors) and `RegionCompilesAlike` (a warning) are said of regions of
+  the generated code, not of models, by `mrsfi validate` alone: a goal task or an effect of your
+  own has empty regions until you fill them; a line cannot run; [the compiled
+  engine](compiled.md) makes something else of it.
 - `ResolvedReference` is stated for references to other files; a dangling one within its own file
   makes Eclipse refuse it, or drop the reference without a word if it has a colon.
 

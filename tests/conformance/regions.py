@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from mrsfi_runtime.engine.compiled.compiler import register
+from mrsfi_runtime.engine.compiled.compiler import compiled_region, register
 from mrsfi_runtime.engine.compiled.directories import entries
 from mrsfi_runtime.engine.compiled.layout import laid_out
 from mrsfi_runtime.engine.compiled.likeness import Checked
 from mrsfi_runtime.engine.compiled.reach import Reached
+from mrsfi_runtime.engine.compiled.regions import Region
 from mrsfi_runtime.engine.compiled.views import seen_as
 from mrsfi_runtime.generated_code import load_code, load_module
 from mrsfi_runtime.kernel.initial import initial_state
@@ -74,6 +75,12 @@ def outcomes(folder: Path, n_states: int = 40) -> Iterator[tuple[Any, Any]]:
             state = drawn_state(rng)
             laid = LaidOut(state)
             yield _outcome(plain, state, state), _outcome(run, laid.address, laid)
+
+
+def compile_alone(folder: Path) -> None:
+    """Compile the region as the engine does."""
+    function = load_module(f"region_{next(_numbers)}", folder / COLLECTIVE).check_g1
+    compiled_region(folder, Region(function, "check", 1), Reached([function]))
 
 
 def _outcome(function: Any, argument: Any, state: Any) -> Any:

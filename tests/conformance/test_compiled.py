@@ -163,11 +163,11 @@ def test_a_region_may_raise_an_error_of_its_own_with_values(tmp_path, is_cached)
 @pytest.mark.parametrize(
     ("body", "expected"),
     [
-        ("return any(robot.x > 1.0 for robot in ci.robots)", "use of yield"),
+        ("return any(robot.x > 1.0 for robot in ci.robots)", "a generator expression"),
         ("return unmarked(ci)", "'unmarked' is not marked @kernel"),
         ("return LIMITS['x'] > 1", "'LIMITS' is a global dict"),
-        ("with open(__file__) as file:\n    return True", "with"),
-        ("import math\nreturn math.pi > 3.0", "IMPORT_NAME"),
+        ("with open(__file__) as file:\n    return True", "a `with`"),
+        ("import math\nreturn math.pi > 3.0", "an import"),
     ],
 )
 def test_a_region_that_cannot_be_compiled_is_named_with_its_line(tmp_path, body, expected):

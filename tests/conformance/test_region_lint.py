@@ -1,29 +1,19 @@
-"""What the lint of regions says was measured: it differs, does not compile, or is alike."""
+"""What the lint of regions says was measured: it differs or is alike; and what does not compile."""
 
 import sys
 from operator import attrgetter
 
 import pytest
-from numba.core.errors import NumbaError, UnsupportedBytecodeError
 from numpy._core._multiarray_umath import __cpu_features__ as cpu_features
 
-from mrsfi_runtime.engine.region_names import NAMES
-from tests.conformance.regions import outcomes
+from mrsfi_runtime.engine.compiled.reach import CompilationError
+from tests.conformance.regions import compile_alone, outcomes
 from tests.support import lint_cases
+from tests.support.edited import COLLECTIVE, REGION
 from tests.support.lint_cases import named, written
 from tests.tiers import in_turn, seeds
 
-DIFFERENT = lint_cases.DIFFERENT + [
-    case for case in lint_cases.CALLS if NAMES[case.name].does_compile
-]
-NOT_COMPILED = (
-    lint_cases.NOT_COMPILED
-    + lint_cases.HELPERS
-    + [case for case in lint_cases.CALLS if not NAMES[case.name].does_compile]
-)
-ERRORS = (NumbaError, UnsupportedBytecodeError, NotImplementedError, AssertionError, ValueError)
-
-
+DIFFERENT = lint_cases.DIFFERENT + lint_cases.CALLS
 WIDE = {
     *("numpy.arccos", "numpy.arcsin", "numpy.arctan", "numpy.arctan2", "numpy.tan"),
     *("numpy.arcsinh", "numpy.arctanh", "numpy.cosh", "numpy.sinh", "numpy.cbrt", "numpy.power"),
@@ -44,12 +34,15 @@ def test_what_is_warned_of_compiles_and_differs(tmp_path, case):
     assert _is_different(tmp_path) != is_alike_here
 
 
-@pytest.mark.parametrize("case", **named(NOT_COMPILED))
-def test_what_is_said_not_to_compile_does_not(tmp_path, case):
-    written(tmp_path, case)
+@pytest.mark.parametrize("case", **named(lint_cases.NOT_COMPILED))
+def test_what_does_not_compile_is_said_with_its_line_and_what_to_write(tmp_path, case):
+    line = written(tmp_path, case)
 
-    with pytest.raises(ERRORS):
-        list(outcomes(tmp_path, 1))
+    with pytest.raises(CompilationError) as refused:
+        compile_alone(tmp_path)
+
+    where = f"{tmp_path / COLLECTIVE}:{line}: region {REGION}"
+    assert str(refused.value) == f"{where} cannot be compiled: {case.said}"
 
 
 @pytest.mark.parametrize("case", in_turn(lint_cases.ALIKE), ids=attrgetter("name"))

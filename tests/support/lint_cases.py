@@ -1,9 +1,9 @@
-"""Bodies of regions that are alike when compiled or not, for what is said and what is measured."""
+"""Bodies of regions: alike when compiled or not, and what is said of them."""
 
 from pathlib import Path
 from typing import NamedTuple
 
-from mrsfi_runtime.engine.region_names import NAMES
+from mrsfi_runtime.engine.region_rules import NAMES
 from tests.support.edited import write_region
 
 IMPORTS = "import math\nimport random\nimport time\nimport numpy as np\n"
@@ -13,12 +13,13 @@ UNIT = "(ci.robots[0].x + k) / 1600.0"
 
 
 class Case(NamedTuple):
-    """A body of a region, and the line of it that is remarked upon."""
+    """A body of a region, the line of it that is remarked upon, and what the compiler says."""
 
     name: str
     body: str
     line: int = 0
     helpers: str = ""
+    said: str = ""
 
 
 def sweep(name, expression, x=POSITIVE):
@@ -82,31 +83,131 @@ DIFFERENT = [
     Case("arc cosine", "return math.acos(ci.robots[0].x / 100.0)"),
 ]
 
+GENERATOR = "it has a generator expression; write a loop"
+CLASS = "it has a class; write functions, or constants in the region 'helpers'"
+WITH = "it has a `with`; leave it out: a region reads and commands `ci` alone"
+EXCEPTION = "it tells exceptions apart; write `except Exception:`, or test before instead"
+TEXT = "it makes a text; leave texts to the analysis"
+DICT = "'LIMITS' is a global dict; write a number, or a tuple of numbers"
+
 NOT_COMPILED = [
-    Case("generator", "return sum(r.x for r in ci.robots) > 0.0"),
-    Case("any", "return any([r.x > 0.0 for r in ci.robots])"),
-    Case("set comprehension", "return len({k % 3 for k in range(9)})"),
-    Case("walrus", "if (t := ci.mission.tick) > 500:\n    return t\nreturn 0"),
-    Case("with", "with open('x') as file:\n    return 1"),
-    Case("import", "import math\nreturn math.pi"),
-    Case("global", "global N\nN = 2\nreturn N", 0, "N = 1\n"),
-    Case("class", "class A:\n    pass\nreturn 1"),
-    Case("deleted", "q = [1, 2]\ndel q[0]\nreturn q[0]", 1),
-    Case("named exception", "try:\n    t = 1\nexcept IndexError:\n    t = 2\nreturn t", 2),
-    Case("kept exception", "try:\n    t = 1\nexcept Exception as e:\n    t = 2\nreturn t", 2),
-    Case("starred", "a, *b = (1, 2, 3)\nreturn b[0]"),
-    Case("open", "return len(open('x').read())"),
-    Case("time", "return time.time()"),
-    Case("key of a minimum", "return min([1, 2, 3], key=lambda k: -k)"),
-    Case("list of records", "q = [r for r in ci.robots]\nreturn q[0].x"),
-    Case("method of a list of the state", "return ci.hazards.index(3)"),
-    Case("global dict", "return LIMITS['x'] > 1", 0, "LIMITS = {'x': 2}\n"),
-    Case("global list", "return LIMITS[0] > 1", 0, "LIMITS = [2]\n"),
-    Case("unmarked", "return unmarked(1)", 0, "def unmarked(x):\n    return x\n"),
-    Case("format spec", 'return len(f"{ci.robots[0].x:.2f}")'),
-    Case("percent", 'return len("%d" % ci.mission.tick)'),
-    Case("format method", 'return len("{}".format(3))'),
+    Case("generator", "return sum(r.x for r in ci.robots) > 0.0", said=GENERATOR),
+    Case(
+        "any",
+        "return any([r.x > 0.0 for r in ci.robots])",
+        said="'any' of Python is not known to the compiler; write a loop, or leave it out",
+    ),
+    Case(
+        "set comprehension",
+        "return len({k % 3 for k in range(9)})",
+        said="it has a set comprehension; write a loop",
+    ),
+    Case(
+        "walrus",
+        "if (t := ci.mission.tick) > 500:\n    return t\nreturn 0",
+        said="it has `:=`; assign on a line of its own",
+    ),
+    Case("with", "with open('x') as file:\n    return 1", said=WITH),
+    Case(
+        "import",
+        "import math\nreturn math.pi",
+        said="it has an import; import in the region 'imports'",
+    ),
+    Case(
+        "global",
+        "global N\nN = 2\nreturn N",
+        0,
+        "N = 1\n",
+        "it has a `global`; keep what lasts in the fields of `ci`",
+    ),
+    Case("class", "class A:\n    pass\nreturn 1", said=CLASS),
+    Case(
+        "deleted",
+        "q = [1, 2]\ndel q[0]\nreturn q[0]",
+        1,
+        said="it has a `del`; leave the name alone",
+    ),
+    Case(
+        "named exception",
+        "try:\n    t = 1\nexcept IndexError:\n    t = 2\nreturn t",
+        2,
+        said=EXCEPTION,
+    ),
+    Case(
+        "kept exception",
+        "try:\n    t = 1\nexcept Exception as e:\n    t = 2\nreturn t",
+        2,
+        said=EXCEPTION,
+    ),
+    Case(
+        "starred",
+        "a, *b = (1, 2, 3)\nreturn b[0]",
+        said="it unpacks with a star; unpack by index",
+    ),
+    Case(
+        "open",
+        "return len(open('x').read())",
+        said="'open' of Python is not known to the compiler; write a loop, or leave it out",
+    ),
+    Case(
+        "time",
+        "return time.time()",
+        said="'time.time' is not known to the compiler; write the formula, or leave it out",
+    ),
+    Case(
+        "function of math",
+        "return math.fsum([ci.robots[0].x])",
+        said="'math.fsum' is not known to the compiler; write the formula, or leave it out",
+    ),
+    Case(
+        "key of a minimum",
+        "return min([1, 2, 3], key=lambda k: -k)",
+        said="'min' takes numbers alone; write a loop",
+    ),
+    Case(
+        "list of records",
+        "q = [r for r in ci.robots]\nreturn q[0].x",
+        said="it lists records; list their indices",
+    ),
+    Case(
+        "method of a list of the state",
+        "return ci.hazards.index(3)",
+        said="a list has no 'index' when compiled; write a loop",
+    ),
+    Case("global dict", "return LIMITS['x'] > 1", 0, "LIMITS = {'x': 2}\n", DICT),
+    Case(
+        "global list",
+        "return LIMITS[0] > 1",
+        0,
+        "LIMITS = [2]\n",
+        "'LIMITS' is a global list; write a tuple of numbers",
+    ),
+    Case(
+        "unmarked",
+        "return unmarked(1)",
+        0,
+        "def unmarked(x):\n    return x\n",
+        "'unmarked' is not marked @kernel; mark it",
+    ),
+    Case("format spec", 'return len(f"{ci.robots[0].x:.2f}")', said=TEXT),
+    Case("percent", 'return len("%d" % ci.mission.tick)', said=TEXT),
+    Case("format method", 'return len("{}".format(3))', said=TEXT),
+    Case(
+        "a helper that calls itself",
+        "return helper(3)",
+        0,
+        "@kernel\ndef helper(n):\n    if n < 2:\n        return 1\n    return n * helper(n - 1)\n",
+        "'helper' does not compile with what it is called with; a function cannot call itself",
+    ),
+    Case(
+        "a helper with a list for a default",
+        "return helper(3)",
+        0,
+        "@kernel\ndef helper(n, seen=[]):\n    seen.append(n)\n    return len(seen)\n",
+        "of an empty list no type is known; keep what lasts in `ci`",
+    ),
 ]
+"""What the compiler refuses, and in which words it does."""
 
 ALIKE = [
     Case("division", "return ci.robots[0].x / ci.robots[1].y"),
@@ -143,27 +244,7 @@ def named(cases):
 SUMS = sweep("sum of floats", "sum([x, 0.1, -x, 0.2, x / 3.0])")
 """Differs from Python 3.12 on, whose ``sum`` makes up for what rounding loses."""
 
-HELPERS = [
-    Case(
-        "calls itself",
-        "return helper(3)",
-        0,
-        "@kernel\ndef helper(n):\n    if n < 2:\n        return 1\n    return n * helper(n - 1)\n",
-    ),
-    Case(
-        "has a list for a default",
-        "return helper(3)",
-        0,
-        "@kernel\ndef helper(n, seen=[]):\n    seen.append(n)\n    return len(seen)\n",
-    ),
-]
-"""Helpers that are said not to compile, not the region."""
-
-ARGUMENTS = {
-    "arctan2": "x, 1.5", "power": "x, 0.66", "comb": "5, 2", "perm": "5, 2", "lcm": "4, 6",
-    "factorial": "5", "isqrt": "9", "dist": "(x,), (1.0,)", "fmod": "x, 1.5", "isclose": "x, 1.5",
-    "remainder": "x, 1.5", "fsum": "[x]", "prod": "[x]", "hypot": "x * 600.0, k * 0.7",
-}  # fmt: skip
+ARGUMENTS = {"arctan2": "x, 1.5", "power": "x, 0.66", "hypot": "x * 600.0, k * 0.7"}
 SERIES = {"average", "mean", "nanmean", "nansum", "linalg.norm", "std", "sum", "var", "argsort"}
 
 
@@ -179,7 +260,7 @@ def call_of(name: str) -> Case:
     return Case(name, SWEEP.format(f"abs({UNIT})", expression), 3)
 
 
-CALLS = [call_of(name) for name in NAMES if "." in name]
+CALLS = [*map(call_of, NAMES)]
 
 
 def written(folder: Path, case: Case) -> int:

@@ -2,19 +2,25 @@
 
 Errors are certain: a name or a field that does not exist ends a flight as soon as its line is
 reached. Warnings are for the compiled engine alone, and so of functions marked ``@kernel``: a
-line that would not compile, or would compile to something else. The rest of a file, constants
-and tables included, stays plain Python on every engine.
+line that would compile to something else. What does not compile, the compiler says. The rest of a
+file, constants and tables included, stays plain Python on every engine.
 """
 
+import ast
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
+from pkgutil import resolve_name
+from textwrap import shorten
+from types import ModuleType
 from typing import TypeAlias
 
 from pyflakes import messages
 from pyflakes.checker import Checker
 
-from mrsfi_runtime.engine.region_kinds import missing
+from mrsfi_runtime.engine.region_kinds import API, Kinds, fields
 from mrsfi_runtime.engine.region_rules import remarks
 from mrsfi_runtime.engine.region_sources import Source, sources
 from mrsfi_runtime.errors import EvaluationError
@@ -37,8 +43,9 @@ _CERTAIN = (
 )
 """What pyflakes finds that Python refuses as soon as it reaches the line."""
 
-FILLED, RUNS = "RegionFilled", "RegionRuns"
-COMPILES, COMPILES_ALIKE = "RegionCompiles", "RegionCompilesAlike"
+_LONGEST = 120  # letters of the names that are told
+
+FILLED, RUNS, COMPILES_ALIKE = "RegionFilled", "RegionRuns", "RegionCompilesAlike"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +53,8 @@ class RegionFinding:
     """What is wrong with a line: what was found, why it matters and what to write instead.
 
     ``place`` is the region, function or module that it stands in, such as ``region 'g1.check'``.
-    Of the constraints ``RegionFilled`` and ``RegionRuns`` are errors; the others are warnings: the
-    line does not compile, or does to something else.
+    Of the constraints ``RegionFilled`` and ``RegionRuns`` are errors; ``RegionCompilesAlike`` is a
+    warning: the line compiles to something else.
     """
 
     path: Path
@@ -120,16 +127,41 @@ def _undefined(source: Source) -> Iterator[tuple[int, str, str]]:
 
 
 def _missing(source: Source) -> Iterator[tuple[int, str, str]]:
-    """Yield fields that no record has, and names that no module of ours has."""
-    return ((line, RUNS, message) for line, message in missing(source))
+    """Yield lines that ask a record for a field, or a module of ours for a name, in vain."""
+    for function in source.functions.values():
+        kinds = Kinds(function, source)
+        for node in ast.walk(function):
+            if isinstance(node, ast.Attribute):
+                owner, known = _known(node.value, kinds)
+                if known and node.attr not in known:
+                    yield node.lineno, RUNS, _missed(node, owner, known)
+
+
+def _known(node: ast.AST, kinds: Kinds) -> tuple[str, Sequence[str]]:
+    """Return what an expression is, if that is certain, and which names it has."""
+    kind = kinds.of(node)
+    if fields(kind):
+        return f"a {kind.__name__}", [*fields(kind)]
+    dotted = kinds.dotted(node)
+    if dotted == "math" or dotted.startswith(API):
+        with suppress(ImportError, AttributeError):
+            module = resolve_name(dotted)
+            return dotted, dir(module) if isinstance(module, ModuleType) else ()
+    return "", ()
+
+
+def _missed(node: ast.Attribute, owner: str, known: Sequence[str]) -> str:
+    near = get_close_matches(node.attr, known, 3) or [n for n in known if n[0] != "_"]
+    has = shorten(", ".join(near), _LONGEST, placeholder=" …")
+    return f"found `{ast.unparse(node)}`, but {owner} has no '{node.attr}'; it has {has}"
 
 
 def _compiled(source: Source) -> Iterator[tuple[int, str, str]]:
-    """Yield what would not compile, or not alike, in regions and the team's own files."""
+    """Yield what would compile to something else, in regions and the team's own files."""
     for function in source.kernels.values():
-        for line, does_compile, message in remarks(function, source):
+        for line, message in remarks(function, source):
             if source.regions is None or line in source.regions:
-                yield line, COMPILES_ALIKE if does_compile else COMPILES, message
+                yield line, COMPILES_ALIKE, message
 
 
 ERRORS: Sequence[Rule] = (_no_python, _undefined, _missing)

@@ -2,8 +2,7 @@
 
 import pytest
 
-from mrsfi_runtime.engine.region_lint import COMPILES, COMPILES_ALIKE, lint_regions
-from mrsfi_runtime.engine.region_names import NAMES
+from mrsfi_runtime.engine.region_lint import COMPILES_ALIKE, lint_regions
 from tests.support import lint_cases
 from tests.support.edited import REGION
 from tests.support.lint_cases import named, written
@@ -22,33 +21,13 @@ def test_what_differs_is_warned_of(tmp_path, case):
     assert {one.line for one in found} <= {line, line + 1}
 
 
-@pytest.mark.parametrize("case", **named(lint_cases.NOT_COMPILED))
-def test_what_does_not_compile_is_named(tmp_path, case):
-    line = written(tmp_path, case)
-
-    found = lint_regions(tmp_path)
-
-    assert (line, COMPILES) in [(one.line, one.constraint) for one in found]
-
-
-@pytest.mark.parametrize("case", **named(lint_cases.HELPERS))
-def test_a_helper_that_does_not_compile_is_named(tmp_path, case):
-    written(tmp_path, case)
-
-    found = lint_regions(tmp_path)
-
-    assert [(one.place, one.constraint) for one in found] == [("region 'helpers'", COMPILES)]
-
-
 @pytest.mark.parametrize("case", **named(lint_cases.CALLS))
-def test_every_name_that_differs_or_does_not_compile_is_known(tmp_path, case):
+def test_every_name_that_differs_is_known(tmp_path, case):
     line = written(tmp_path, case)
 
     found = lint_regions(tmp_path)
 
-    assert [(one.line, one.constraint) for one in found] == [
-        (line, COMPILES_ALIKE if NAMES[case.name].does_compile else COMPILES)
-    ]
+    assert [(one.line, one.constraint) for one in found] == [(line, COMPILES_ALIKE)]
 
 
 @pytest.mark.parametrize("case", **named(lint_cases.ALIKE))

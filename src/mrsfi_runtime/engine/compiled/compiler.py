@@ -46,7 +46,7 @@ def compiled_region(directory: Path, region: Region, reached: Reached) -> Machin
     except OSError:
         raise
     except Exception as error:
-        raise explain(directory, region, error) from error
+        raise explain(directory, region, reached.functions, error) from error
     return found
 
 
