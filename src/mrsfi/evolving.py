@@ -14,7 +14,7 @@ from mrsfi.versions import installed_version
 from mrsfi.weaknesses import harvest
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.causes.cover import ALGORITHMS
-from mrsfi_runtime.engine.imported_files import imported_files
+from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode

@@ -7,7 +7,7 @@ from types import ModuleType
 
 import pytest
 
-from mrsfi_runtime.engine.imported_files import imported_files
+from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import load_module
 from mrsfi_runtime.imported_copies import importing

@@ -75,33 +75,29 @@ class RegionFinding:
 Rule: TypeAlias = Callable[[Source], Iterator[tuple[int, str, str]]]
 
 
-def lint_regions(
-    directory: Path, search_path: Sequence[str] | None = None
-) -> tuple[RegionFinding, ...]:
+def lint_regions(directory: Path) -> tuple[RegionFinding, ...]:
     """Return what is wrong with the regions of a mission, and the team's files they import.
 
-    Where no code was generated yet nothing is wrong; ``search_path`` is by default that of Python.
+    Where no code was generated yet nothing is wrong.
     """
-    return _found(directory, search_path, (*ERRORS, _compiled))
+    return _found(directory, (*ERRORS, _compiled))
 
 
 def require_sound_regions(directory: Path) -> None:
     """Raise EvaluationError of all regions that cannot run, one a line."""
-    errors = _found(directory, None, ERRORS)
+    errors = _found(directory, ERRORS)
     if errors:
         raise EvaluationError("\n".join(map(str, errors)))
 
 
-def _found(
-    directory: Path, search_path: Sequence[str] | None, rules: Sequence[Rule]
-) -> tuple[RegionFinding, ...]:
+def _found(directory: Path, rules: Sequence[Rule]) -> tuple[RegionFinding, ...]:
     unfilled = (
         RegionFinding(each.path, each.line, each.place, FILLED, each.message)
         for each in unfilled_regions(directory)
     )
     found = (
         RegionFinding(source.path, line, source.place(line), constraint, message)
-        for source in sources(directory, search_path)
+        for source in sources(directory)
         for rule in rules
         for line, constraint, message in sorted(rule(source))
     )

@@ -4,16 +4,20 @@ They are read, never run.
 """
 
 import ast
-import sys
+import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
-from importlib.machinery import PathFinder
+from importlib.machinery import ModuleSpec, PathFinder
+from importlib.util import find_spec
 from pathlib import Path
 
 from mrsfi_runtime.imported_copies import team_file
 from mrsfi_runtime.markers import lines_in_regions
 from mrsfi_runtime.unfilled import FILES
+
+_LONGEST = 200  # letters of a text that may be the name of a file
+_UNLIKELY = re.compile(r"^/|\.\.|[\0\n]|\.py$")
 
 
 class Source:
@@ -67,7 +71,17 @@ class Source:
     @cached_property
     def imports(self) -> Mapping[str, str]:
         """The dotted names that imported names stand for."""
-        return {bound: dotted for bound, dotted, _ in _imports(self.tree)}
+        found: dict[str, str] = {}
+        for node in self.tree.body:
+            if isinstance(node, ast.Import):
+                for name in node.names:
+                    top = name.name.partition(".")[0]
+                    found[name.asname or top] = name.name if name.asname else top
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                found |= {
+                    each.asname or each.name: f"{node.module}.{each.name}" for each in node.names
+                }
+        return found
 
     def place(self, line: int) -> str:
         """Return what a line belongs to, such as ``region 'g1.check'``."""
@@ -79,45 +93,76 @@ class Source:
         return f"module '{self.path.stem}'"
 
 
-def sources(directory: Path, search_path: Sequence[str] | None = None) -> Iterator[Source]:
+def sources(directory: Path) -> Iterator[Source]:
     """Yield the files of a mission that hold regions, and the team's files that they import.
 
-    None where no code was generated yet; ``search_path`` is by default that of Python.
+    None where no code was generated yet.
     """
-    generated = [path for path in (directory / name for name in FILES) if path.is_file()]
-    folders = sys.path if search_path is None else search_path
-    paths = [*generated]
-    for path in paths:  # which grows
-        source = Source(path, has_regions=path in generated)
-        yield source
-        for _, _, dotted in _imports(source.tree):
-            paths += [own for own in _own_files(dotted, folders) if own not in paths]
+    for path in _generated(directory):
+        yield Source(path, has_regions=True)
+    for path in imported_files(directory).values():
+        if path.suffix == ".py":
+            yield Source(path)
 
 
-def _imports(tree: ast.Module) -> Iterator[tuple[str, str, str]]:
-    """Yield the names that imports bind, what each stands for, and what is imported for that."""
-    for node in tree.body:
-        if isinstance(node, ast.Import):
-            for name in node.names:
-                top = name.name.partition(".")[0]
-                yield name.asname or top, name.name if name.asname else top, name.name
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            for name in node.names:
-                dotted = f"{node.module}.{name.name}"
-                yield name.asname or name.name, dotted, dotted
+def _generated(directory: Path) -> list[Path]:
+    return [path for path in (directory / name for name in FILES) if path.is_file()]
 
 
-def _own_files(dotted: str, folders: Sequence[str]) -> Iterator[Path]:
-    """Yield the team's files that an import runs, found as Python would: no library, none of ours.
+def imported_files(directory: Path, modules: Iterable[str] = ()) -> dict[str, Path]:
+    """Return the files that generated code and some modules may import, by where Python finds each.
 
-    The last part of the name may be taken from a module, or be a module.
+    Import statements lead to them, wherever they stand; what is read as it is imported comes with
+    them if a text of the module names a file beside it.
     """
-    names = dotted.split(".")
-    for depth in range(1, len(names) + 1):
-        spec = PathFinder.find_spec(".".join(names[:depth]), folders)
-        path = team_file(spec)
-        if path is not None and path.suffix == ".py":
-            yield path
-        if spec is None or spec.submodule_search_locations is None:
+    found: dict[str, Path] = {}
+    names = [*modules]
+    for file in _generated(directory):
+        names += _named(Source(file).tree, "")
+    for name in names:  # which grows
+        for spec in _specs(name):
+            path = team_file(spec)
+            is_package = spec.submodule_search_locations is not None
+            place = Path(*spec.name.split("."), *["__init__"] * is_package).parent
+            if path is None or str(place / path.name) in found:
+                continue
+            tree = Source(path).tree if path.suffix == ".py" else ast.Module([], [])
+            names += _named(tree, spec.name if is_package else spec.name.rpartition(".")[0])
+            for text in (path.name, *_texts(tree)):
+                if (path.parent / text).is_file():
+                    found[str(place / text)] = path.parent / text
+    return found
+
+
+def _specs(name: str) -> Iterator[ModuleSpec]:
+    """Yield a module of a dotted name, and all that it is part of, as far as they can be found."""
+    first, *rest = name.split(".")
+    try:
+        spec = find_spec(first)  # the one that is loaded, or else the one that would be
+    except (ImportError, ValueError):  # of what has no file, such as the script that runs
+        return
+    while spec is not None:
+        yield spec
+        if not rest or spec.submodule_search_locations is None:
             return
-        folders = spec.submodule_search_locations
+        part, *rest = rest
+        spec = PathFinder.find_spec(f"{spec.name}.{part}", spec.submodule_search_locations)
+
+
+def _named(tree: ast.Module, package: str) -> Iterator[str]:
+    """Yield the dotted names that the import statements of a module may import."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and (package or not node.level):
+            above = package.rsplit(".", node.level - 1)[0] if node.level else ""
+            module = ".".join(part for part in (above, node.module) if part)
+            yield from (f"{module}.{name.name}" for name in node.names)
+
+
+def _texts(tree: ast.Module) -> Iterator[str]:
+    """Yield the texts of a module that may name a file beside it."""
+    for node in ast.walk(tree):
+        text = node.value if isinstance(node, ast.Constant) else None
+        if isinstance(text, str) and len(text) < _LONGEST and not _UNLIKELY.search(text):
+            yield text

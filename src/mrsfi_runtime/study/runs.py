@@ -10,7 +10,7 @@ from typing import Any
 
 import mrsfi_runtime
 from mrsfi_runtime.causes.cover import ALGORITHMS
-from mrsfi_runtime.engine.imported_files import imported_files
+from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.errors import GenerationError, RecordError
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.imported_copies import IMPORTED

@@ -83,7 +83,8 @@ def test_other_names_of_a_module_are_seen_through(tmp_path):
         assert [found.message[:7] for found in lint_regions(tmp_path)] == ["found `"]
 
 
-def test_files_of_the_team_are_looked_at_as_deep_as_they_import(tmp_path):
+def test_files_of_the_team_are_looked_at_as_deep_as_they_import(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
     _write(tmp_path, "return near() > 2.0", "from team.near import near")
     team = tmp_path / "team"
     team.mkdir()
@@ -94,13 +95,14 @@ def test_files_of_the_team_are_looked_at_as_deep_as_they_import(tmp_path):
     )
     (team / "far.py").write_text(f"{head}\n@kernel\ndef far():\n{HELPER}\n")
 
-    (found,) = lint_regions(tmp_path, [str(tmp_path)])
+    (found,) = lint_regions(tmp_path)
 
     assert (found.path, found.line) == (team / "far.py", _line(team / "far.py", HELPER))
     assert found.place == "function 'far'"
 
 
-def test_files_are_found_by_whatever_import_names_them(tmp_path):
+def test_files_are_found_by_whatever_import_names_them(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
     team = tmp_path / "team"
     team.mkdir()
     (team / "__init__.py").write_text("")
@@ -109,10 +111,11 @@ def test_files_are_found_by_whatever_import_names_them(tmp_path):
     for imports in ("import team.near", "import team.near as near", "from team import near"):
         _write(tmp_path, imports=imports)
 
-        assert [one.path for one in lint_regions(tmp_path, [str(tmp_path)])] == [team / "near.py"]
+        assert [one.path for one in lint_regions(tmp_path)] == [team / "near.py"]
 
 
-def test_files_that_import_each_other_are_looked_at_once(tmp_path):
+def test_files_that_import_each_other_are_looked_at_once(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
     _write(tmp_path, "return a() > 2.0", "from team_a import a")
     head = "import math\nfrom mrsfi_runtime.api import kernel\n"
     for one, other in ("ab", "ba"):
@@ -120,16 +123,17 @@ def test_files_that_import_each_other_are_looked_at_once(tmp_path):
             f"{head}from team_{other} import {other}\n\n@kernel\ndef {one}():\n{HELPER}\n"
         )
 
-    found = lint_regions(tmp_path, [str(tmp_path)])
+    found = lint_regions(tmp_path)
 
     assert [one.path.name for one in found] == ["team_a.py", "team_b.py"]
 
 
-def test_imports_are_found_without_running_them(tmp_path):
+def test_imports_are_found_without_running_them(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
     _write(tmp_path, imports="from team import near\nfrom nowhere.at_all import far")
     (tmp_path / "team.py").write_text("raise SystemExit(1)\n")
 
-    assert lint_regions(tmp_path, [str(tmp_path)]) == ()
+    assert lint_regions(tmp_path) == ()
 
 
 def test_a_region_that_is_no_python_is_named(tmp_path):
@@ -193,11 +197,12 @@ def test_a_name_that_is_defined_nowhere_is_an_error_although_no_flight_reaches_i
     )
 
 
-def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path):
+def test_a_name_of_a_file_of_the_team_is_named_there(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
     _write(tmp_path, "return near()", "from team import near")
     (tmp_path / "team.py").write_text("def near():\n    return far()\n")
 
-    (found,) = lint_regions(tmp_path, [str(tmp_path)])
+    (found,) = lint_regions(tmp_path)
 
     assert (found.path, found.line, found.place) == (tmp_path / "team.py", 2, "function 'near'")
     assert found.message == "found `far`, which is not defined; import or define it"
