@@ -12,11 +12,10 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from benchmarks.measuring import drawn, seconds
-from mrsfi_runtime.engine.cluster.address import LOCAL
 from mrsfi_runtime.engine.cluster.connection import Cluster
 from mrsfi_runtime.engine.cluster.pool import ClusterPool
 from mrsfi_runtime.engine.pools import WorkerPool
-from mrsfi_runtime.engine.settings import COMPILED, REFERENCE, EngineSettings
+from mrsfi_runtime.engine.settings import COMPILED, LOCAL, REFERENCE, EngineSettings
 from mrsfi_runtime.generated_code import load_code
 
 MISSION = Path("generated/uuv_sampling")

@@ -6,8 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from mrsfi_runtime.engine.cluster.address import LOCAL, require_address
-from mrsfi_runtime.engine.settings import ROSBRIDGE, EngineSettings
+from mrsfi_runtime.engine.settings import LOCAL, ROSBRIDGE, EngineSettings, require_address
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.server_address import without_token

@@ -12,9 +12,8 @@ import numpy as np
 from numba import njit
 
 from mrsfi_runtime.engine.compiled.compiler import compiled_region, register
-from mrsfi_runtime.engine.compiled.directories import entries
-from mrsfi_runtime.engine.compiled.layout import laid_out
-from mrsfi_runtime.engine.compiled.likeness import Checked
+from mrsfi_runtime.engine.compiled.layout import entries, laid_out
+from mrsfi_runtime.engine.compiled.pipeline import Checked
 from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.engine.compiled.regions import Region
 from mrsfi_runtime.engine.compiled.views import seen_as

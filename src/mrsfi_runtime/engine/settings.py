@@ -1,8 +1,10 @@
-"""Which engine evaluates, and how it is reached."""
+"""Which engine evaluates, how it is reached, and on which cluster it may work."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Self
+from urllib.parse import urlsplit
 
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import EvaluationError, UsageError, expected
@@ -16,6 +18,9 @@ if TYPE_CHECKING:
 AUTO, REFERENCE, COMPILED, ROSBRIDGE = "auto", "reference", "compiled", "rosbridge"
 ENGINES = (AUTO, REFERENCE, COMPILED, ROSBRIDGE)
 """Ways to evaluate a fault specification; auto is compiled where that is possible."""
+
+LOCAL = "local"
+"""In place of a cluster's address: processes on this machine, for this command only."""
 
 ON_REFERENCE = "the reference engine evaluates, about 100 times slower"
 
@@ -111,3 +116,25 @@ def _compiled_engine() -> "type[CompiledEngine]":
     from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - likewise
 
     return CompiledEngine
+
+
+def require_address(text: str) -> None:
+    """Refuse what is no address of a dask scheduler, and any while dask is not installed."""
+    if find_spec("distributed") is None:
+        raise UsageError(
+            "--dask needs dask.distributed; install it with: pip install 'mrsfi[dask]'"
+        )
+    if text != LOCAL and not _is_address(text):
+        raise UsageError(
+            f"--dask: found '{text}'; expected tcp://HOST:PORT or tls://HOST:PORT, as "
+            f"`dask scheduler` prints it, or {LOCAL}"
+        )
+
+
+def _is_address(text: str) -> bool:
+    try:
+        parts = urlsplit(text)
+        has_port = parts.port is not None
+    except ValueError:
+        return False
+    return parts.scheme in {"tcp", "tls"} and bool(parts.hostname) and has_port

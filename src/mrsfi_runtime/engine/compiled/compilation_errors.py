@@ -12,7 +12,7 @@ from typing import Any
 
 import numba
 
-from mrsfi_runtime.engine.compiled.likeness import Checked
+from mrsfi_runtime.engine.compiled.pipeline import Checked
 from mrsfi_runtime.engine.compiled.reach import CompilationError, is_kernel
 from mrsfi_runtime.engine.compiled.regions import EFFECT, Region
 from mrsfi_runtime.engine.compiled.views import arguments_of

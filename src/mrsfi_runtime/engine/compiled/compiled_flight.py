@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mrsfi_runtime.engine.compiled.frames import Frame
+from mrsfi_runtime.engine.compiled.batch import Frame
 from mrsfi_runtime.engine.compiled.machine_code import (
     FLIGHT,
     MachineCode,

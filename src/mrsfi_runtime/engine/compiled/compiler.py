@@ -12,12 +12,11 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 
 from mrsfi_runtime.engine.compiled import views
-from mrsfi_runtime.engine.compiled.batch_flight import Flights, fly_many
+from mrsfi_runtime.engine.compiled.batch_flight import BY_TASK, Flights, fly_many
 from mrsfi_runtime.engine.compiled.compilation_errors import explain
-from mrsfi_runtime.engine.compiled.directories import CALLS
-from mrsfi_runtime.engine.compiled.dispatch import BY_TASK
-from mrsfi_runtime.engine.compiled.inlining import Inlined, jitable
+from mrsfi_runtime.engine.compiled.layout import CALLS
 from mrsfi_runtime.engine.compiled.machine_code import MachineCode, lend_runtime
+from mrsfi_runtime.engine.compiled.pipeline import Inlined, jitable
 from mrsfi_runtime.engine.compiled.reach import CompilationError, Reached, is_kernel, names_of
 from mrsfi_runtime.engine.compiled.regions import EFFECT, ROLES, Region
 from mrsfi_runtime.kernel.goal_tasks.reference import FUNCTIONS

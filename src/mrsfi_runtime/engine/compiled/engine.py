@@ -14,9 +14,8 @@ import numpy as np
 
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.cosimulation.own_effects import allowed_columns
-from mrsfi_runtime.engine.compiled.batch import Batch
+from mrsfi_runtime.engine.compiled.batch import Batch, Frame, Fresh, fresh_of
 from mrsfi_runtime.engine.compiled.compiled_flight import CompiledFlight
-from mrsfi_runtime.engine.compiled.frames import Frame, Fresh, fresh_of
 from mrsfi_runtime.engine.compiled.layout import read_recorded
 from mrsfi_runtime.engine.compiled.self_check import SECONDS, require_same, trials
 from mrsfi_runtime.engine.flights import Engine, Evaluated

@@ -1,25 +1,88 @@
-"""Lays states and fault plans out as words in a row, field by field as their records say."""
+"""Lays states and fault plans out as words in a row, field by field as their records say.
 
-from collections.abc import Iterator, Sequence
+Compiled code knows a state, a plan or the verdicts by the address of a directory: where the parts
+of a record of lists lie, and how long they are. So sizes are data: one compiled flight serves every
+mission.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
-from functools import lru_cache
-from typing import Any, get_origin, get_type_hints
+from functools import cache, lru_cache
+from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.engine.compiled.directories import (
-    CALLS,
-    N_ALLOWED,
-    RECORDED,
-    entries,
-    n_entries,
-)
-from mrsfi_runtime.engine.recording import Records, recorded_type
+from mrsfi_runtime.engine.recording import KINDS, Records, record_type, recorded_type
+from mrsfi_runtime.kernel.injections import OwnFault
 from mrsfi_runtime.kernel.packing import COLUMNS
 from mrsfi_runtime.kernel.randomness import PURPOSE_SAMPLES, draw
 from mrsfi_runtime.kernel.samples import reached
 from mrsfi_runtime.kernel.state import MissionState, State
+
+N_ALLOWED = 6
+ALLOWED = " allowed"  # no name that a region could use
+OWN = np.dtype([*record_type(OwnFault).descr, (ALLOWED, "<i8", (N_ALLOWED,))])
+"""A fault of a team's own type, and which words of the belief it may change; all others follow."""
+
+RECORDED, CALLS = " recorded", " calls"
+"""Lists of a state that no region can name: words that are recorded, what its regions are."""
+
+_HIDDEN: Mapping[type, tuple[str, ...]] = {State: (RECORDED, CALLS)}
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A field of a record of lists: a list, a record, a number of one, or a directory within.
+
+    ``place`` is the number of its entry in the directory, and ``layout`` that of an element.
+    """
+
+    kind: str
+    place: int
+    layout: np.dtype[Any]
+    inner: type | None = None
+
+
+@cache
+def entries(kind: type) -> Mapping[str, Entry]:
+    """Return the fields of a record of lists, by name; all its numbers are in one record."""
+    hints = get_type_hints(kind)
+    found: dict[str, Entry] = {}
+    numbers = np.dtype([(name, KINDS[hint]) for name, hint in hints.items() if hint in KINDS])
+    place = 1 if numbers.names else 0
+    for name, hint in hints.items():
+        if hint in KINDS:
+            found[name] = Entry("number", 0, numbers)
+            continue
+        elements = (hint,) if hint is bytes else get_args(hint)
+        if elements:
+            found[name] = Entry("list", place, element_type(elements[0]))
+        elif any(get_args(inner) and inner not in KINDS for inner in get_type_hints(hint).values()):
+            found[name] = Entry("inner", place, np.dtype(np.int64), hint)
+            place += n_entries(hint) - 1
+        else:
+            found[name] = Entry("record", place, record_type(hint))
+        place += 1
+    for name in _HIDDEN.get(kind, ()):
+        found[name] = Entry("list", place, np.dtype(np.int64))
+        place += 1
+    return found
+
+
+def n_entries(kind: type) -> int:
+    """Return how many entries the directory of a record of lists has."""
+    last = list(entries(kind).values())[-1]
+    return last.place + (n_entries(last.inner) if last.inner else 1)
+
+
+def element_type(element: Any) -> np.dtype[Any]:
+    """Return the layout of an element of a list."""
+    known = {OwnFault: OWN, bytes: np.dtype(np.uint8)}
+    if element in known:
+        return known[element]
+    return np.dtype(KINDS[element]) if element in KINDS else record_type(element)
+
 
 Words = npt.NDArray[np.int64]
 

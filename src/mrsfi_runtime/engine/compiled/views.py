@@ -19,7 +19,7 @@ from numba.extending import (
 )
 from numba.np.arrayobj import make_array, populate_array
 
-from mrsfi_runtime.engine.compiled.directories import OWN, Entry, entries
+from mrsfi_runtime.engine.compiled.layout import OWN, Entry, entries
 from mrsfi_runtime.engine.compiled.regions import EFFECT
 from mrsfi_runtime.kernel.state import State
 

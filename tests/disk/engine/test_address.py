@@ -1,6 +1,6 @@
 import pytest
 
-from mrsfi_runtime.engine.cluster.address import require_address
+from mrsfi_runtime.engine.settings import require_address
 from mrsfi_runtime.errors import UsageError
 from tests.support.cluster import require_dask
 
