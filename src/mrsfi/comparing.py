@@ -1,66 +1,176 @@
 """Search algorithms beside each other: the same mission, the same seeds, as many evaluations."""
 
+import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from contextlib import AbstractContextManager
+from dataclasses import replace
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
-from mrsfi.evolving import require_searchable
+import mrsfi_runtime
+from mrsfi.campaign_folders import open_to_fly
+from mrsfi.evolving import made, require_searchable, search
+from mrsfi.folders import MissionFolders
+from mrsfi.project import project
 from mrsfi_runtime.engine.flights import Evaluator
+from mrsfi_runtime.engine.region_sources import imported_files
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.semantics import SEMANTICS
+from mrsfi_runtime.record.encoding import canonical
+from mrsfi_runtime.record.folder import CampaignFolder, file_hashes, only_writer
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.study.comparison import Comparison, as_json, compare
 from mrsfi_runtime.study.folder import ComparisonFolder
-from mrsfi_runtime.study.run_results import RunResult
-from mrsfi_runtime.study.runs import common_settings, runs_of
+from mrsfi_runtime.study.run_results import RunResult, measure_run
+
+_DECISIVE = ("model", "kernel", "cosimulation", "record", "search", "causes")
+"""Rooms of mrsfi whose source decides what a search finds."""
+
+_SOURCE, _SECONDS, _RESULT = "mrsfi_sha256", "seconds", "result"
+"""What the record of a run keeps beside that of any campaign."""
+
+_NOTED = 1.0  # seconds after which a run notes how long it has taken
+
+
+def default_folder(mission: str, case: str) -> Path:
+    """Return where a comparison goes, unless somebody names another place."""
+    return project().runs / f"compare-{mission}-{Path(case).stem}"
 
 
 def settings_of(
     file: Path, code: MissionCode, algorithms: Sequence[str], evaluations: int
-) -> dict[str, CampaignSettings]:
+) -> list[CampaignSettings]:
     """Return the settings of each algorithm: those of a campaign file, and as many evaluations."""
-    settings = {}
+    settings = []
     for name in algorithms:
-        one = CampaignSettings.load(file, algorithm=name, seed=1, evaluations=evaluations)
+        one = CampaignSettings.load(file, algorithm=name, evaluations=evaluations)
         require_searchable(code, one)
-        settings[name] = one
+        settings.append(one)
     return settings
 
 
 def compared(
-    folder: ComparisonFolder,
-    settings: Mapping[str, CampaignSettings],
-    n_seeds: int,
-    code: MissionCode,
-    evaluator: Evaluator,
-    progress: Callable[[RunResult, int, bool], None] = lambda *_: None,
+    path: Path,
+    folders: MissionFolders,
+    runs: Sequence[CampaignSettings],
+    case: str,
+    engine: EngineSettings,
+    evaluating: Callable[[MissionCode], AbstractContextManager[Evaluator]],
+    progress: Callable[[RunResult, int, bool], None],
 ) -> Comparison:
-    """Make the runs that a comparison lacks, and return what all of them say.
+    """Make the runs that a comparison lacks, and write and return what all of them say.
 
+    All runs are begun before the first one flies, so that an edit in the meantime changes none.
     ``progress`` is told each run, how many there are with it, and whether it was made just now.
     """
-    seeds = next(iter(settings.values())).mission_seeds
-    evaluators = [partial(evaluator.evaluate_many, seed=seed) for seed in seeds]
-    runs: list[RunResult] = []
-    for run, is_new in runs_of(folder, settings, n_seeds, code, evaluators):
-        runs.append(run)
-        progress(run, len(runs), is_new)
-    return compare(tuple(settings), runs)
+    folder = ComparisonFolder.reserve(path)
+    places = [folder.run(one.algorithm, one.seed) for one in runs]
+    with only_writer(folder):
+        source = _hash_of_ours()
+        _require_same(dict(zip(places, runs, strict=True)), folders, source)
+        folder.runs.mkdir(exist_ok=True)
+        for place, one in zip(places, runs, strict=True):
+            if not place.database.is_file():
+                with made(place.path, folders, one, case, engine):
+                    pass
+        with open_to_fly(places[0].path) as campaign:
+            code = campaign.code
+        results: list[RunResult] = []
+        with evaluating(code) as evaluator:
+            for place in places:
+                kept = _kept(place)
+                results.append(kept or _flown(place, evaluator, source))
+                progress(results[-1], len(results), kept is None)
+        algorithms = tuple(dict.fromkeys(one.algorithm for one in runs))
+        comparison = replace(compare(algorithms, results), folder=path)
+        shared = runs[0].as_json()
+        del shared["algorithm"], shared["seed"]
+        about = {"mission": folders.name, "semantics": SEMANTICS, "settings": shared}
+        folder.write(comparison, about | as_json(comparison))
+    return comparison
 
 
-def write_compared(
-    folder: ComparisonFolder,
-    mission: str,
-    settings: Mapping[str, CampaignSettings],
-    comparison: Comparison,
+def _require_same(
+    runs: Mapping[CampaignFolder, CampaignSettings], folders: MissionFolders, source: str
+) -> None:
+    """Refuse what is recorded of runs unless it was made with the same as it would be today.
+
+    Beside the settings that are models and code, a user's own modules, and the source of what
+    searches and flies, so that no result of an earlier version stands beside one of a later.
+    """
+    for place, settings in runs.items():
+        if not place.database.is_file():
+            continue
+        imported = imported_files(folders.generated, settings.own_modules)
+        files = file_hashes(folders.models, folders.generated, imported)
+        with CampaignStore.open(place.path) as store:
+            store.require_flyable()
+            made_by = store.kept(_SOURCE, str) if any(store.next_indexes()) else source
+            recorded = _subject(store.settings, store.manifest.sha256, made_by)
+        today = _subject(settings, files, source)
+        other = sorted(key for key in {*recorded, *today} if recorded.get(key) != today.get(key))
+        if other:
+            raise RecordError(
+                f"{place.path}: found a run with other {', '.join(other)}: "
+                f"{_excerpt(recorded, other)}; expected {_excerpt(today, other)}; compare in "
+                "another folder with --out, or remove this one"
+            )
+
+
+def _subject(
+    settings: CampaignSettings, files: Mapping[str, str], source: str | None
 ) -> dict[str, Any]:
-    """Write tables, figures and summary of a comparison; return the summary."""
-    content = {
-        "mission": mission,
-        "semantics": SEMANTICS,
-        "settings": common_settings(next(iter(settings.values()))),
-        **as_json(comparison),
-    }
-    folder.write(comparison, content)
-    return content
+    """Return what decides a run; campaign files count by the settings that were read of them."""
+    decisive = {name: found for name, found in files.items() if not name.endswith(".toml")}
+    return {**settings.as_json(), **decisive, _SOURCE: source}
+
+
+def _excerpt(subject: Mapping[str, Any], keys: Sequence[str]) -> str:
+    return ", ".join(f"{key} {str(subject.get(key))[:20]}" for key in keys[:5])
+
+
+def _hash_of_ours() -> str:
+    digest = hashlib.sha256()
+    package = Path(mrsfi_runtime.__file__).parent
+    for room in _DECISIVE:
+        for file in sorted((package / room).rglob("*.py")):
+            content = file.read_bytes()
+            digest.update(f"{file.name} {len(content)}\n".encode() + content)
+    return digest.hexdigest()
+
+
+def _kept(place: CampaignFolder) -> RunResult | None:
+    with CampaignStore.open(place.path) as store:
+        return store.kept(_RESULT, RunResult.from_text)
+
+
+def _flown(place: CampaignFolder, evaluator: Evaluator, source: str) -> RunResult:
+    """Run a search to its end, or go on with one that was ended, and measure what it found."""
+    with only_writer(place), open_to_fly(place.path) as campaign:
+        store = campaign.store
+        if not any(store.next_indexes()):
+            store.keep(_SOURCE, source)
+        spent = store.kept(_SECONDS, float) or 0.0
+        began = noted = monotonic()
+
+        def note(_: object) -> None:
+            nonlocal noted
+            if monotonic() - noted > _NOTED:
+                noted = monotonic()
+                store.keep(_SECONDS, repr(spent + noted - began))
+
+        search(campaign, evaluator, note)
+        result = measure_run(
+            store.settings,
+            campaign.mission,
+            store.evaluations(),
+            n_failures=store.n_failures,
+            seconds=spent + monotonic() - began,
+            digest=store.digest(),
+        )
+        store.keep(_RESULT, canonical(result.as_json()))
+    return result

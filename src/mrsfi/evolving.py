@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import TypeAlias
 
 from mrsfi.campaign_folders import FlyableCampaign, free_folder, manifest_of, open_to_fly
-from mrsfi.engines import Tell, Workers, evaluator, own_engine, recorded_engine, silent
+from mrsfi.engines import Tell, Workers, own_engine, recorded_engine, silent
+from mrsfi.engines import evaluator as evaluating
 from mrsfi.folders import MissionFolders
 from mrsfi.versions import installed_version
 from mrsfi.weaknesses import harvest
 from mrsfi_runtime.analysis.fronts import parse_ratio
 from mrsfi_runtime.causes.cover import ALGORITHMS
+from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
@@ -57,14 +59,26 @@ def begun(
     _require_ratio(settings, code.mission, ratio)
     flown_by = engine.tried(code, settings.mission_seed, tell)
     path = out or free_folder(folders.name, Path(case).stem)
+    with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
+        yield campaign, flown_by
+
+
+@contextmanager
+def made(
+    path: Path,
+    folders: MissionFolders,
+    settings: CampaignSettings,
+    case: str,
+    engine: EngineSettings,
+) -> Iterator[None]:
+    """Make a campaign without evaluations and be its writer while the body runs."""
     folder = CampaignFolder.reserve(path)
     with only_writer(folder):
         imported = imported_files(folders.generated, settings.own_modules)
         folder.fill(folders.models, folders.generated, imported)
         manifest = manifest_of(folder, folders, case, recorded_engine(engine))
         CampaignStore.create(path, settings, manifest).close()
-        with open_to_fly(path, tell) as campaign:
-            yield campaign, flown_by
+        yield
 
 
 @contextmanager
@@ -124,21 +138,9 @@ def evolve(
     def tell_who(who: str) -> None:
         tell(f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.words}, {who}")
 
-    with evaluator(campaign.code, seed, engine, workers, tell, tell_who) as many:
-        evaluate_many, *replicas = (
-            partial(many.evaluate_many, seed=each) for each in settings.mission_seeds
-        )
+    with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
-            run_campaign(
-                settings,
-                campaign.mission,
-                campaign.pool,
-                evaluate_many,
-                store,
-                progress,
-                replicas=replicas,
-                algorithms=ALGORITHMS,
-            )
+            search(campaign, many, progress)
         if explains and engine.has_simulation:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:
@@ -149,3 +151,21 @@ def evolve(
                 tell(f"what breaks which goal is not looked for: {error}")
     if (store.n_generations, len(store.flights())) == before:
         tell("was finished already; its report is written anew")
+
+
+def search(campaign: FlyableCampaign, evaluator: Evaluator, progress: Progress) -> None:
+    """Run the search of a campaign to its end."""
+    settings = campaign.store.settings
+    evaluate_many, *replicas = (
+        partial(evaluator.evaluate_many, seed=seed) for seed in settings.mission_seeds
+    )
+    run_campaign(
+        settings,
+        campaign.mission,
+        campaign.pool,
+        evaluate_many,
+        campaign.store,
+        progress,
+        replicas=replicas,
+        algorithms=ALGORITHMS,
+    )

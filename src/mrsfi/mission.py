@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrsfi.engines import Tell, Workers, evaluator, opened, silent
 from mrsfi.folders import MissionFolders, campaign_file, find_mission
-from mrsfi.project import choose_metamodels, project
+from mrsfi.project import choose_metamodels
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
@@ -21,15 +22,18 @@ from mrsfi_runtime.record.settings import (
 )
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
     from m2t.diagnostics import Diagnostic
     from mrsfi.campaign import Campaign
     from mrsfi.flight import Flight
     from mrsfi.regressions import Checked
-    from mrsfi_runtime.engine.flights import Evaluated
+    from mrsfi_runtime.engine.flights import Evaluated, Evaluator
     from mrsfi_runtime.generated_code import MissionCode
     from mrsfi_runtime.model.mission import Mission as Model
     from mrsfi_runtime.search.run import CampaignProgress
     from mrsfi_runtime.study.comparison import Comparison
+    from mrsfi_runtime.study.run_results import RunResult
 
 
 def load(mission: str | Path, generated: Path | str | None = None) -> "Mission":
@@ -247,6 +251,7 @@ class Mission:
         out: Path | str | None = None,
         engine: str | EngineSettings = AUTO,
         workers: int | None = None,
+        dask: str | None = None,
         explain: bool = True,
         progress: "Callable[[CampaignProgress], None]" = lambda _: None,
         tell: Tell = silent,
@@ -265,6 +270,8 @@ class Mission:
             As ``fly`` takes it.
         workers
             Processes; as many as there are processors if left out.
+        dask
+            Address of a scheduler that has the workers, or ``local`` for a cluster of this machine.
         explain
             Whether to look for all the ways in which goals break.
         progress
@@ -293,7 +300,7 @@ class Mission:
             chosen = CampaignSettings.parse("[search]", "settings", **settings)
         else:
             chosen = CampaignSettings.load(campaign_file(self.folders, case), **settings)
-        asked, many = _settings(engine), _workers(workers)
+        asked, many = _settings(engine), _workers(workers, dask)
         many.require_sense(asked)
         begun = evolving.begun(
             *(self.folders, self.code, chosen, str(case or "script"), asked),
@@ -305,7 +312,7 @@ class Mission:
             evolving.evolve(campaign, flown_by, many, watched, explains=explain, tell=tell)
         return Campaign(campaign.folder.path)
 
-    def compare(
+    def compare(  # noqa: PLR0913 - most have a default
         self,
         algorithms: Sequence[str],
         n_seeds: int,
@@ -315,6 +322,10 @@ class Mission:
         out: Path | str | None = None,
         engine: str | EngineSettings = AUTO,
         workers: int | None = None,
+        dask: str | None = None,
+        progress: "Callable[[RunResult, int, bool], None]" = lambda *_: None,
+        tell: Tell = silent,
+        on_reached: Tell = silent,
     ) -> "Comparison":
         """Compare search algorithms, with seeds 1 to ``n_seeds``.
 
@@ -324,11 +335,17 @@ class Mission:
             As a campaign file names them.
         n_seeds, evaluations
             Runs of each algorithm, and how often each run may fly.
-        case, engine, workers
+        case, engine, workers, dask
             As ``evolve`` takes them.
         out
             Folder of the comparison, whose finished runs are not repeated;
             ``runs/compare-NAME-CASE`` if left out.
+        progress
+            Told each run, how many there are with it, and whether it was made just now.
+        tell
+            Told what does not compile.
+        on_reached
+            Told which engine flies, and with how many workers, before the first run.
 
         Raises
         ------
@@ -337,25 +354,27 @@ class Mission:
         RecordError
             If the folder is another comparison's.
         """
-        from mrsfi.comparing import compared, settings_of, write_compared  # noqa: PLC0415
-        from mrsfi_runtime.generated_code import load_code  # noqa: PLC0415
-        from mrsfi_runtime.study.runs import only_comparison  # noqa: PLC0415
+        from mrsfi.comparing import compared, default_folder, settings_of  # noqa: PLC0415
 
         if isinstance(algorithms, str) or not algorithms or len({*algorithms}) < len(algorithms):
             known = expected(algorithms, ALGORITHM_NAMES, "a list of different ones of")
             raise UsageError(f"algorithms: found {algorithms!r}; {known}")
-        n_seeds, who = require_whole("n_seeds", n_seeds), _workers(workers)
-        path = _path("out", out) or project().runs / f"compare-{self.name}-{Path(case).stem}"
+        n_seeds, who = require_whole("n_seeds", n_seeds), _workers(workers, dask)
+        path, asked = _path("out", out) or default_folder(self.name, case), _settings(engine)
+        who.require_sense(asked)
         file = campaign_file(self.folders, case)
         settings = settings_of(file, self.code, algorithms, evaluations)
-        seed = settings[algorithms[0]].mission_seed
-        flown_by = _settings(engine).tried(self.code, seed, silent)
-        with only_comparison(path, self.folders.models, self.folders.generated) as folder:
-            code = load_code(folder.generated)
-            with evaluator(code, seed, flown_by, who) as many:
-                comparison = compared(folder, settings, n_seeds, code, many)
-            write_compared(folder, self.name, settings, comparison)
-        return comparison
+        runs = [replace(one, seed=1 + seed) for seed in range(n_seeds) for one in settings]
+        seed = runs[0].mission_seed
+        flown_by = asked.tried(self.code, seed, tell)
+
+        def evaluating(code: "MissionCode") -> "AbstractContextManager[Evaluator]":
+            def reached(they: str) -> None:
+                on_reached(f"{flown_by.words}, {they}")
+
+            return evaluator(code, seed, flown_by, who, tell, reached)
+
+        return compared(path, self.folders, runs, case, asked, evaluating, progress)
 
     def check(
         self, engine: str | EngineSettings = AUTO, n_seeds: int | None = None
@@ -394,8 +413,8 @@ def _settings(engine: str | EngineSettings) -> EngineSettings:
     return engine if isinstance(engine, EngineSettings) else EngineSettings(engine)
 
 
-def _workers(workers: int | None) -> Workers:
-    return Workers(None if workers is None else require_whole("workers", workers))
+def _workers(workers: int | None, dask: str | None = None) -> Workers:
+    return Workers(None if workers is None else require_whole("workers", workers), dask)
 
 
 def _path(name: str, given: Path | str | None) -> Path | None:

@@ -1,10 +1,11 @@
 import csv
 import json
 import os
+import shutil
 import signal
+import sqlite3
 import subprocess
 from pathlib import Path
-from time import monotonic, sleep
 from typing import Any
 
 import pytest
@@ -16,7 +17,6 @@ pytestmark = pytest.mark.turn(2)
 
 FEW = ("--evaluations", "6", "--workers", "1", "--engine", "reference")
 SMALL = ("compare", MISSION, "--case", "b", *FEW)
-PATIENCE = 120.0  # seconds after which a comparison counts as hanging
 
 
 def findings(content: dict[str, Any]) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def test_the_folder_holds_runs_tables_and_figures(compared):
     folder = compared[0] / "runs" / "compare-uuv_sampling-b"
 
     assert sorted(file.name for file in (folder / "runs").iterdir()) == [
-        f"{name}-{seed}.json" for name in ("drift", "paper", "random") for seed in (1, 2)
+        f"{name}-{seed}" for name in ("drift", "paper", "random") for seed in (1, 2)
     ]
     assert sorted(file.name for file in (folder / "figures").glob("*.png")) == [
         "course.png",
@@ -78,7 +78,8 @@ def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(pl
 
     after = contents(place / "runs" / "c" / "runs")
     assert {name: after[name] for name in before} == before
-    assert sorted(after) == ["drift-1.json", "drift-2.json", "random-1.json", "random-2.json"]
+    runs = ["drift-1", "drift-2", "random-1", "random-2"]
+    assert sorted(file.name for file in (place / "runs" / "c" / "runs").iterdir()) == runs
     assert done.stderr.count("was finished already") == 1
 
 
@@ -87,21 +88,54 @@ def test_after_a_kill_the_same_command_ends_as_if_nothing_had_happened(compared,
     folder = place / "runs" / "compare-uuv_sampling-b"
     command = (*SMALL, "--seeds", "2")
     with subprocess.Popen(
-        command_line(*command), cwd=place, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+        command_line(*command), cwd=place, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL
     ) as process:
-        begun = monotonic()
-        while len(list(folder.glob("runs/*.json"))) < 2 or not list(folder.glob("unfinished-*")):
-            assert monotonic() - begun < PATIENCE
-            sleep(0.005)
+        while b"run 2/6" not in process.stderr.readline():
+            pass
         os.kill(process.pid, signal.SIGKILL)
-    before = contents(folder / "runs")
+    finished = [folder / "runs" / f"{name}-1" for name in ("paper", "random")]
+    before = [contents(run) for run in finished]
 
     again = mrsfi_json(*command, cwd=place)
 
     whole = json.loads((compared[0] / "runs/compare-uuv_sampling-b/comparison.json").read_text())
     assert findings(again) == findings(whole)
-    assert contents(folder / "runs").items() >= before.items()
-    assert not list(folder.glob("unfinished-*"))
+    assert [contents(run) for run in finished] == before
+
+
+@slow
+def test_a_run_that_was_ended_goes_on_and_takes_the_time_of_both_parts(compared, place):
+    finished = compared[0] / "runs" / "compare-uuv_sampling-b"
+    folder = shutil.copytree(finished, place / "ended")
+    for key in ("result", "mrsfi_sha256"):
+        with sqlite3.connect(folder / "runs" / "drift-2" / "campaign.sqlite") as connection:
+            connection.execute("DELETE FROM evaluation WHERE idx >= 2")
+            connection.execute("DELETE FROM generation")
+            connection.execute("INSERT OR REPLACE INTO meta VALUES ('seconds', '1000.0')")
+            connection.execute("DELETE FROM meta WHERE key = ?", (key,))
+        if key == "result":
+            again = mrsfi_json(*SMALL, "--seeds", "2", "--out", folder, cwd=place)
+
+    assert findings(again) == findings(json.loads((finished / "comparison.json").read_text()))
+    assert [run["seconds"] > 1000 for run in again["runs"]] == [False] * 5 + [True]
+    error = mrsfi(*SMALL, "--seeds", "2", "--out", folder, cwd=place, expected=9).stderr
+    assert "drift-2: found a run with other mrsfi_sha256: mrsfi_sha256 None; expected" in error
+
+
+@slow
+def test_what_is_edited_while_a_comparison_runs_changes_nothing(compared, place):
+    command = (*SMALL, "--seeds", "2", "--json")
+    with subprocess.Popen(
+        command_line(*command), cwd=place, stderr=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as process:
+        while b"run 1/6" not in process.stderr.readline():
+            pass
+        edit(place / "models" / MISSION / "mission.xmi", 'speed="5.0"', 'speed="6.0"')
+        mrsfi("generate", MISSION, cwd=place)
+        again = json.loads(process.communicate()[0])
+
+    whole = json.loads((compared[0] / "runs/compare-uuv_sampling-b/comparison.json").read_text())
+    assert findings(again) == findings(whole)
 
 
 @slow
@@ -117,7 +151,9 @@ def test_runs_of_another_number_of_evaluations_or_mission_are_not_mixed(place):
     assert "found a run with other evaluations: evaluations 6; expected evaluations 7" in (
         other.stderr
     )
-    assert "mission.xmi: the comparison's own copy differs" in changed.stderr
+    assert (
+        "found a run with other manifest.json, mission.xmi, mission_loader.py: " in changed.stderr
+    )
 
 
 @slow
@@ -135,6 +171,18 @@ def test_a_run_is_the_campaign_of_its_seed_with_the_replications_of_its_file(pla
     assert found["runs"][1]["digest"] == run["digest"] == campaign["digest"]
     assert run["improvements"][-1][1] == campaign["best"]["fitness"]
     assert run["front_size"] == len(campaign["front"]["points"])
+
+
+def test_a_comparison_of_an_earlier_mrsfi_is_refused(place):
+    runs = place / "runs" / "old" / "runs"
+    runs.mkdir(parents=True)
+    (runs.parent / "campaign.lock").touch()
+    (runs / "paper-1.json").write_text("{}")
+
+    done = mrsfi(*SMALL, "--seeds", "1", "--out", runs.parent, cwd=place, expected=9)
+
+    assert "runs/old: found a comparison of an earlier mrsfi" in done.stderr
+    assert [file.name for file in runs.iterdir()] == ["paper-1.json"]
 
 
 def test_a_folder_of_something_else_is_refused(place):

@@ -1,6 +1,7 @@
 """What another version of the world's rules left behind is read, and refused where it would fly."""
 
 import json
+import sqlite3
 import subprocess
 import sys
 
@@ -93,14 +94,17 @@ def test_a_comparison_is_not_continued_under_other_rules(quick):
     few = ("--algorithms", "random", "--evaluations", "2", "--workers", "1", "--seeds", "1")
     compare = ("compare", MISSION, *few, "--engine", "reference", "--out", "out")
     found = mrsfi_json(*compare, cwd=quick)
-    edit(quick / "out" / "generated" / "manifest.json", NUMBER, '"semantics": 1')
+    with sqlite3.connect(quick / "out" / "runs" / "random-1" / "campaign.sqlite") as connection:
+        ((text,),) = connection.execute("SELECT value FROM meta WHERE key = 'manifest'")
+        manifest = json.dumps(json.loads(text) | {"semantics": 1, "versions": {"mrsfi": "0.1"}})
+        connection.execute("UPDATE meta SET value = ? WHERE key = 'manifest'", (manifest,))
     before = contents(quick / "out" / "runs")
 
     error = mrsfi(*compare, cwd=quick, expected=9).stderr
 
     assert found["semantics"] == SEMANTICS
-    assert f"out: found semantics 1; expected semantics {SEMANTICS}" in error
-    assert "go on with mrsfi 0.1, compare in another folder with --out" in error
+    assert f"out/runs/random-1: found semantics 1; expected semantics {SEMANTICS}" in error
+    assert "fly the campaign with mrsfi 0.1" in error
     assert contents(quick / "out" / "runs") == before
 
 

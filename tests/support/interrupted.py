@@ -8,10 +8,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
 
-from mrsfi.evolving import begun
+from mrsfi.evolving import made
 from mrsfi.folders import find_mission
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
 from tests.support.processes import is_running
@@ -75,9 +74,7 @@ WRITE = _SCRIPT.format(
 
 def begin(path: Path, models: Path, settings: CampaignSettings) -> Path:
     """Make the folder of a campaign on a mission that is to be searched."""
-    folders = find_mission(str(models))
-    code = load_code(folders.generated)
-    with begun(folders, code, settings, "a", EngineSettings(), out=path):
+    with made(path, find_mission(str(models)), settings, "a", EngineSettings()):
         return path
 
 

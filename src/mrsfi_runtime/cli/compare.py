@@ -1,40 +1,95 @@
 """The command ``mrsfi compare``, and the tables that it prints."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterator
 from dataclasses import astuple
 from itertools import groupby
 from math import isinf
 from pathlib import Path
 from time import monotonic
+from typing import TYPE_CHECKING
 
 import click
-from rich.table import Table
 
-from mrsfi.comparing import compared, settings_of, write_compared
-from mrsfi.engines import Workers, evaluator
-from mrsfi.folders import (
-    campaign_file,
-    find_mission,
-)
-from mrsfi.loading import load_fresh
-from mrsfi.project import project
+from mrsfi.engines import Workers
 from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.options import EngineOptions
-from mrsfi_runtime.cli.tables import plain_table
-from mrsfi_runtime.cli.terminal import print_table
-from mrsfi_runtime.engine.settings import AUTO, EngineSettings
-from mrsfi_runtime.errors import TransportError, UsageError
-from mrsfi_runtime.generated_code import load_code
-from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.study.comparison import Comparison
-from mrsfi_runtime.study.folder import ComparisonFolder
-from mrsfi_runtime.study.run_results import MOST_OBJECTIVES, RunResult
-from mrsfi_runtime.study.runs import (
-    only_comparison,
+from mrsfi_runtime.cli.options import (
+    EngineOptions,
+    engine_options,
+    generated_option,
+    mission_argument,
+    worker_options,
 )
+from mrsfi_runtime.engine.settings import AUTO
+from mrsfi_runtime.errors import TransportError, UsageError
+from mrsfi_runtime.record.manifest import BOTH
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.study.comparison import Comparison
+    from mrsfi_runtime.study.folder import ComparisonFolder
+    from mrsfi_runtime.study.run_results import RunResult
+
+_HELP = """Compare search algorithms on MISSION: several seeds, as many evaluations for each.
+
+Every algorithm searches with the seeds 1 to --seeds, all else as the campaign file says.
+Prints medians with quartiles, and for every two algorithms the Mann-Whitney U test, its
+p-value, the same adjusted for several tests on one measure (Holm), and A12: the chance that a
+run of the first does better than one of the second.
+
+\b
+Examples:
+  mrsfi compare uuv_sampling
+  mrsfi compare uuv_sampling --case b --algorithms paper,random,drift --seeds 10
+  mrsfi compare uuv_sampling --seeds 5 --evaluations 200 --out runs/quick
+  mrsfi compare uuv_sampling --json | jq '.tests[] | select(.measure == "fitness")'
+
+A comparison that was ended goes on with the same command; a run that is finished is not made
+again, also when algorithms or seeds are added. Any run can be had by itself, with the same
+digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
+"""
 
 
-def compare_algorithms(  # noqa: PLR0913 - one for each option
+@click.command(name="compare", help=_HELP)
+@mission_argument
+@generated_option
+@click.option(
+    "--case",
+    default="a",
+    show_default=True,
+    metavar="a|b|FILE",
+    help="Campaign file: case_NAME.toml beside the models, or any TOML file.",
+)
+@click.option(
+    "--algorithms",
+    default="paper,random,drift",
+    show_default=True,
+    metavar="NAME,NAME,…",
+    help="Algorithms, as in a campaign file.",
+)
+@click.option(
+    "--seeds",
+    type=click.IntRange(1),
+    default=30,
+    show_default=True,
+    help="Runs of each algorithm, with seeds 1, 2, …",
+)
+@click.option(
+    "--evaluations",
+    type=click.IntRange(1),
+    default=909,
+    show_default=True,
+    help="Evaluations of each run.",
+)
+@worker_options
+@engine_options(BOTH, default=AUTO)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Folder of the comparison, new or to go on with [default: runs/compare-NAME-CASE].",
+)
+@click.option("--json", "is_json", is_flag=True, help="Print the comparison for a script.")
+def command(  # noqa: PLR0913 - one for each option
     *,
     mission: str,
     generated: Path | None,
@@ -48,21 +103,66 @@ def compare_algorithms(  # noqa: PLR0913 - one for each option
     is_json: bool,
 ) -> None:
     """Compare search algorithms on a mission."""
+    import mrsfi
+    from mrsfi.comparing import default_folder
+    from mrsfi_runtime.study.folder import ComparisonFolder
+
     flown_by = engine.settings(default=AUTO)
     workers.require_sense(flown_by)
-    folders = find_mission(mission, generated)
-    code = load_fresh(folders)
-    settings = settings_of(campaign_file(folders, case), code, _names(algorithms), evaluations)
-    tried = flown_by.tried(code, next(iter(settings.values())).mission_seed, tell)
-    path = project().runs / f"compare-{folders.name}-{Path(case).stem}" if out is None else out
-    with only_comparison(path, folders.models, folders.generated) as folder:
-        comparison = _compared(folder, settings, seeds, tried, workers)
-        content = write_compared(folder, folders.name, settings, comparison)
-    _tell_fewer(comparison, evaluations)
+    names = _names(algorithms)
+    loaded = mrsfi.load(mission, generated)
+    folder = ComparisonFolder(out or default_folder(loaded.name, case))
+    told = _Progress(folder, len(names) * seeds)
+    try:
+        found = loaded.compare(
+            names,
+            seeds,
+            evaluations,
+            case=case,
+            out=folder.path,
+            engine=flown_by,
+            workers=workers.number,
+            dask=workers.dask,
+            progress=told.run,
+            tell=tell,
+            on_reached=told.begin,
+        )
+    except (KeyboardInterrupt, TransportError):
+        if folder.runs.is_dir():
+            tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")
+        raise
+    _tell_fewer(found, evaluations)
     if is_json:
-        print_json({"folder": str(path), **content})
+        content = json.loads(folder.summary.read_text(encoding="utf-8"))
+        print_json({"folder": str(folder.path), **content})
     else:
-        _print(comparison, folder, evaluations)
+        _print(found, folder, evaluations)
+
+
+class _Progress:
+    """Tells of each run, and how long the rest may take."""
+
+    def __init__(self, folder: "ComparisonFolder", n_runs: int) -> None:
+        self._folder = folder
+        self._n_runs = n_runs
+        self._n_new = 0
+        self._began = 0.0
+
+    def begin(self, who: str) -> None:
+        tell(f"comparison {self._folder.path}: {self._n_runs} runs, {who}")
+        self._began = monotonic()
+
+    def run(self, run: "RunResult", n_done: int, is_new: bool) -> None:
+        place = f"run {n_done}/{self._n_runs}  {run.algorithm} seed {run.seed}"
+        if not is_new:
+            tell(f"{place}  was finished already")
+            return
+        self._n_new += 1
+        left = round((monotonic() - self._began) / self._n_new * (self._n_runs - n_done))
+        tell(
+            f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
+            f"{run.seconds:.1f} s  left {left // 60}:{left % 60:02d}"
+        )
 
 
 def _names(algorithms: str) -> list[str]:
@@ -74,47 +174,7 @@ def _names(algorithms: str) -> list[str]:
     return names
 
 
-def _compared(
-    folder: ComparisonFolder,
-    settings: Mapping[str, CampaignSettings],
-    n_seeds: int,
-    engine: EngineSettings,
-    workers: Workers,
-) -> Comparison:
-    """Make the runs that are missing; tell of each, and how long the rest may take."""
-    n_runs = len(settings) * n_seeds
-    n_new = 0
-    began = 0.0
-
-    def tell_who(who: str) -> None:
-        nonlocal began
-        tell(f"comparison {folder.path}: {n_runs} runs, {engine.words}, {who}")
-        began = monotonic()
-
-    def tell_of(run: RunResult, n_done: int, is_new: bool) -> None:
-        nonlocal n_new
-        place = f"run {n_done}/{n_runs}  {run.algorithm} seed {run.seed}"
-        if not is_new:
-            tell(f"{place}  was finished already")
-            return
-        n_new += 1
-        left = round((monotonic() - began) / n_new * (n_runs - n_done))
-        tell(
-            f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
-            f"{run.seconds:.1f} s  left {left // 60}:{left % 60:02d}"
-        )
-
-    code = load_code(folder.generated)
-    seed = next(iter(settings.values())).mission_seed
-    try:
-        with evaluator(code, seed, engine, workers, tell, tell_who) as many:
-            return compared(folder, settings, n_seeds, code, many, tell_of)
-    except (KeyboardInterrupt, TransportError):
-        tell(f"finished runs are kept in {folder.runs}; the same command goes on with the rest")
-        raise
-
-
-def _tell_fewer(comparison: Comparison, n_evaluations: int) -> None:
+def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
     """Say which algorithms did not use all of their evaluations."""
     for name in comparison.algorithms:
         n_fewer = sum(run.n_evaluations < n_evaluations for run in comparison.of(name))
@@ -125,15 +185,21 @@ def _tell_fewer(comparison: Comparison, n_evaluations: int) -> None:
             )
 
 
-def _print(comparison: Comparison, folder: ComparisonFolder, n_evaluations: int) -> None:
+def _print(comparison: "Comparison", folder: "ComparisonFolder", n_evaluations: int) -> None:
+    from mrsfi_runtime.cli.tables import plain_table
+    from mrsfi_runtime.cli.terminal import print_table
+
     title = (
         f"{len(comparison.algorithms)} algorithms, {len(comparison.seeds)} seeds, "
         f"{n_evaluations} evaluations a run"
     )
-    print_table(title, quartile_table(comparison))
+    parts = ("lower quartile", "median", "upper quartile")
+    print_table(title, plain_table(("measure", "algorithm"), parts, _quartile_rows(comparison)))
     if comparison.tests:
-        print_table("Mann-Whitney U: does the first do better?", rank_test_table(comparison))
-    for line in legend(comparison):
+        found = ("U", "p", "p (Holm)", "A12", "magnitude")
+        table = plain_table(("measure", "first", "second"), found, _test_rows(comparison))
+        print_table("Mann-Whitney U: does the first do better?", table)
+    for line in _legend(comparison):
         click.echo(line)
     click.echo(f"runs         {folder.runs}")
     click.echo(f"tables       {folder.path}/runs.csv, quartiles.csv, tests.csv")
@@ -141,41 +207,36 @@ def _print(comparison: Comparison, folder: ComparisonFolder, n_evaluations: int)
     click.echo(f"summary      {folder.summary}")
 
 
-def quartile_table(comparison: Comparison) -> Table:
-    """Return the quartiles of every measure, one line for each measure and algorithm."""
-    rows = (
-        (measure if number == 0 else "", name, *map(number_text, astuple(found)))
-        for measure, by_algorithm in comparison.quartiles.items()
-        for number, (name, found) in enumerate(by_algorithm.items())
-    )
-    head = ("measure", "algorithm")
-    return plain_table(head, ("lower quartile", "median", "upper quartile"), rows)
+def _quartile_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
+    """Yield the quartiles of every measure, one line for each measure and algorithm."""
+    for measure, by_algorithm in comparison.quartiles.items():
+        for number, (name, found) in enumerate(by_algorithm.items()):
+            yield ("" if number else measure, name, *map(_number, astuple(found)))
 
 
-def rank_test_table(comparison: Comparison) -> Table:
-    """Return the tests of two algorithms, but for measures on which no two algorithms differ."""
-    telling = {test.measure for test in comparison.tests if test.ranks.a12 != 0.5}
-    rows = (
-        (
-            measure if number == 0 else "",
-            test.first,
-            test.second,
-            f"{test.ranks.u:g}",
-            probability(test.ranks.p_value),
-            probability(test.holm_p_value),
-            f"{test.ranks.a12:.3f}",
-            test.effect,
-        )
-        for measure, tests in groupby(comparison.tests, lambda test: test.measure)
-        if measure in telling
-        for number, test in enumerate(tests)
-    )
-    head = ("measure", "first", "second")
-    return plain_table(head, ("U", "p", "p (Holm)", "A12", "magnitude"), rows)
+def _test_rows(comparison: "Comparison") -> Iterator[tuple[str, ...]]:
+    """Yield the tests of two algorithms, but for measures on which no two algorithms differ."""
+    for measure, tests in groupby(comparison.tests, lambda test: test.measure):
+        of_measure = list(tests)
+        if all(test.ranks.a12 == 0.5 for test in of_measure):
+            continue
+        for number, test in enumerate(of_measure):
+            yield (
+                "" if number else measure,
+                test.first,
+                test.second,
+                f"{test.ranks.u:g}",
+                _probability(test.ranks.p_value),
+                _probability(test.holm_p_value),
+                f"{test.ranks.a12:.3f}",
+                test.effect,
+            )
 
 
-def legend(comparison: Comparison) -> list[str]:
+def _legend(comparison: "Comparison") -> list[str]:
     """Return what the names of measures mean, line by line."""
+    from mrsfi_runtime.study.run_results import MOST_OBJECTIVES
+
     names = [criterion.name for criterion in comparison.criteria]
     lines = ["fitness      best of a run"]
     if "hypervolume" in names:
@@ -190,13 +251,13 @@ def legend(comparison: Comparison) -> list[str]:
     return lines
 
 
-def number_text(value: float) -> str:
+def _number(value: float) -> str:
     """Return a measured number in four or more digits, and ``never`` for infinity."""
     if isinf(value):
         return "never"
     return f"{value:.6g}" if abs(value) >= 1 else f"{value:.4g}"
 
 
-def probability(value: float) -> str:
+def _probability(value: float) -> str:
     """Return a p-value in three digits."""
     return f"{value:.3f}" if value >= 0.001 else f"{value:.1e}"

@@ -39,7 +39,7 @@ _COMMANDS = MappingProxyType(
 )
 """Subcommands and their one-line help: ``mrsfi --help`` need not import them."""
 
-_MODULES = MappingProxyType({"import": "import_model", "compare": "commands.compare"})
+_MODULES = MappingProxyType({"import": "import_model"})
 """Modules of the subcommands whose names Python does not allow."""
 
 

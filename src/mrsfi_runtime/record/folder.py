@@ -65,9 +65,11 @@ class CampaignFolder:
 
     def hashes(self) -> dict[str, str]:
         """Return SHA-256 of every copied file by name."""
-        copied = copied_files(self.generated)
-        names = {path.relative_to(self.generated).as_posix(): _hash(path) for path in copied}
-        return hashes(self.generated) | hashes(self.model) | names
+        place = self.generated / IMPORTED
+        imported = {
+            path.relative_to(place).as_posix(): path for path in copied_files(self.generated)
+        }
+        return file_hashes(self.model, self.generated, imported)
 
     def require_hashes(self, recorded: Mapping[str, str]) -> None:
         """Refuse copies that are not those that the campaign was begun on."""
@@ -94,9 +96,15 @@ class CampaignFolder:
             )
 
 
+def file_hashes(models: Path, generated: Path, imported: Mapping[str, Path]) -> dict[str, str]:
+    """Return SHA-256 of every file that a campaign copies, by the name of its copy."""
+    names = {f"{IMPORTED}/{name}": _hash(path) for name, path in imported.items()}
+    return hashes(generated) | hashes(models) | names
+
+
 def hashes(folder: Path) -> dict[str, str]:
     """Return SHA-256 of a folder's files by name, in order, without its subfolders."""
-    files = sorted(path for path in folder.glob("*") if path.is_file())
+    files = sorted(path for path in folder.glob("*") if path.is_file() and OURS not in path.name)
     return {path.name: _hash(path) for path in files}
 
 

@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import combinations
 from math import comb, isfinite
+from pathlib import Path
 from typing import Any
 
 from scipy.stats import PermutationMethod, mannwhitneyu
@@ -138,7 +139,10 @@ class PairTest:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What the runs of some algorithms say: quartiles and tests of every pair, by measure."""
+    """What the runs of some algorithms say: quartiles and tests of every pair, by measure.
+
+    ``folder`` has the campaigns, tables, figures and summary.
+    """
 
     algorithms: tuple[str, ...]
     seeds: tuple[int, ...]
@@ -146,6 +150,7 @@ class Comparison:
     criteria: tuple[Criterion, ...]
     quartiles: Mapping[str, Mapping[str, Quartiles]]
     tests: tuple[PairTest, ...]
+    folder: Path = Path()
 
     def of(self, algorithm: str) -> tuple[RunResult, ...]:
         """Return the runs of an algorithm, by seed."""

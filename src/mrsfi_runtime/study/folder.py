@@ -1,148 +1,62 @@
-"""The folder of a comparison: one file for each finished run, and what is concluded from them.
-
-Every file appears under its name when it is whole, so that a comparison that was ended goes on
-with the runs that are finished.
-"""
+"""The folder of a comparison: a campaign for each run, and what is concluded from them."""
 
 import json
-import os
-import shutil
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import astuple
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, Self
 
 from mrsfi_runtime.analysis.plots import rendered
 from mrsfi_runtime.analysis.tables import Rows, as_csv
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.study.comparison import Comparison, finite
 from mrsfi_runtime.study.plots import illustrate
-from mrsfi_runtime.study.run_results import RunResult
-
-SCHEMA = 1
-"""Version of the file of a run."""
-
-_SCRATCH = "unfinished-"
 
 
 class ComparisonFolder(CampaignFolder):
-    """Layout of the folder, which has copies, lock and figures where a campaign's has them."""
+    """Layout of the folder, which has lock and figures where a campaign's has them."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self.runs = path / "runs"
         self.summary = path / "comparison.json"
 
-    def run_file(self, algorithm: str, seed: int) -> Path:
-        """Return the file of a run."""
-        return self.runs / f"{algorithm}-{seed}.json"
-
-    def keep(self, run: RunResult, subject: Mapping[str, Any]) -> None:
-        """Keep a finished run; ``subject`` is what all of the folder have in common, as JSON."""
-        content = {"schema": SCHEMA, "subject": subject, "result": run.as_json()}
-        with _explained(self.path):
-            _write(self.run_file(run.algorithm, run.seed), _text(content))
-
-    def kept(self, algorithm: str, seed: int, subject: Mapping[str, Any]) -> RunResult | None:
-        """Return a run that is finished, or nothing.
-
-        A file that is damaged, of a newer version or of another subject is a ``RecordError``.
-        """
-        path = self.run_file(algorithm, seed)
-        if not path.is_file():
-            return None
-        try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-            recorded, result = dict(content["subject"]), RunResult.from_json(content["result"])
-            is_ours = content["schema"] == SCHEMA and (result.algorithm, result.seed) == (
-                algorithm,
-                seed,
+    @classmethod
+    def reserve(cls, path: Path) -> Self:
+        """Take the folder of a comparison, or make a new one."""
+        folder = cls(path)
+        if not (folder.runs.is_dir() and folder.lock.is_file()):
+            return super().reserve(path)
+        if any(folder.runs.glob("*.json")):
+            raise RecordError(
+                f"{path}: found a comparison of an earlier mrsfi, whose runs are no campaigns; "
+                "expected one of this mrsfi; compare in another folder with --out, or remove this "
+                "one"
             )
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise RecordError(_damaged(path, f"{type(error).__name__}: {error}")) from error
-        if not is_ours:
-            raise RecordError(_damaged(path, "another schema or run"))
-        _require_same(path, recorded, subject)
-        return result
+        return folder
+
+    def run(self, algorithm: str, seed: int) -> CampaignFolder:
+        """Return the folder of a run."""
+        return CampaignFolder(self.runs / f"{algorithm}-{seed}")
 
     def write(self, comparison: Comparison, content: Mapping[str, Any]) -> None:
         """Write tables, figures and summary; those of before are replaced."""
-        with _explained(self.path):
+        text = f"{json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)}\n"
+        try:
             for name, table in _TABLES.items():
-                _write(self.path / f"{name}.csv", as_csv(table(comparison)))
+                write_atomically(self.path / f"{name}.csv", as_csv(table(comparison)))
             self.figures.mkdir(exist_ok=True)
             for name, figure in illustrate(comparison):
                 for suffix, drawn in rendered(figure).items():
-                    _write(self.figures / f"{name}{suffix}", drawn)
-            _write(self.summary, _text(content))
-
-    @contextmanager
-    def scratch(self) -> Iterator[Path]:
-        """Yield an empty folder that goes with the end of the body; a kill leaves it behind."""
-        with _explained(self.path):
-            made = TemporaryDirectory(prefix=_SCRATCH, dir=self.path)
-        with made as place:
-            yield Path(place)
-
-    def tidy(self) -> None:
-        """Remove what earlier processes left when they were killed."""
-        for leftover in self.path.glob(f"{_SCRATCH}*"):
-            shutil.rmtree(leftover, ignore_errors=True)
-
-
-def _require_same(path: Path, recorded: Any, subject: Mapping[str, Any]) -> None:
-    if recorded == subject:
-        return
-    other = sorted(
-        key for key in {*recorded, *subject} if recorded.get(key, None) != subject.get(key, None)
-    )
-    raise RecordError(
-        f"{path}: found a run with other {', '.join(other)}: {_excerpt(recorded, other)}; expected "
-        f"{_excerpt(subject, other)}; compare in another folder with --out, or remove this one"
-    )
-
-
-def _excerpt(subject: Mapping[str, Any], keys: list[str]) -> str:
-    return ", ".join(f"{key} {str(subject.get(key))[:20]}" for key in keys[:5])
-
-
-def _damaged(path: Path, what: str) -> str:
-    return (
-        f"{path}: is not the result of a run, as `mrsfi compare` writes it ({what}); "
-        "remove the file, and the run is made again"
-    )
-
-
-@contextmanager
-def _explained(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise RecordError(
-            f"{path}: cannot be written: {error.strerror or error}; expected a folder that can be, "
-            "on a disk with some room; runs that are finished stay"
-        ) from error
-
-
-def _text(content: Mapping[str, Any]) -> bytes:
-    return f"{json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)}\n".encode()
-
-
-def _write(path: Path, content: bytes) -> None:
-    """Write a file that appears under its name when it is whole, and on the disk."""
-    new = path.with_name(f"{path.name}.new")
-    try:
-        with new.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        new.replace(path)
-    except BaseException:
-        new.unlink(missing_ok=True)
-        raise
+                    write_atomically(self.figures / f"{name}{suffix}", drawn)
+            write_atomically(self.summary, text.encode())
+        except OSError as error:
+            raise RecordError(
+                f"{self.path}: cannot be written: {error.strerror or error}; expected a folder "
+                "that can be, on a disk with some room; runs that are finished stay"
+            ) from error
 
 
 def _cell(value: float | None) -> float | str:

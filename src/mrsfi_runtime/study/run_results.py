@@ -1,6 +1,6 @@
 """What one search found, in the numbers by which searches are compared."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from math import inf
 from typing import Any, Self
@@ -9,6 +9,7 @@ from moocore import hypervolume
 
 from mrsfi_runtime.analysis.fronts import non_dominated, score
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.encoding import object_from_text
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Evaluation
@@ -57,15 +58,13 @@ class RunResult:
         return asdict(self)
 
     @classmethod
-    def from_json(cls, values: Mapping[str, Any]) -> Self:
-        """Return the result that ``as_json`` described; other values raise as they are read."""
-        counts = {name: _counts(values[name]) for name in ("at_once", "together")}
-        improvements = tuple((int(place), float(best)) for place, best in values["improvements"])
-        return cls(**{**values, **counts, "improvements": improvements})
+    def from_text(cls, text: str) -> Self:
+        """Return the result that ``as_json`` described, from its JSON text."""
+        return cls(**{key: _frozen(value) for key, value in object_from_text(text).items()})
 
 
-def _counts(values: Iterable[int | None]) -> tuple[int | None, ...]:
-    return tuple(None if value is None else int(value) for value in values)
+def _frozen(value: Any) -> Any:
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
 def reached(n_evaluations: int | None) -> float:

@@ -1,4 +1,3 @@
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
@@ -10,6 +9,7 @@ from hypothesis import strategies as st
 from mrsfi_runtime.analysis.fronts import non_dominated
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.encoding import canonical
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.run_results import RunResult, front_volume, measure_run
 from tests.support.campaigns import evaluation
@@ -123,5 +123,11 @@ def test_a_result_survives_json():
     run = measured([(1, 0, 2, 0, 0, 0), (3, 0, 2, 0, 0, 0)])
     unvalued = replace(run, hypervolume=None)
 
-    assert RunResult.from_json(json.loads(json.dumps(run.as_json()))) == run
-    assert RunResult.from_json(json.loads(json.dumps(unvalued.as_json()))) == unvalued
+    assert RunResult.from_text(canonical(run.as_json())) == run
+    assert RunResult.from_text(canonical(unvalued.as_json())) == unvalued
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", "null"])
+def test_a_text_that_is_no_result_is_refused_as_the_store_understands_it(text):
+    with pytest.raises((ValueError, TypeError)):
+        RunResult.from_text(text)
