@@ -15,13 +15,13 @@ Statistics 6, 1979.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import combinations
-from math import comb, isfinite
+from math import comb, inf, isfinite
 from pathlib import Path
 from typing import Any
 
 from scipy.stats import PermutationMethod, mannwhitneyu
 
-from mrsfi_runtime.study.run_results import RunResult, reached
+from mrsfi_runtime.study.run_results import RunResult
 
 SCHEMA = 1
 """Version of ``comparison.json``."""
@@ -136,6 +136,17 @@ class PairTest:
         """The magnitude in words, where the runs are enough to show one."""
         return self.ranks.magnitude if self.holm_p_value < _SIGNIFICANT else "not shown"
 
+    def as_json(self) -> dict[str, Any]:
+        """Return it as values of JSON."""
+        return {
+            "measure": self.measure,
+            "first": self.first,
+            "second": self.second,
+            **asdict(self.ranks),
+            "magnitude": self.ranks.magnitude,
+            "holm_p_value": self.holm_p_value,
+        }
+
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
@@ -205,12 +216,13 @@ def _criteria(runs: Sequence[RunResult]) -> tuple[Criterion, ...]:
 
 
 def _breaking(name: str, n_goals: int, words: str) -> Criterion:
-    return Criterion(
-        f"{name}_{n_goals}",
-        f"evaluations to break {n_goals} goal{'s' if n_goals > 1 else ''} {words}",
-        False,
-        lambda run: reached(getattr(run, name)[n_goals - 1]),
-    )
+    def value(run: RunResult) -> float:
+        """Return a number of evaluations that can be ranked: never comes after any other."""
+        place: int | None = getattr(run, name)[n_goals - 1]
+        return inf if place is None else float(place)
+
+    what = f"evaluations to break {n_goals} goal{'s' if n_goals > 1 else ''} {words}"
+    return Criterion(f"{name}_{n_goals}", what, False, value)
 
 
 def _tests(criterion: Criterion, values: Mapping[str, Sequence[float]]) -> list[PairTest]:
@@ -241,17 +253,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
             }
             for measure, by_algorithm in comparison.quartiles.items()
         },
-        "tests": [
-            {
-                "measure": test.measure,
-                "first": test.first,
-                "second": test.second,
-                **asdict(test.ranks),
-                "magnitude": test.ranks.magnitude,
-                "holm_p_value": test.holm_p_value,
-            }
-            for test in comparison.tests
-        ],
+        "tests": [test.as_json() for test in comparison.tests],
         "runs": [run.as_json() | {"best_fitness": run.best_fitness} for run in comparison.runs],
     }
 

@@ -1,7 +1,7 @@
 """The folder of a comparison: a campaign for each run, and what is concluded from them."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import astuple
 from pathlib import Path
 from typing import Any, Self
@@ -45,7 +45,7 @@ class ComparisonFolder(CampaignFolder):
         """Write tables, figures and summary; those of before are replaced."""
         text = f"{json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)}\n"
         try:
-            for name, table in _TABLES.items():
+            for name, table in (("runs", _runs), ("quartiles", _quartiles), ("tests", _tests)):
                 write_atomically(self.path / f"{name}.csv", as_csv(table(comparison)))
             self.figures.mkdir(exist_ok=True)
             for name, figure in illustrate(comparison):
@@ -59,13 +59,8 @@ class ComparisonFolder(CampaignFolder):
             ) from error
 
 
-def _cell(value: float | None) -> float | str:
-    """Return a number as it is, and what was never reached as an empty cell."""
-    return "" if value is None or finite(value) is None else value
-
-
-def runs_table(comparison: Comparison) -> Rows:
-    """Return one row for each run with all measures."""
+def _runs(comparison: Comparison) -> Rows:
+    """Return one row for each run with all measures; what was never reached is empty."""
     names = (criterion.name for criterion in comparison.criteria)
     rows = (
         (
@@ -73,7 +68,7 @@ def runs_table(comparison: Comparison) -> Rows:
             run.seed,
             run.n_evaluations,
             run.n_failures,
-            *(_cell(criterion.value(run)) for criterion in comparison.criteria),
+            *(finite(criterion.value(run)) for criterion in comparison.criteria),
             run.digest,
         )
         for run in comparison.runs
@@ -81,38 +76,18 @@ def runs_table(comparison: Comparison) -> Rows:
     return [("algorithm", "seed", "n_evaluations", "n_failures", *names, "digest"), *rows]
 
 
-def quartiles_table(comparison: Comparison) -> Rows:
+def _quartiles(comparison: Comparison) -> Rows:
     """Return the quartiles of every measure for every algorithm; never reached is empty."""
     rows = (
-        (measure, name, len(comparison.of(name)), *map(_cell, astuple(found)))
+        (measure, name, len(comparison.of(name)), *map(finite, astuple(found)))
         for measure, by_algorithm in comparison.quartiles.items()
         for name, found in by_algorithm.items()
     )
     return [("measure", "algorithm", "n_runs", "lower", "median", "upper"), *rows]
 
 
-def tests_table(comparison: Comparison) -> Rows:
+def _tests(comparison: Comparison) -> Rows:
     """Return every test of two algorithms on a measure."""
-    rows = (
-        (
-            test.measure,
-            test.first,
-            test.second,
-            test.ranks.u,
-            test.ranks.p_value,
-            test.holm_p_value,
-            test.ranks.method,
-            test.ranks.a12,
-            test.ranks.magnitude,
-        )
-        for test in comparison.tests
-    )
     names = ("measure", "first", "second", "u", "p_value", "holm_p_value", "method", "a12")
-    return [(*names, "magnitude"), *rows]
-
-
-_TABLES: Mapping[str, Callable[[Comparison], Rows]] = {
-    "runs": runs_table,
-    "quartiles": quartiles_table,
-    "tests": tests_table,
-}
+    columns = (*names, "magnitude")
+    return [columns, *(tuple(map(test.as_json().get, columns)) for test in comparison.tests)]

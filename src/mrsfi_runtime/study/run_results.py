@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
-from math import inf
 from typing import Any, Self
 
 from moocore import hypervolume
@@ -65,11 +64,6 @@ class RunResult:
 
 def _frozen(value: Any) -> Any:
     return tuple(map(_frozen, value)) if isinstance(value, list) else value
-
-
-def reached(n_evaluations: int | None) -> float:
-    """Return a number of evaluations that can be ranked: never comes after any other."""
-    return inf if n_evaluations is None else float(n_evaluations)
 
 
 def measure_run(
