@@ -5,12 +5,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias
 
 from mrsfi_runtime.errors import ModelError, nearest
-
-if TYPE_CHECKING:
-    from m2t.read.nodes import Node
 
 Severity: TypeAlias = Literal["error", "warning"]
 
@@ -167,6 +164,17 @@ class Defect(Exception):  # noqa: N818 # what models have
         self.finding = finding
 
 
+class Place(Protocol):
+    """Where an element stands in a file, and what messages call it."""
+
+    path: Path
+    line: int
+
+    @property
+    def description(self) -> str:
+        """Name of the element, such as ``robots 'r1'``."""
+
+
 class Report:
     """Collects the diagnostics of one validation; ``n_errors`` of them stop loading.
 
@@ -181,13 +189,13 @@ class Report:
         self.n_unsound = 0
         self.n_dangling = 0
 
-    def add(self, node: "Node", constraint: str, finding: str) -> None:
+    def add(self, place: Place, constraint: str, finding: str) -> None:
         """Add a defect of an element; ``finding`` completes a sentence that begins with it."""
         severity = CONSTRAINTS[constraint].severity
-        element = node.description
+        element = place.description
         message = f"{element} {finding}"
-        found = Diagnostic(node.path, node.line, element, constraint, severity, message)
-        self._add((node, constraint, finding), found)
+        found = Diagnostic(place.path, place.line, element, constraint, severity, message)
+        self._add((place, constraint, finding), found)
 
     def add_file(self, path: Path, line: int, defect: Defect) -> None:
         """Add a defect of a whole file."""
@@ -222,7 +230,7 @@ class Report:
 class NodeReport:
     """Places findings about objects at the lines of their nodes."""
 
-    nodes: Mapping[Any, "Node"]
+    nodes: Mapping[Any, Place]
     report: Report
 
     def add(self, element: Any, constraint: str, finding: str) -> None:
