@@ -4,7 +4,7 @@ A fix looks at the element anew and changes nothing if nothing is wrong, so that
 offered to an element too many.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -16,11 +16,13 @@ from m2t.constraints.fault_rules import (
     exchanged_bounds,
     exchanged_draw,
     exchanged_window,
+    fault_types,
 )
 from m2t.constraints.mission_rules import repeated, strangers
 from m2t.diagnostics import Diagnostic
-from m2t.incomplete import delete_incomplete
+from m2t.elements import contained, values
 from m2t.load import Inspection, LoadedModels
+from m2t.metaclasses import is_kind, slots
 from m2t.saving import difference, saved
 
 Remedy: TypeAlias = Callable[[Any], None]
@@ -156,3 +158,42 @@ _TITLES_OF_REMAINS = {
     "ResolvedReference": "Delete the reference, and what is incomplete without it",
 }
 """What loading has left out already, with what is incomplete without it to follow."""
+
+
+def delete_incomplete(models: LoadedModels) -> None:
+    """Delete elements that lack what the metamodels require, and references to what is deleted.
+
+    A goal loses a member that is gone; a message whose sender is gone goes as a whole, and so does
+    a fault of that message. Roots stay, whatever they lack.
+    """
+    roots = [root for root in (models.mission, models.faults) if root is not None]
+    while True:
+        alive = {element for root in roots for element in contained(root)}
+        lost = [element for element in alive if _loses(element, alive) and element not in roots]
+        if not lost:
+            return
+        for element in lost:
+            _take(element.eContainer(), element.eContainmentFeature().name, element)
+
+
+def _loses(element: Any, alive: Iterable[Any]) -> bool:
+    """Take references to what is gone from an element; return whether it lacks something then."""
+    is_incomplete = is_kind(element.eClass, "Fault") and not fault_types(element)
+    for slot in slots(element.eClass).values():
+        held = values(element, slot)
+        if slot.is_reference:
+            gone = [each for each in held if each not in alive]
+            for each in gone:
+                _take(element, slot.name, each)
+            held = [each for each in held if each in alive]
+        is_object = slot.is_reference or slot.is_contained
+        is_incomplete |= is_object and len(held) < slot.lower_bound
+    return is_incomplete
+
+
+def _take(holder: Any, name: str, element: Any) -> None:
+    """Take an element from a feature."""
+    if slots(holder.eClass)[name].many:
+        getattr(holder, name).remove(element)
+    else:
+        setattr(holder, name, None)

@@ -1,20 +1,22 @@
-"""Check the nodes of an ``.ecore`` file, and build what is sound straight from them.
+"""Read metamodels: check their nodes, build what is sound, and check what it says.
 
-pyecore's reader, which is not asked, takes unknown types and bounds for granted, takes comments
+pyecore's own reader, which is not asked, takes unknown types and bounds for granted, takes comments
 for elements, and finds some defects only when the metamodel is used.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from pyecore import ecore
+from pyecore.ecore import EClass, EEnum, EObject
 
-from m2t.diagnostics import Report, shown
-from m2t.metamodel_contract import MEANING, Needs, needs
-from m2t.namespaces import ECORE, XMI, XSI
-from m2t.read.nodes import Node
+from m2t.diagnostics import NodeReport, Report, shown
+from m2t.metaclasses import Slot, conforms, features, is_kind, is_read, lineage, slots
+from m2t.metamodel_contract import CONTRACT, MEANING, SUPERTYPES, Need, Needs, needs
+from m2t.read.nodes import ECORE, XMI, XSI, Node, read_root
 from mrsfi_runtime.errors import ModelError
 
 
@@ -41,7 +43,7 @@ _VALUES: Mapping[str, _Values] = MappingProxyType(
         "EBoolean": _Values("true or false", r"true|false", "true".__eq__),
     }
 )
-VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startswith("E")}
+_VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startswith("E")}
 """Types of attributes beside enumerations, and what their defaults look like."""
 
 _MAX_ANCESTORS = 50
@@ -75,21 +77,23 @@ details: attr EString[?] key, attr EString[?] value
 class MetamodelReader:
     """Reads metamodel files one after the other; later ones may refer to earlier ones.
 
-    ``nodes`` has the node of every element that was read, of all files.
+    ``findings`` knows the node of every element that was read, of all files.
     """
 
     def __init__(self, report: Report) -> None:
-        self.nodes: dict[Any, Node] = {}
+        self._nodes: dict[Any, Node] = {}
+        self.findings = NodeReport(self._nodes, report)
         self._report = report
         self._objects: dict[Node, Any] = {}
         self._kinds: dict[Node, str] = {}
         self._classifiers: dict[str, Node] = {}
 
-    def read(self, root: Node) -> Any:
-        """Return the package of a file, named like it; every reference in it leads where it should.
+    def read(self, path: Path, root_class: str) -> Any:
+        """Return the package of a file, named like it, whose models begin with ``root_class``.
 
-        All that is wrong with the file is a ``ModelError``.
+        All that is wrong with the file, one defect a line, is a ``ModelError``.
         """
+        root = read_root(path, self._report)
         if (root.namespace, root.tag) != (ECORE, "EPackage"):
             finding = f"is the root; expected EPackage of namespace {ECORE}; restore the file"
             self._report.add(root, "RootElement", finding)
@@ -107,7 +111,10 @@ class MetamodelReader:
         for node in classifiers:
             self._check_ancestors(node)
         self._report.require_no_errors()
-        return self._loaded(root)
+        package = self._loaded(root)
+        _check_package(package, root_class, self.findings)
+        self._report.require_no_errors()
+        return package
 
     def _loaded(self, root: Node) -> Any:
         """Build the elements of a checked file, then refer from one to the other."""
@@ -128,7 +135,7 @@ class MetamodelReader:
         kind = self._kinds[node]
         known = {"name": node.attributes["name"]} if kind == "EClass" else {}  # cannot come later
         built = getattr(ecore, kind)(**known)
-        self.nodes[built] = node
+        self._nodes[built] = node
         self._objects[node] = built
         for name, text in node.attributes.items():
             if name not in _REFERENCES:
@@ -208,8 +215,8 @@ class MetamodelReader:
             self._require(node, target, "EClass")
         elif kind == "EAttribute" and not target.startswith(_ECORE_TYPE):
             self._require(node, target, "EEnum")
-        elif kind == "EAttribute" and target.removeprefix(_ECORE_TYPE) not in VALUE_TYPES:
-            expected = f"{', '.join(VALUE_TYPES)} or an enumeration"
+        elif kind == "EAttribute" and target.removeprefix(_ECORE_TYPE) not in _VALUE_TYPES:
+            expected = f"{', '.join(_VALUE_TYPES)} or an enumeration"
             finding = f"has type {shown(target.removeprefix(_ECORE_TYPE))}; expected {expected}"
             self._report.add(node, "ReferenceType", f"{finding}; choose one")
         elif kind == "EAnnotation" and node.attributes.get("source") == MEANING:
@@ -254,3 +261,123 @@ class MetamodelReader:
 
 def _held(known: Needs, holding: str) -> list[str]:
     return [name for name, need in known.items() if need.holding == holding]
+
+
+_TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))
+_STORED: Mapping[str, bool] = MappingProxyType(
+    {"volatile": False, "transient": False, "derived": False, "changeable": True}
+)
+
+
+def _check_package(package: Any, root_class: str, findings: NodeReport) -> None:
+    """Check names, bounds, storage, and then all that mrsfi reads of a package."""
+    classes = [kind for kind in package.eClassifiers if isinstance(kind, EClass)]
+    _check_names(package.eClassifiers, findings)
+    for kind in package.eClassifiers:
+        if kind in classes:
+            _check_names(features(kind), findings)
+            for feature in kind.eStructuralFeatures:
+                _check_feature(slots(kind)[feature.name], findings)
+        elif not kind.eLiterals:
+            findings.add(kind, "RequiredFeature", "has no literals; add one")
+        else:
+            _check_names(kind.eLiterals, findings)
+    findings.report.require_no_errors()
+    _check_contract(package, root_class, findings)
+    for kind in classes:
+        _check_meaning(kind, findings)
+
+
+def _check_names(elements: Iterable[Any], findings: NodeReport) -> None:
+    seen: dict[str, Any] = {}
+    for element in elements:
+        first = seen.setdefault(element.name, element)
+        if first is not element:
+            there = findings.nodes[first]
+            place = f"line {there.line} of {there.path.name}"
+            finding = f"has the name of {place}; expected different ones; rename one"
+            findings.add(element, "UniqueId", finding)
+
+
+def _check_feature(slot: Slot, findings: NodeReport) -> None:
+    """Refuse features that hold nothing, whose values no file keeps, or Python cannot name."""
+    feature = slot.feature
+    lower, upper = feature.lowerBound, feature.upperBound
+    if lower == -1 or upper == 0 or lower > upper > -1:
+        finding = f"has bounds {lower} and {upper}; expected a lower one first; correct them"
+        findings.add(feature, "NumberSyntax", finding)
+    for name, usual in _STORED.items():
+        if getattr(feature, name) is not usual:
+            finding = f"has {name}, with which files do not keep its values; delete {name}"
+            findings.add(feature, "KnownFeature", finding)
+    if feature.many and not feature.ordered:
+        finding = "has ordered, with which its values would change places; delete ordered"
+        findings.add(feature, "KnownFeature", finding)
+    if feature.name in _TAKEN_NAMES:
+        finding = "has a name that every element uses itself; expected another; rename it"
+        findings.add(feature, "ReservedId", finding)
+    text = getattr(feature, "defaultValueLiteral", None)
+    if text is not None and (expected := _missed(text, slot.type)):
+        finding = f"has the default {shown(text)}; expected {expected}; correct it"
+        findings.add(feature, "NumberSyntax", finding)
+
+
+def _missed(text: str, kind: Any) -> str:
+    """Return what a default should be that is no value of its type; nothing if it is one."""
+    if isinstance(kind, EEnum):
+        names = [literal.name for literal in kind.eLiterals]
+        return "" if text in names else " or ".join(names) or "none"
+    values = _VALUE_TYPES[kind.name]
+    return "" if values.has(text) else values.described
+
+
+def _check_contract(package: Any, root_class: str, findings: NodeReport) -> None:
+    """Check that the classes and features are there that code reads."""
+    seen = set()
+    for name, needed in CONTRACT[package.name].items():
+        kind = package.getEClassifier(name)
+        if not isinstance(kind, EClass) or (kind.abstract and name == root_class):
+            finding = f"has no class {name}, which mrsfi reads; restore it"
+            findings.add(package, "RequiredFeature", finding)
+            continue
+        parent = SUPERTYPES[package.name].get(name)
+        if parent is not None and not is_kind(kind, parent):
+            finding = f"does not inherit from {parent}, on which mrsfi relies; restore eSuperTypes"
+            findings.add(kind, "RequiredFeature", finding)
+        for feature, need in needed.items():
+            slot = slots(kind).get(feature)
+            if slot is None:
+                finding = f"has no feature {feature}; mrsfi reads {need} of that name; restore it"
+                findings.add(kind, "RequiredFeature", finding)
+            elif slot.feature not in seen and not _meets(slot, need):
+                seen.add(slot.feature)
+                finding = f"of {name} is read as {need}, which is not what it declares; restore it"
+                findings.add(slot.feature, "RequiredFeature", finding)
+
+
+def _meets(slot: Slot, need: Need) -> bool:
+    """Return whether a feature is declared as code reads it."""
+    holding = "attr"
+    if slot.holds_elements:
+        holding = "val" if slot.is_contained else "ref"
+    return (
+        ("id" if slot.is_id else holding, slot.many) == (need.holding, need.is_many)
+        and slot.lower_bound >= need.n_least
+        and (slot.type.name == need.type or (slot.holds_elements and is_kind(slot.type, need.type)))
+    )
+
+
+def _check_meaning(kind: Any, findings: NodeReport) -> None:
+    """Check that code knows the elements of a class as one thing only."""
+    read = [known for known in lineage(kind) if is_read(known) and not known.abstract]
+    names = [
+        known.name
+        for known in read
+        if not any(conforms(other, known) for other in read if other is not known)
+    ]
+    if len(names) > 1:
+        finding = (
+            f"inherits from {' and '.join(names)}, and mrsfi can know it as one of them only; "
+            "keep one"
+        )
+        findings.add(kind, "ConcreteType", finding)

@@ -7,11 +7,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from m2t.diagnostics import NodeReport, Report
-from m2t.metamodel_check import check_package
+from m2t.diagnostics import Report
 from m2t.metamodel_fault_types import read_fault_types
 from m2t.metamodel_reader import MetamodelReader
-from m2t.read.nodes import read_root
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.model.fault_types import FaultType
 
@@ -92,14 +90,9 @@ def read_metamodels(folder: Path) -> Metamodels:
     """
     report = Report()
     reader = MetamodelReader(report)
-    findings = NodeReport(reader.nodes, report)
-    packages = []
-    for name, root_class in ((MISSION_FILE, MISSION_ROOT), (FAULTS_FILE, FAULTS_ROOT)):
-        packages.append(reader.read(read_root(folder / name, report)))
-        check_package(packages[-1], root_class, findings)
-        report.require_no_errors()
-    mission, faults = packages
-    types = read_fault_types(faults, findings)
+    mission = reader.read(folder / MISSION_FILE, MISSION_ROOT)
+    faults = reader.read(folder / FAULTS_FILE, FAULTS_ROOT)
+    types = read_fault_types(faults, reader.findings)
     report.require_no_errors()
     return Metamodels(mission, faults, types)
 

@@ -12,8 +12,7 @@ from m2t.check.structure import check_structure
 from m2t.diagnostics import Report, shown
 from m2t.metaclasses import Slot, concrete_classes, is_kind, slots
 from m2t.metamodels import load_metamodels
-from m2t.read.addresses import local_path
-from m2t.read.model_files import ModelFile, ModelFiles
+from m2t.read.model_files import ModelFile, ModelFiles, local_path
 from m2t.read.nodes import Node
 from m2t.write.xmi import java_double
 from mrsfi_runtime.errors import ModelError

@@ -9,8 +9,7 @@ from urllib.parse import unquote
 from m2t.check.structure import ModelTree, ReadModel, Reference, report_count
 from m2t.diagnostics import Defect, Report, listed, shown
 from m2t.metaclasses import conforms
-from m2t.read.addresses import local_path, resolved_path
-from m2t.read.model_files import ModelFile
+from m2t.read.model_files import ModelFile, local_path, resolved_path
 from m2t.read.nodes import Node
 
 

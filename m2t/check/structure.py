@@ -1,22 +1,22 @@
 """Check the nodes of a file against its metamodel, and report all that it forbids.
 
 pyecore's reader lets most defects pass and stops at the first of the others, so every node
-is checked before pyecore loads the file.
+is checked before pyecore loads the file. Parts of a model may stand in files of their own, as
+Eclipse splits it: ``<robots href="robots.xmi#r1"/>`` stands for a root of ``robots.xmi``.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 from m2t.check.attribute_values import require_value
-from m2t.check.split_models import find_part, named_class
 from m2t.diagnostics import Defect, Report, listed, shown
 from m2t.metaclasses import Slot, concrete_classes, slots
-from m2t.namespaces import XMI, XSI
-from m2t.read.model_files import ROOT_ATTRIBUTES, ModelFile, ModelFiles
-from m2t.read.nodes import Node
+from m2t.read.model_files import ROOT_ATTRIBUTES, ModelFile, ModelFiles, contained_path
+from m2t.read.nodes import XMI, XSI, Node
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,7 +244,7 @@ class _Checker:
     def _contain(self, slot: Slot, child: Node) -> Node:
         try:
             if "href" in child.attributes:
-                node, kind = find_part(child, slot.type, self._package, self.tree.files)
+                node, kind = self._part(child, slot.type)
             else:
                 node, kind = child, self._concrete_type(slot.type, child)
         except Defect as defect:
@@ -252,6 +252,81 @@ class _Checker:
             return child
         self.element(node, kind)
         return node
+
+    def _part(self, child: Node, declared: Any) -> tuple[Node, Any]:
+        """Return the root of another file that an element with an href stands for, and its class.
+
+        The root takes the element's tag and parent. An element that stands for no root that fits,
+        or for one that something else contains, raises a ``Defect``.
+        """
+        if set(child.attributes) != {"href"} or child.children or child.text.strip():
+            raise Defect(
+                "ContainedElement",
+                f"has an href and more; expected <{child.tag[:60]} href=...> alone; correct it",
+            )
+        target = child.attributes["href"]
+        address, _, fragment = target.rpartition("#")
+        file = self._file(child, address)
+        root = file.root(unquote(fragment))
+        if root is None or root in file.claimed:
+            found = "is no root of that file" if root is None else "is contained already"
+            raise Defect(
+                "ContainedElement",
+                f"stands for {shown(target)}, which {found}; expected a root of "
+                f"{file.path.name} that stands nowhere else; correct the href",
+            )
+        file.claimed.add(root)
+        metaclass = self._class_of_part(child, root, declared)
+        root.tag, root.namespace, root.parent = child.tag, "", child.parent
+        return root, metaclass
+
+    def _file(self, child: Node, address: str) -> ModelFile:
+        """Return the file of a part; refuse one outside the project, and circles of files."""
+        files = self.tree.files
+        what = f"stands for {shown(child.attributes['href'])}"
+        here = files.containing(child)
+        owners = (*here.owners, here)
+        first, folder = owners[0].path.parent, here.path.parent
+        path = contained_path(folder, first, address) if address else None
+        if path is None:
+            raise Defect(
+                "LocalReference" if address else "ContainedElement",
+                f"{what}; expected the root of another file, by a relative address inside the "
+                "mission's project; move that file there, or the element here",
+            )
+        known = files.at(path)
+        if known is not None and known in owners:
+            circle = (*owners[owners.index(known) :], known)
+            names = " > ".join(owner.path.name for owner in circle)
+            raise Defect(
+                "ContainedElement",
+                f"{what}, which closes a circle of files ({names}); expected files that lead "
+                "downwards only; move the element into place",
+            )
+        file = files.read(path, owners)
+        if file is None:  # what is wrong with it is reported there
+            raise Defect("ContainedElement", f"{what}, a file that cannot be used; correct it")
+        return file
+
+    def _class_of_part(self, child: Node, root: Node, declared: Any) -> Any:
+        """Return the class of a part; refuse one that the feature may not hold."""
+        kinds = concrete_classes(self._package, declared)
+        found = kinds.get(root.tag) if root.namespace == self._package.nsURI else None
+        if found is not None and (
+            child.xsi_type is None or self._named_class(kinds, child) is found
+        ):
+            return found
+        expected = ", ".join(kinds)
+        raise Defect(
+            "ConcreteType",
+            f"stands for {shown(child.attributes['href'])}, which is a {root.tag[:60]}; expected "
+            f"one of {expected}, the same as xsi:type if that is given; correct the href",
+        )
+
+    def _named_class(self, kinds: Mapping[str, Any], node: Node) -> Any:
+        """Return the one of some classes that an xsi:type names; ``None`` if it names none."""
+        prefix, _, name = (node.xsi_type or "").rpartition(":")
+        return kinds.get(name) if node.prefixes.get(prefix) == self._package.nsURI else None
 
     def _refer(self, source: Node, slot: Slot, child: Node) -> None:
         target = child.attributes.get("href")
@@ -270,7 +345,7 @@ class _Checker:
         if child.xsi_type is None and not declared.abstract:
             return declared
         kinds = concrete_classes(self._package, declared)
-        metaclass = named_class(self._package, kinds, child)
+        metaclass = self._named_class(kinds, child)
         if metaclass is None:
             found = "no xsi:type" if child.xsi_type is None else f"xsi:type {shown(child.xsi_type)}"
             known = {uri: prefix for prefix, uri in child.prefixes.items()}

@@ -1,4 +1,7 @@
-"""Import a model that was published for the paper's prototype as a mission folder."""
+"""Import a model that was published for the paper's prototype as a mission folder.
+
+The folder gets campaign files to begin with: the paper's two cases.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,11 +13,9 @@ from m2t.constraints.fault_rules import check_faults
 from m2t.constraints.mission_rules import check_mission
 from m2t.diagnostics import NodeReport, Report, shown
 from m2t.elements import contained
-from m2t.importing.campaign_files import campaign_files
 from m2t.importing.identities import give_ids
 from m2t.importing.notes import Note, Notes
-from m2t.importing.published import ROOT, SETUP_NAMESPACE
-from m2t.importing.reading import PublishedReader
+from m2t.importing.reading import ROOT, SETUP_NAMESPACE, PublishedReader
 from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metamodels import load_metamodels
 from m2t.read.nodes import Node, read_root
@@ -167,3 +168,55 @@ def _counts(mission: Any, specifications: list[Any]) -> dict[str, int]:
     counts["messages"] = sum(len(goal.messages) for goal in mission.goals)
     counts["faults"] = sum(len(root.faults) for root in specifications)
     return counts
+
+
+_CASE = """\
+# Written by `mrsfi import`. {about}
+
+[search]
+algorithm = "paper"      # paper | random | drift
+population = 20
+generations = 50
+faults = 20
+crossover = 0.7
+mutation = 0.7
+selection = "roulette"
+{fitness}
+seed = 1
+mission_seed = 1
+"""
+
+_ABOUT_A = "Case study A of the paper (section V-B 1): fitness function (1)."
+_FITNESS_A = """\
+fitness = "weighted"     # equation (1): 0.3 x all violations + 0.7 x distinct violated goals"""
+
+_ABOUT_B = """\
+Case study B of the paper (section V-B 1): fitness function (2)
+# on one collision-focused and one energy-focused goal."""
+_FITNESS_B = """\
+fitness = "focused"      # equation (2): violations of the chosen goals
+goals = [{goals}]"""
+
+
+def campaign_files(mission: Any) -> dict[str, bytes]:
+    """Return the campaign files of a mission by name: ``case_a.toml``, and maybe ``case_b.toml``.
+
+    Case b takes both a goal that avoids collisions and one about energy; it names the first each.
+    """
+    files = {"case_a.toml": _case(_ABOUT_A, _FITNESS_A)}
+    firsts = [_first(mission, "AvoidCollision"), _first(mission, "SufficientEnergy")]
+    goals = [goal for goal in firsts if goal is not None]
+    if len(goals) == len(firsts):
+        listed = ", ".join(f'"{goal}"' for goal in goals)
+        files["case_b.toml"] = _case(_ABOUT_B, _FITNESS_B.format(goals=listed))
+    return files
+
+
+def _case(about: str, fitness: str) -> bytes:
+    return _CASE.format(about=about, fitness=fitness).encode("ascii")
+
+
+def _first(mission: Any, task: str) -> str | None:
+    """Return the ID of the first goal with a task; IDs need no quoting in TOML."""
+    found = (goal.ID for goal in mission.goals if goal.task.eClass.name == task)
+    return next(found, None)

@@ -1,7 +1,13 @@
-"""Turn the nodes of a published file into objects of our metamodels."""
+"""Turn the nodes of a published file into objects of our metamodels.
+
+It is an XMI file, whose root ``Setup`` holds a mission and fault specifications. Most features
+have the names of ours; the tables have those that differ, and what to put where the old format
+says nothing.
+"""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any
 
 from m2t.check.attribute_values import require_value
@@ -9,20 +15,57 @@ from m2t.check.structure import Reference, report_count
 from m2t.diagnostics import Defect, Report, shown
 from m2t.elements import copies, put, values
 from m2t.importing.notes import Notes
-from m2t.importing.published import (
-    BACK_REFERENCES,
-    DEFAULTS,
-    NAMESPACES,
-    OPTIONAL,
-    RENAMED,
-    USUAL,
-    WRAPPED,
-    ZERO_VALUES,
-)
 from m2t.metaclasses import Slot, concrete_classes, conforms, slots
 from m2t.metamodel_contract import BOUNDS
-from m2t.namespaces import XMI
-from m2t.read.nodes import Node, follow
+from m2t.read.nodes import XMI, Node, follow
+
+SETUP_NAMESPACE = "acs_project_setup"
+NAMESPACES = frozenset({"", SETUP_NAMESPACE, "acs_project_mission", "acs_project_fault"})
+ROOT = "Setup"
+
+RENAMED: Mapping[str, Mapping[str, str]] = MappingProxyType(
+    {"Message": MappingProxyType({"from": "sender", "to": "receiver"})}
+)
+"""Old names of features by class, with ours."""
+
+WRAPPED: Mapping[str, Mapping[str, str]] = MappingProxyType(
+    {
+        "Goal": MappingProxyType(
+            {"members": "goalMembers", "dependentGoals": "dependencies", "area": "goalArea"}
+        )
+    }
+)
+"""Features that the old format holds one level deeper, by class, with their name there."""
+
+BACK_REFERENCES = frozenset({"parentID", "goal_ID"})
+"""Attributes that repeat the ID of the container."""
+
+ZERO_VALUES = frozenset({"VAL", "CAPACITY"})
+"""Attributes of the old Zero types, whose value can only be zero."""
+
+OPTIONAL = frozenset({"header", "name", "maxSpeed", "start", "finish", "likelihood"})
+"""Attributes that stay unset if the file does not give them; bounds of search do as well."""
+
+USUAL: Mapping[str, str] = MappingProxyType({"EDouble": "0.0", "EInt": "0", "EString": ""})
+"""What any other absent attribute means, by its type."""
+
+DEFAULTS: Mapping[tuple[str, str], Callable[[int], str]] = MappingProxyType(
+    {
+        ("Patrol", "period"): lambda duration: str(max(1, duration // 10)),
+        ("Visit", "deadline"): lambda duration: str(max(1, duration - 1)),
+        ("Visit", "tolerance"): lambda _: "1.0",
+        ("Track", "tolerance"): lambda _: "10.0",
+        ("FixedDistanceBetweenRobots", "tolerance"): lambda _: "1.0",
+        ("Sensor", "type"): lambda _: "GPS_POSITION",
+    }
+)
+"""Values of attributes that the old format lacks or leaves out, given the mission's duration.
+
+Patrol: a tenth of the mission. Visit: by its last tick, within the radius of a robot. Track:
+ten distance units off. FixedDistanceBetweenRobots: one unit off. A sensor without type has the
+first literal, as in Eclipse. Any other absent number is 0, as in Eclipse.
+"""
+
 
 _ZERO = re.compile(r"[+-]?(0*\.?0*)", re.ASCII)
 _COPIED = ("Area", "Coordinates")

@@ -20,7 +20,11 @@ from typing import Any, TypeAlias
 from xml.parsers import expat
 
 from m2t.diagnostics import Defect, Report, shown
-from m2t.namespaces import XMI, XSI
+
+XMI = "http://www.omg.org/XMI"
+XSI = "http://www.w3.org/2001/XMLSchema-instance"
+ECORE = "http://www.eclipse.org/emf/2002/Ecore"
+
 
 MAX_BYTES = 64 * 1024 * 1024
 MAX_ELEMENTS = 500_000

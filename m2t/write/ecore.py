@@ -10,7 +10,7 @@ from typing import Any
 
 from pyecore.ecore import EAnnotation, EProxy, EReference
 
-from m2t.namespaces import ECORE, XMI, XSI
+from m2t.read.nodes import ECORE, XMI, XSI
 from m2t.write.xmi import attribute, document, element_lines
 from mrsfi_runtime.errors import ModelError
 

@@ -14,8 +14,7 @@ from pyecore.ecore import EEnum
 
 from m2t.elements import values
 from m2t.metaclasses import Slot, slots
-from m2t.namespaces import XMI, XSI
-from m2t.read.nodes import Spelling
+from m2t.read.nodes import XMI, XSI, Spelling
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.files import write_atomically as write_atomically  # noqa: PLC0414 - for scripts
 

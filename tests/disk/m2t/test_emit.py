@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from m2t.emit import GenerationPlan, plan_files
+from m2t.emit import MANIFEST, GenerationPlan, plan_files
 from m2t.generate import generate
-from m2t.manifest import MANIFEST
 from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
 from mrsfi_runtime.files import changing
 from tests.support.crashes import crash_after

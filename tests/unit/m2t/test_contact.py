@@ -5,8 +5,7 @@ import random
 
 import pytest
 
-from m2t.constraints.contact import Discs, Point
-from m2t.constraints.mission_rules import distance
+from m2t.constraints.mission_rules import Discs, Point, distance
 
 SPREADS = (0.0, 1.0, 5.0, 100.0, 1e12)
 RADII = (2.0, 1.5, 3.0, 50.0, 4e11, math.nextafter(2.0, 0.0))

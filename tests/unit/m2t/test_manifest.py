@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from m2t.manifest import dumps, loads
+from m2t.emit import dumps, loads
 from m2t.protected_regions import FileRecord
 from mrsfi_runtime.errors import GenerationError
 
