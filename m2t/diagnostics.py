@@ -180,21 +180,27 @@ class Report:
 
     ``n_unsound`` of those leave no sound objects; a reference that is named twice is none of them,
     as the list of objects holds it once. ``n_dangling`` are references to what does not exist:
-    objects without them can be made.
+    objects without them can be made. ``places`` are those of objects, which more may join.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, places: Mapping[Any, Place] = MappingProxyType({})) -> None:
+        self.places = places
         self._found: dict[tuple[object, ...], Diagnostic] = {}
         self.n_errors = 0
         self.n_unsound = 0
         self.n_dangling = 0
 
-    def add(self, place: Place, constraint: str, finding: str) -> None:
-        """Add a defect of an element; ``finding`` completes a sentence that begins with it."""
+    def place(self, element: Any) -> Place:
+        """Return where an object stands, or what is a place itself."""
+        place: Place = self.places.get(element, element)
+        return place
+
+    def add(self, element: Any, constraint: str, finding: str) -> None:
+        """Add a defect of an object or a place; ``finding`` goes on where its name ends."""
+        place = self.place(element)
         severity = CONSTRAINTS[constraint].severity
-        element = place.description
-        message = f"{element} {finding}"
-        found = Diagnostic(place.path, place.line, element, constraint, severity, message)
+        name = place.description
+        found = Diagnostic(place.path, place.line, name, constraint, severity, f"{name} {finding}")
         self._add((place, constraint, finding), found)
 
     def add_file(self, path: Path, line: int, defect: Defect) -> None:
@@ -224,22 +230,6 @@ class Report:
 
     def __iter__(self) -> Iterator[Diagnostic]:
         return iter(self._found.values())
-
-
-@dataclass(frozen=True, slots=True)
-class NodeReport:
-    """Places findings about objects at the lines of their nodes."""
-
-    nodes: Mapping[Any, Place]
-    report: Report
-
-    def add(self, element: Any, constraint: str, finding: str) -> None:
-        """Add a finding that completes a sentence which begins with the element."""
-        self.report.add(self.nodes[element], constraint, finding)
-
-    def describe(self, element: Any) -> str:
-        """Return the name of an element in messages."""
-        return self.nodes[element].description
 
 
 def shown(text: str) -> str:

@@ -1,8 +1,7 @@
 """Load a mission folder: its mission and its faults, checked to the last attribute.
 
-Objects are built straight from the nodes that were checked. pyecore loads them as it loads any
-other resource of a resource set; only its reader, which lets most defects of a file pass and
-stumbles over others, is not asked.
+Objects are built straight from the nodes that were checked: pyecore's reader, which lets most
+defects of a file pass and stumbles over others, is not asked.
 """
 
 import gc
@@ -12,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pyecore.resources import URI, ResourceSet
+from pyecore.resources import URI
 from pyecore.resources.xmi import XMIResource
 
 from m2t.check.references import referred_files, resolve
@@ -20,9 +19,9 @@ from m2t.check.structure import ModelTree, ReadModel, check_claims, check_struct
 from m2t.constraints.fault_rules import check_faults
 from m2t.constraints.identity import check_identities
 from m2t.constraints.mission_rules import check_mission
-from m2t.diagnostics import Diagnostic, NodeReport, Report
+from m2t.diagnostics import Diagnostic, Report
 from m2t.elements import put
-from m2t.metaclasses import Slot, slots
+from m2t.metaclasses import slots
 from m2t.metamodels import load_metamodels
 from m2t.read.model_files import ModelFiles, local_path
 from m2t.read.nodes import Node, Spelling
@@ -191,9 +190,10 @@ class _Loading:
     """Reads a mission and its faults: nodes first, objects once the nodes are sound."""
 
     def __init__(self) -> None:
-        self._report = Report()
+        self._nodes: dict[Any, Node] = {}
+        self._objects: dict[Node, Any] = {}
+        self._report = Report(self._nodes)
         self._files = ModelFiles(self._report)
-        self._loader = ModelLoader()
 
     @_uncollected()
     def inspect(self, mission_path: Path, faults_path: Path | None) -> Inspection:
@@ -202,10 +202,9 @@ class _Loading:
         Constraints of sense are checked on objects, hence only on what is sound.
         """
         known = load_metamodels()
-        findings = NodeReport(self._loader.nodes, self._report)
         mission = self._load(mission_path, known.mission_class, None)
         if mission.root is not None and mission.is_whole:
-            check_mission(mission.root, findings)
+            check_mission(mission.root, self._report)
         file = self._files.read(mission_path)
         if faults_path is None and file is not None and file.roots_of(known.faults_class):
             faults_path = mission_path
@@ -214,7 +213,7 @@ class _Loading:
             faults = self._load(faults_path, known.faults_class, mission)
         is_whole = mission.is_whole and (faults is None or faults.is_whole)
         if faults is not None and faults.root is not None and is_whole:
-            check_faults(faults.root, mission.root.duration, findings)
+            check_faults(faults.root, mission.root.duration, self._report)
         if not self._report.n_errors:
             check_claims(self._files, self._report)
         made = self._made(mission, faults)
@@ -235,79 +234,55 @@ class _Loading:
             model.is_whole = report.n_dangling == n_dangling
             is_sound = report.n_unsound - n_unsound == report.n_dangling - n_dangling
             if is_sound and (mission is None or mission.root is not None):
-                model.root = self._loader.load(model.tree)
+                model.root = self._object(model.tree)
         return model
 
     def _made(self, mission: ReadModel, faults: ReadModel | None) -> LoadedModels | None:
         """Return the models, flawless or not; ``None`` if objects of a file are missing."""
         if mission.root is None or (faults is not None and faults.root is None):
             return None
-        objects = self._loader.objects
         return LoadedModels(
             mission=mission.root,
             faults=None if faults is None else faults.root,
             mission_path=mission.path,
             faults_path=None if faults is None else faults.path,
-            nodes=self._loader.nodes,
+            nodes=self._nodes,
             files=tuple(
-                LoadedFile(file.path, file.spelling, tuple(map(objects.get, file.roots)))
+                LoadedFile(file.path, file.spelling, tuple(map(self._objects.get, file.roots)))
                 for file in self._files
             ),
         )
 
+    def _object(self, tree: ModelTree) -> Any:
+        """Return the root object of a sound model; what it refers to was made before it.
 
-class ModelLoader:
-    """Loads a mission and its faults as resources of one set; knows the node of every object."""
-
-    def __init__(self) -> None:
-        self.nodes: dict[Any, Node] = {}
-        self.objects: dict[Node, Any] = {}
-        self._resources = ResourceSet()
-        self._resources.resource_factory["xmi"] = _CheckedResource
-
-    def load(self, tree: ModelTree) -> Any:
-        """Return the root object of a sound model; what it refers to is loaded before it."""
-        uri = URI(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi")
-        return self._resources.get_resource(uri, tree=tree, loader=self).contents[0]
-
-
-class _CheckedResource(XMIResource):  # type: ignore[misc] # pyecore has no types
-    """A resource that is built from nodes that were read and checked already."""
-
-    def __init__(self, uri: URI, tree: ModelTree, loader: ModelLoader) -> None:
-        super().__init__(uri)
-        self._tree = tree
-        self._loader = loader
-
-    def load(self, options: Any = None) -> None:
-        """Build all objects, then refer from one to the other."""
-        self.options = options or {}
-        self.append(self._built(self._tree.root))
-        objects = self._loader.objects
-        for reference, targets in self._tree.resolved:
+        It stands in a resource of pyecore, which finds objects by ID and by path.
+        """
+        resource = XMIResource(URI(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi"))
+        resource.append(self._built(tree.root, resource.uuid_dict))
+        for reference, targets in tree.resolved:
             for target in targets:
-                put(objects[reference.source], reference.slot, objects[target])
+                put(self._objects[reference.source], reference.slot, self._objects[target])
+        return self._objects[tree.root]
 
-    def _built(self, node: Node) -> Any:
+    def _built(self, node: Node, by_id: dict[str, Any]) -> Any:
         """Return the object of a node with its attributes and all that it contains."""
         built = node.metaclass()
-        self._loader.nodes[built] = node
-        self._loader.objects[node] = built
+        self._nodes[built] = node
+        self._objects[node] = built
         known = slots(node.metaclass)
-        for name, text in node.attributes.items():
-            slot = known[name]
-            if not slot.is_reference:
-                for each in text.split() if slot.many else [text]:
-                    self._assign(built, slot, each)
+        texts = [
+            (known[name], each)
+            for name, text in node.attributes.items()
+            for each in (text.split() if known[name].many else [text])
+        ]
+        texts += [(known[child.tag], child.text) for child in node.children]
+        for slot, text in texts:
+            if not slot.holds_elements:
+                put(built, slot, slot.type.from_string(text))
+            if slot.is_id:
+                by_id[text] = built
         for child in node.children:
-            slot = known[child.tag]
-            if slot.is_contained:
-                put(built, slot, self._built(child))
-            elif not slot.is_reference:
-                self._assign(built, slot, child.text)
+            if known[child.tag].is_contained:
+                put(built, known[child.tag], self._built(child, by_id))
         return built
-
-    def _assign(self, built: Any, slot: Slot, text: str) -> None:
-        put(built, slot, slot.type.from_string(text))
-        if slot.is_id:
-            self.uuid_dict[text] = built

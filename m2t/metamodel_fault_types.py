@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 from pyecore.ecore import EAnnotation, EClass
 
-from m2t.diagnostics import NodeReport, shown
+from m2t.diagnostics import Report, shown
 from m2t.metaclasses import features, is_kind, lineage
 from m2t.metamodel_contract import BOUNDS, MEANING, OURS
 from mrsfi_runtime.model.fault_types import (
@@ -50,12 +50,12 @@ _ROLE_OF_RANGE = MappingProxyType(
 )
 
 
-def read_fault_types(package: Any, findings: NodeReport) -> Mapping[str, FaultType]:
+def read_fault_types(package: Any, report: Report) -> Mapping[str, FaultType]:
     """Return the fault types of a sound package of faults by name, in the order of the file.
 
-    ``findings`` knows the elements of all packages, of which no other has meanings.
+    ``report`` knows the elements of all packages, of which no other has meanings.
     """
-    reader = _Reader(findings)
+    reader = _Reader(report)
     kinds = [kind for kind in package.eClassifiers if _is_fault_type(kind)]
     found = [reader.fault_type(kind) for kind in kinds if not kind.abstract]
     reader.require_containments(package.getEClassifier("Fault"), kinds)
@@ -71,15 +71,15 @@ def read_fault_types(package: Any, findings: NodeReport) -> Mapping[str, FaultTy
 class _Reader:
     """Reads fault types; remembers what was said, and what says a word that is unknown."""
 
-    def __init__(self, findings: NodeReport) -> None:
-        self._findings = findings
-        self._add = findings.add
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self._add = report.add
         self._read: dict[Any, Said] = {}
         self._unknown: set[Any] = set()
 
     def fault_type(self, kind: Any) -> FaultType | None:
         """Return what a class means, unless something is wrong with it."""
-        n_errors = self._findings.report.n_errors
+        n_errors = self._report.n_errors
         said = self._meaning(kind)
         found = [_STRUCK[known.name] for known in lineage(kind) if known.name in _STRUCK]
         if len(found) != 1:
@@ -88,7 +88,7 @@ class _Reader:
             self._add(kind, "RequiredFeature", finding)
         parameters = self._parameters(kind)
         inherited = {*lineage(kind), *features(kind)}
-        if self._findings.report.n_errors > n_errors or inherited & self._unknown:
+        if self._report.n_errors > n_errors or inherited & self._unknown:
             return None
         (mode,), touched = said["mode"], said.get("property", ())
         declared = FaultType(kind.name, mode, found[0], touched, tuple(parameters))
@@ -113,7 +113,7 @@ class _Reader:
 
     def require_all_read(self) -> None:
         """Refuse annotations of ours at what is no fault type or parameter, or that say nothing."""
-        for note in self._findings.nodes:
+        for note in self._report.places:
             source = (note.source or "") if isinstance(note, EAnnotation) else ""
             is_read = source == MEANING and note.eContainer() in self._read
             if source.startswith(OURS) and not is_read:

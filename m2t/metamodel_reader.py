@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from pyecore import ecore
 from pyecore.ecore import EClass, EEnum, EObject
 
-from m2t.diagnostics import NodeReport, Report, shown
+from m2t.diagnostics import Report, shown
 from m2t.metaclasses import Slot, conforms, features, is_kind, is_read, lineage, slots
 from m2t.metamodel_contract import CONTRACT, MEANING, SUPERTYPES, Need, Needs, needs
 from m2t.read.nodes import ECORE, XMI, XSI, Node, read_root
@@ -77,13 +77,12 @@ details: attr EString[?] key, attr EString[?] value
 class MetamodelReader:
     """Reads metamodel files one after the other; later ones may refer to earlier ones.
 
-    ``findings`` knows the node of every element that was read, of all files.
+    ``report`` knows the place of every element that was read, of all files.
     """
 
-    def __init__(self, report: Report) -> None:
+    def __init__(self) -> None:
         self._nodes: dict[Any, Node] = {}
-        self.findings = NodeReport(self._nodes, report)
-        self._report = report
+        self.report = Report(self._nodes)
         self._objects: dict[Node, Any] = {}
         self._kinds: dict[Node, str] = {}
         self._classifiers: dict[str, Node] = {}
@@ -93,15 +92,15 @@ class MetamodelReader:
 
         All that is wrong with the file, one defect a line, is a ``ModelError``.
         """
-        root = read_root(path, self._report)
+        root = read_root(path, self.report)
         if (root.namespace, root.tag) != (ECORE, "EPackage"):
             finding = f"is the root; expected EPackage of namespace {ECORE}; restore the file"
-            self._report.add(root, "RootElement", finding)
-            raise self._report.error()
+            self.report.add(root, "RootElement", finding)
+            raise self.report.error()
         self._check(root, "EPackage")
         if root.attributes.get("name") != root.path.stem:
             finding = f"is the package; expected the name {root.path.stem}; restore it"
-            self._report.add(root, "RootElement", finding)
+            self.report.add(root, "RootElement", finding)
         classifiers = root.tagged("eClassifiers")
         for node in classifiers:
             name = f"{root.path.name}#//{node.attributes.get('name')}"
@@ -110,10 +109,10 @@ class MetamodelReader:
             self._check_references(node)
         for node in classifiers:
             self._check_ancestors(node)
-        self._report.require_no_errors()
+        self.report.require_no_errors()
         package = self._loaded(root)
-        _check_package(package, root_class, self.findings)
-        self._report.require_no_errors()
+        _check_package(package, root_class, self.report)
+        self.report.require_no_errors()
         return package
 
     def _loaded(self, root: Node) -> Any:
@@ -162,12 +161,12 @@ class MetamodelReader:
         self._kinds[node] = kind
         if node.text.strip():
             finding = f"holds the text {shown(node.text.strip())}; expected none; delete it"
-            self._report.add(node, "NoText", finding)
+            self.report.add(node, "NoText", finding)
         known = _UNDERSTOOD[kind]
         for name, need in known.items():
             if need.n_least and name not in node.attributes:
                 finding = f"has no {name}; every {kind} needs one; add it"
-                self._report.add(node, "RequiredFeature", finding)
+                self.report.add(node, "RequiredFeature", finding)
         self._check_attributes(node, {name: known[name].type for name in _held(known, "attr")})
         for child in node.children:
             self._check_child(node, known, child)
@@ -177,21 +176,21 @@ class MetamodelReader:
             if name not in types:
                 listed = ", ".join(types)
                 finding = f"has no attribute {shown(name)}; expected {listed}; correct it"
-                self._report.add(node, "KnownFeature", finding)
+                self.report.add(node, "KnownFeature", finding)
             elif not (values := _VALUES[types[name]]).has(text):
                 finding = f"has {name} {shown(text)}; expected {values.described}; correct it"
-                self._report.add(node, "NumberSyntax", finding)
+                self.report.add(node, "NumberSyntax", finding)
         for namespace, name in node.qualified:
             if (namespace, name) not in {(XSI, "type"), (XMI, "version")}:
                 finding = f"has attribute {shown(name)} of namespace {shown(namespace)}; delete it"
-                self._report.add(node, "KnownFeature", finding)
+                self.report.add(node, "KnownFeature", finding)
 
     def _check_child(self, node: Node, known: Needs, child: Node) -> None:
         tags = _held(known, "val")
         if child.tag not in tags or child.namespace:
             listed = ", ".join(tags) or "none"
             finding = f"is an unknown element of {node.description}; expected {listed}; correct it"
-            self._report.add(child, "KnownFeature", finding)
+            self.report.add(child, "KnownFeature", finding)
             return
         kinds = known[child.tag].type.split("|")
         text = child.xsi_type
@@ -203,7 +202,7 @@ class MetamodelReader:
         else:
             listed = ", ".join(f"ecore:{entry}" for entry in kinds)
             finding = f"has xsi:type {shown(text or '')}; expected {listed}; choose one"
-            self._report.add(child, "ConcreteType", finding)
+            self.report.add(child, "ConcreteType", finding)
 
     def _check_references(self, node: Node) -> None:
         """Check what a node refers to; of an annotation of ours, that it says all once."""
@@ -218,18 +217,18 @@ class MetamodelReader:
         elif kind == "EAttribute" and target.removeprefix(_ECORE_TYPE) not in _VALUE_TYPES:
             expected = f"{', '.join(_VALUE_TYPES)} or an enumeration"
             finding = f"has type {shown(target.removeprefix(_ECORE_TYPE))}; expected {expected}"
-            self._report.add(node, "ReferenceType", f"{finding}; choose one")
+            self.report.add(node, "ReferenceType", f"{finding}; choose one")
         elif kind == "EAnnotation" and node.attributes.get("source") == MEANING:
             keys = [entry.attributes.get("key", "") for entry in node.tagged("details")]
             for key in {key for key in keys if keys.count(key) > 1}:
                 finding = f"has the key {shown(key)} again; expected each once; delete one"
-                self._report.add(node, "KnownFeature", finding)
+                self.report.add(node, "KnownFeature", finding)
 
     def _require(self, node: Node, target: str, kind: str) -> None:
         found = self._target(node, target)
         if found is None or self._kinds.get(found) != kind:
             finding = f"refers to {shown(target)}, which is no {kind}; correct the reference"
-            self._report.add(node, "ResolvedReference", finding)
+            self.report.add(node, "ResolvedReference", finding)
 
     def _target(self, node: Node, target: str) -> Node | None:
         """Return the node of the classifier that a reference names, here or in an earlier file."""
@@ -253,10 +252,10 @@ class MetamodelReader:
             ancestors |= dict.fromkeys(parents)
         if has_doubles or node in ancestors:
             finding = "inherits from itself, or twice from one class; correct eSuperTypes"
-            self._report.add(node, "ResolvedReference", finding)
+            self.report.add(node, "ResolvedReference", finding)
         if len(ancestors) > _MAX_ANCESTORS:
             finding = f"inherits from more than {_MAX_ANCESTORS} classes; expected fewer; join some"
-            self._report.add(node, "FileSize", finding)
+            self.report.add(node, "FileSize", finding)
 
 
 def _held(known: Needs, holding: str) -> list[str]:
@@ -269,57 +268,57 @@ _STORED: Mapping[str, bool] = MappingProxyType(
 )
 
 
-def _check_package(package: Any, root_class: str, findings: NodeReport) -> None:
+def _check_package(package: Any, root_class: str, report: Report) -> None:
     """Check names, bounds, storage, and then all that mrsfi reads of a package."""
     classes = [kind for kind in package.eClassifiers if isinstance(kind, EClass)]
-    _check_names(package.eClassifiers, findings)
+    _check_names(package.eClassifiers, report)
     for kind in package.eClassifiers:
         if kind in classes:
-            _check_names(features(kind), findings)
+            _check_names(features(kind), report)
             for feature in kind.eStructuralFeatures:
-                _check_feature(slots(kind)[feature.name], findings)
+                _check_feature(slots(kind)[feature.name], report)
         elif not kind.eLiterals:
-            findings.add(kind, "RequiredFeature", "has no literals; add one")
+            report.add(kind, "RequiredFeature", "has no literals; add one")
         else:
-            _check_names(kind.eLiterals, findings)
-    findings.report.require_no_errors()
-    _check_contract(package, root_class, findings)
+            _check_names(kind.eLiterals, report)
+    report.require_no_errors()
+    _check_contract(package, root_class, report)
     for kind in classes:
-        _check_meaning(kind, findings)
+        _check_meaning(kind, report)
 
 
-def _check_names(elements: Iterable[Any], findings: NodeReport) -> None:
+def _check_names(elements: Iterable[Any], report: Report) -> None:
     seen: dict[str, Any] = {}
     for element in elements:
         first = seen.setdefault(element.name, element)
         if first is not element:
-            there = findings.nodes[first]
+            there = report.place(first)
             place = f"line {there.line} of {there.path.name}"
             finding = f"has the name of {place}; expected different ones; rename one"
-            findings.add(element, "UniqueId", finding)
+            report.add(element, "UniqueId", finding)
 
 
-def _check_feature(slot: Slot, findings: NodeReport) -> None:
+def _check_feature(slot: Slot, report: Report) -> None:
     """Refuse features that hold nothing, whose values no file keeps, or Python cannot name."""
     feature = slot.feature
     lower, upper = feature.lowerBound, feature.upperBound
     if lower == -1 or upper == 0 or lower > upper > -1:
         finding = f"has bounds {lower} and {upper}; expected a lower one first; correct them"
-        findings.add(feature, "NumberSyntax", finding)
+        report.add(feature, "NumberSyntax", finding)
     for name, usual in _STORED.items():
         if getattr(feature, name) is not usual:
             finding = f"has {name}, with which files do not keep its values; delete {name}"
-            findings.add(feature, "KnownFeature", finding)
+            report.add(feature, "KnownFeature", finding)
     if feature.many and not feature.ordered:
         finding = "has ordered, with which its values would change places; delete ordered"
-        findings.add(feature, "KnownFeature", finding)
+        report.add(feature, "KnownFeature", finding)
     if feature.name in _TAKEN_NAMES:
         finding = "has a name that every element uses itself; expected another; rename it"
-        findings.add(feature, "ReservedId", finding)
+        report.add(feature, "ReservedId", finding)
     text = getattr(feature, "defaultValueLiteral", None)
     if text is not None and (expected := _missed(text, slot.type)):
         finding = f"has the default {shown(text)}; expected {expected}; correct it"
-        findings.add(feature, "NumberSyntax", finding)
+        report.add(feature, "NumberSyntax", finding)
 
 
 def _missed(text: str, kind: Any) -> str:
@@ -331,28 +330,28 @@ def _missed(text: str, kind: Any) -> str:
     return "" if values.has(text) else values.described
 
 
-def _check_contract(package: Any, root_class: str, findings: NodeReport) -> None:
+def _check_contract(package: Any, root_class: str, report: Report) -> None:
     """Check that the classes and features are there that code reads."""
     seen = set()
     for name, needed in CONTRACT[package.name].items():
         kind = package.getEClassifier(name)
         if not isinstance(kind, EClass) or (kind.abstract and name == root_class):
             finding = f"has no class {name}, which mrsfi reads; restore it"
-            findings.add(package, "RequiredFeature", finding)
+            report.add(package, "RequiredFeature", finding)
             continue
         parent = SUPERTYPES[package.name].get(name)
         if parent is not None and not is_kind(kind, parent):
             finding = f"does not inherit from {parent}, on which mrsfi relies; restore eSuperTypes"
-            findings.add(kind, "RequiredFeature", finding)
+            report.add(kind, "RequiredFeature", finding)
         for feature, need in needed.items():
             slot = slots(kind).get(feature)
             if slot is None:
                 finding = f"has no feature {feature}; mrsfi reads {need} of that name; restore it"
-                findings.add(kind, "RequiredFeature", finding)
+                report.add(kind, "RequiredFeature", finding)
             elif slot.feature not in seen and not _meets(slot, need):
                 seen.add(slot.feature)
                 finding = f"of {name} is read as {need}, which is not what it declares; restore it"
-                findings.add(slot.feature, "RequiredFeature", finding)
+                report.add(slot.feature, "RequiredFeature", finding)
 
 
 def _meets(slot: Slot, need: Need) -> bool:
@@ -367,7 +366,7 @@ def _meets(slot: Slot, need: Need) -> bool:
     )
 
 
-def _check_meaning(kind: Any, findings: NodeReport) -> None:
+def _check_meaning(kind: Any, report: Report) -> None:
     """Check that code knows the elements of a class as one thing only."""
     read = [known for known in lineage(kind) if is_read(known) and not known.abstract]
     names = [
@@ -380,4 +379,4 @@ def _check_meaning(kind: Any, findings: NodeReport) -> None:
             f"inherits from {' and '.join(names)}, and mrsfi can know it as one of them only; "
             "keep one"
         )
-        findings.add(kind, "ConcreteType", finding)
+        report.add(kind, "ConcreteType", finding)

@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from m2t.diagnostics import Report
 from m2t.metamodel_fault_types import read_fault_types
 from m2t.metamodel_reader import MetamodelReader
 from mrsfi_runtime.errors import ModelError
@@ -88,12 +87,11 @@ def read_metamodels(folder: Path) -> Metamodels:
 
     All that is wrong with the files, one defect a line, is a ``ModelError``.
     """
-    report = Report()
-    reader = MetamodelReader(report)
+    reader = MetamodelReader()
     mission = reader.read(folder / MISSION_FILE, MISSION_ROOT)
     faults = reader.read(folder / FAULTS_FILE, FAULTS_ROOT)
-    types = read_fault_types(faults, reader.findings)
-    report.require_no_errors()
+    types = read_fault_types(faults, reader.report)
+    reader.report.require_no_errors()
     return Metamodels(mission, faults, types)
 
 

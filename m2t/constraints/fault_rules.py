@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 from m2t.constraints.mission_rules import number
-from m2t.diagnostics import NodeReport
+from m2t.diagnostics import Report
 from m2t.elements import is_set, values
 from m2t.metaclasses import is_kind, slots
 from m2t.metamodel_contract import BOUNDS
@@ -20,17 +20,17 @@ Pairs: TypeAlias = list[tuple[str, str]]
 """Names of features of which the value of the first must not be above that of the second."""
 
 
-def check_faults(specification: Any, duration: int, findings: NodeReport) -> None:
+def check_faults(specification: Any, duration: int, report: Report) -> None:
     """Check a fault specification whose structure is sound, for a mission's duration in ticks."""
     for fault in specification.faults:
-        _check_window(fault, duration, findings)
+        _check_window(fault, duration, report)
         kinds = fault_types(fault)
         if len(kinds) == 1:
-            _check_parameters(kinds[0], findings)
-            _check_field(kinds[0], findings)
+            _check_parameters(kinds[0], report)
+            _check_field(kinds[0], report)
             continue
         found = ", ".join(kind.eClass.name for kind in kinds) or "none"
-        findings.add(
+        report.add(
             fault,
             "ExactlyOneFaultType",
             f"contains {len(kinds)} fault types ({found}); expected exactly one; "
@@ -84,11 +84,11 @@ def broken_ticks(kind: Any) -> list[str]:
     ]
 
 
-def _check_window(fault: Any, duration: int, findings: NodeReport) -> None:
+def _check_window(fault: Any, duration: int, report: Report) -> None:
     has_start, has_finish = is_set(fault, "start"), is_set(fault, "finish")
     if has_start != has_finish:
         given, missing = ("start", "finish") if has_start else ("finish", "start")
-        findings.add(
+        report.add(
             fault,
             "WindowComplete",
             f"has {given} but no {missing}; expected both, or neither in a pool; add {missing}",
@@ -96,14 +96,14 @@ def _check_window(fault: Any, duration: int, findings: NodeReport) -> None:
     if not (has_start and has_finish):
         return
     if exchanged_window(fault):
-        findings.add(
+        report.add(
             fault,
             "WindowOrdered",
             f"starts at {fault.start} and finishes at {fault.finish}; expected start <= finish; "
             "exchange them",
         )
     elif fault.start >= duration:
-        findings.add(
+        report.add(
             fault,
             "WindowInsideMission",
             f"starts at {fault.start} in a mission of {duration} ticks and never acts; expected "
@@ -111,26 +111,26 @@ def _check_window(fault: Any, duration: int, findings: NodeReport) -> None:
         )
 
 
-def _check_parameters(kind: Any, findings: NodeReport) -> None:
+def _check_parameters(kind: Any, report: Report) -> None:
     drawn = [("RandomBoundsOrdered", *pair) for pair in exchanged_draw(kind)]
     searched = [("SearchBoundsOrdered", *pair) for pair in exchanged_bounds(kind)]
     for constraint, low, high in drawn + searched:
         lowest, highest = number(getattr(kind, low)), number(getattr(kind, high))
-        findings.add(
+        report.add(
             kind,
             constraint,
             f"has {low} {lowest} above {high} {highest}; expected the lower one first; "
             "exchange them",
         )
     for name in broken_ticks(kind):
-        findings.add(
+        report.add(
             kind,
             "WholeTicks",
             f"has {name} {number(getattr(kind, name))}; expected a whole number of ticks; round it",
         )
 
 
-def _check_field(kind: Any, findings: NodeReport) -> None:
+def _check_field(kind: Any, report: Report) -> None:
     """Check that the affected message carries what the fault falsifies."""
     message = getattr(kind, "affectedMessage", None)
     if message is None:
@@ -139,7 +139,7 @@ def _check_field(kind: Any, findings: NodeReport) -> None:
     for affected in meaning(kind).properties:
         if not _carries(carried, affected):
             wanted = affected.name
-            findings.add(
+            report.add(
                 kind,
                 "FaultFieldCarried",
                 f"falsifies {wanted}, but message '{message.ID}' carries {', '.join(carried)}, so "

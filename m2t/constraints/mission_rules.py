@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 
 from pyecore.ecore import EObject
 
-from m2t.diagnostics import NodeReport, listed, shown
+from m2t.diagnostics import Report, listed, shown
 from m2t.elements import is_set
 from m2t.metaclasses import base_class, is_kind
 from m2t.write.xmi import java_double
@@ -29,17 +29,17 @@ _LENGTHS = {
 }
 
 
-def check_mission(mission: Any, findings: NodeReport) -> None:
+def check_mission(mission: Any, report: Report) -> None:
     """Check a mission whose structure is sound."""
     for robot in mission.robots:
-        _check_robot(mission, robot, findings)
+        _check_robot(mission, robot, report)
     for station in (*mission.robots, *mission.servers):
-        _check_property_names(station, findings)
+        _check_property_names(station, report)
     for area in areas(mission):
-        _check_area(mission, area, findings)
-    _check_starts(mission, findings)
+        _check_area(mission, area, report)
+    _check_starts(mission, report)
     for goal in mission.goals:
-        _check_goal(mission, goal, findings)
+        _check_goal(mission, goal, report)
 
 
 def point(coordinates: Any) -> tuple[float, float]:
@@ -89,46 +89,46 @@ def _ids(elements: Any) -> str:
     return listed([str(element.ID) for element in elements]) or "none"
 
 
-def _check_robot(mission: Any, robot: Any, findings: NodeReport) -> None:
+def _check_robot(mission: Any, robot: Any, report: Report) -> None:
     if is_set(robot, "maxSpeed") and robot.speed > robot.maxSpeed:
-        findings.add(
+        report.add(
             robot,
             "SpeedWithinMaximum",
             f"has speed {number(robot.speed)} above maxSpeed {number(robot.maxSpeed)}; expected a "
             "nominal speed that it can reach; correct one of them",
         )
-    _check_figures(mission, robot, findings)
+    _check_figures(mission, robot, report)
     area = mission.missionArea
     if distance(point(robot.position), point(area.center)) > area.radius:
-        findings.add(
+        report.add(
             robot,
             "RobotInsideMission",
             f"starts outside the mission area (radius {number(area.radius)}); expected a position "
             "inside it; correct the position or the area",
         )
     if sum(battery.totalEnergy for battery in robot.batteries) <= 0:
-        findings.add(
+        report.add(
             robot,
             "RobotHasBattery",
             "has no energy to begin with and will never move; expected a battery; add one",
         )
 
 
-def _check_property_names(station: Any, findings: NodeReport) -> None:
+def _check_property_names(station: Any, report: Report) -> None:
     properties = (station.intProperties, station.stringProperties, station.doubleProperties)
     for entry in repeated(chain(*properties)):
-        findings.add(
+        report.add(
             entry,
             "UniquePropertyName",
-            f"is a property of {findings.describe(station)} for the second time; "
+            f"is a property of {report.place(station).description} for the second time; "
             "expected different names; rename one",
         )
 
 
-def _check_area(mission: Any, area: Any, findings: NodeReport) -> None:
+def _check_area(mission: Any, area: Any, report: Report) -> None:
     outer = mission.missionArea
     if distance(point(area.center), point(outer.center)) + area.radius > outer.radius:
-        findings.add(
+        report.add(
             area,
             "AreaInsideMission",
             f"reaches beyond the mission area (radius {number(outer.radius)}); expected an area "
@@ -136,7 +136,7 @@ def _check_area(mission: Any, area: Any, findings: NodeReport) -> None:
         )
 
 
-def _check_starts(mission: Any, findings: NodeReport) -> None:
+def _check_starts(mission: Any, report: Report) -> None:
     """Check that no robot starts in contact with an obstacle or with a robot before it."""
     others: Discs[Any] = Discs(distance)
     for obstacle in mission.obstacles:
@@ -146,31 +146,31 @@ def _check_starts(mission: Any, findings: NodeReport) -> None:
         place = point(robot.position)
         touched = others.first_around(place)
         if touched is not None:
-            findings.add(
+            other = report.place(touched).description
+            report.add(
                 robot,
                 "RobotStartsClear",
-                f"starts in contact with {findings.describe(touched)}; expected some distance; "
-                "correct its position",
+                f"starts in contact with {other}; expected some distance; correct its position",
             )
         others.add(robot, place, ROBOT_RADIUS + ROBOT_RADIUS)
 
 
-def _check_goal(mission: Any, goal: Any, findings: NodeReport) -> None:
+def _check_goal(mission: Any, goal: Any, report: Report) -> None:
     if goal in goal.dependentGoals:
-        findings.add(
+        report.add(
             goal,
             "GoalDependsOnOthers",
             "depends on itself; expected other goals; delete it from dependentGoals",
         )
-    _check_figures(mission, goal.task, findings)
+    _check_figures(mission, goal.task, report)
     check = _TASK_CHECKS.get(base_class(goal.task.eClass).name)
     if check is not None:
-        check(mission, goal, findings)
+        check(mission, goal, report)
     for message in goal.messages:
-        _check_message(goal, message, findings)
+        _check_message(goal, message, report)
 
 
-def _check_figures(mission: Any, element: Any, findings: NodeReport) -> None:
+def _check_figures(mission: Any, element: Any, report: Report) -> None:
     """Check that no figure is so far outside its mission that it was meant in another unit."""
     base, width = base_class(element.eClass).name, 2 * mission.missionArea.radius
     limits = dict.fromkeys(_LENGTHS.get(base, ()), (width, f"an area {number(width)} wide"))
@@ -178,7 +178,7 @@ def _check_figures(mission: Any, element: Any, findings: NodeReport) -> None:
         limits["period"] = (mission.duration, f"{mission.duration} ticks")
     for name, (most, size) in limits.items():
         if is_set(element, name) and getattr(element, name) > most:
-            findings.add(
+            report.add(
                 element,
                 "FigureInsideMission",
                 f"has {name} {number(getattr(element, name))} in a mission of {size}; expected no "
@@ -186,16 +186,16 @@ def _check_figures(mission: Any, element: Any, findings: NodeReport) -> None:
             )
 
 
-def _check_gather_samples(_: Any, goal: Any, findings: NodeReport) -> None:
+def _check_gather_samples(_: Any, goal: Any, report: Report) -> None:
     if goal.area is None:
-        findings.add(
+        report.add(
             goal,
             "GatherSamplesArea",
             "has no area to gather samples in; expected one; add <area ID=... radius=...>",
         )
     sensor = goal.task.sensor
     if sensor.eContainer() not in goal.members:
-        findings.add(
+        report.add(
             goal.task,
             "SensorOfMember",
             f"uses sensor '{sensor.ID}' of robot '{sensor.eContainer().ID}'; expected a sensor of "
@@ -203,10 +203,10 @@ def _check_gather_samples(_: Any, goal: Any, findings: NodeReport) -> None:
         )
 
 
-def _check_avoid_collision(_: Any, goal: Any, findings: NodeReport) -> None:
+def _check_avoid_collision(_: Any, goal: Any, report: Report) -> None:
     found = strangers(goal)
     if found:
-        findings.add(
+        report.add(
             goal.task,
             "AvoidCollisionMembers",
             f"names {_ids(found)}; expected members of the goal "
@@ -214,9 +214,9 @@ def _check_avoid_collision(_: Any, goal: Any, findings: NodeReport) -> None:
         )
 
 
-def _check_visit(mission: Any, goal: Any, findings: NodeReport) -> None:
+def _check_visit(mission: Any, goal: Any, report: Report) -> None:
     if goal.task.deadline >= mission.duration:
-        findings.add(
+        report.add(
             goal.task,
             "DeadlineInsideMission",
             f"has deadline {goal.task.deadline} in a mission of {mission.duration} ticks, so that "
@@ -224,16 +224,16 @@ def _check_visit(mission: Any, goal: Any, findings: NodeReport) -> None:
         )
 
 
-def _check_fixed_distance(_: Any, goal: Any, findings: NodeReport) -> None:
+def _check_fixed_distance(_: Any, goal: Any, report: Report) -> None:
     if len(goal.members) < 2:
-        findings.add(
+        report.add(
             goal,
             "PairOfMembers",
             "keeps a distance between robots but has one member; expected two or more; add one",
         )
 
 
-_TASK_CHECKS: dict[str, Callable[[Any, Any, NodeReport], None]] = {
+_TASK_CHECKS: dict[str, Callable[[Any, Any, Report], None]] = {
     "GatherSamples": _check_gather_samples,
     "AvoidCollision": _check_avoid_collision,
     "Visit": _check_visit,
@@ -241,16 +241,16 @@ _TASK_CHECKS: dict[str, Callable[[Any, Any, NodeReport], None]] = {
 }
 
 
-def _check_message(goal: Any, message: Any, findings: NodeReport) -> None:
+def _check_message(goal: Any, message: Any, report: Report) -> None:
     sender = message.sender
     if sender is message.receiver:
-        findings.add(
+        report.add(
             message,
             "SenderIsNotReceiver",
             f"is sent by '{sender.ID}' to itself; expected somebody else; correct the receiver",
         )
     if sender not in goal.members:
-        findings.add(
+        report.add(
             message,
             "SenderIsMember",
             f"is sent by '{sender.ID}'; expected a member of the goal "
@@ -258,34 +258,34 @@ def _check_message(goal: Any, message: Any, findings: NodeReport) -> None:
         )
     again = set(repeated(message.body))
     for entry in message.body:
-        _check_field(sender, entry, findings)
+        _check_field(sender, entry, report)
         if entry in again:
-            findings.add(
+            report.add(
                 entry,
                 "UniqueMessageField",
                 "is reported twice by the same message; expected it once; delete one",
             )
 
 
-def _check_field(sender: Any, entry: Any, findings: NodeReport) -> None:
+def _check_field(sender: Any, entry: Any, report: Report) -> None:
     carried = [sensor.type.name for sensor in getattr(sender, "sensors", ())]
     sensor_types = [literal.name for literal in _sensor_type(sender).eLiterals]
     if entry.name not in (*ROBOT_FIELDS, *sensor_types):
-        findings.add(
+        report.add(
             entry,
             "MessageFieldName",
             f"is no field of a message; expected one of "
             f"{', '.join((*ROBOT_FIELDS, *sensor_types))}; correct the name",
         )
     elif entry.name in sensor_types and entry.name not in carried:
-        findings.add(
+        report.add(
             entry,
             "FieldOfSender",
             f"is a sensor type of which '{sender.ID}' has no sensor; expected one of "
             f"{', '.join(dict.fromkeys(carried)) or 'none'}; correct the field or the sender",
         )
     if entry.type not in FIELD_TYPES:
-        findings.add(
+        report.add(
             entry,
             "MessageFieldType",
             f"has type {shown(entry.type)}; expected one of {', '.join(FIELD_TYPES)}; "

@@ -11,7 +11,7 @@ from typing import Any
 from m2t.check.attribute_values import MAX_NAME_LENGTH
 from m2t.constraints.fault_rules import check_faults
 from m2t.constraints.mission_rules import check_mission
-from m2t.diagnostics import NodeReport, Report, shown
+from m2t.diagnostics import Report, shown
 from m2t.elements import contained
 from m2t.importing.identities import give_ids
 from m2t.importing.notes import Note, Notes
@@ -51,7 +51,8 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
     cannot be written is a ``UsageError``.
     """
     _require_free(folder, is_forced=is_forced)
-    report, notes = Report(), Notes()
+    origins: dict[Any, Node] = {}
+    report, notes = Report(origins), Notes()
     setup = read_root(path, report)
     if (setup.namespace, setup.tag) != (SETUP_NAMESPACE, ROOT):
         finding = (
@@ -61,7 +62,7 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         )
         report.add(setup, "RootElement", finding)
         report.require_no_errors()
-    reader = PublishedReader(setup, report, notes)
+    reader = PublishedReader(setup, origins, report, notes)
     mission, specifications = _roots(setup, reader, report)
     reader.resolve()
     report.require_no_errors()
@@ -137,10 +138,9 @@ def _require_sound(mission: Any, pools: list[Any], reader: PublishedReader, repo
         for element in contained(root):
             reader.require_all(element)
     report.require_no_errors()
-    findings = NodeReport(reader.origins, report)
-    check_mission(mission, findings)
+    check_mission(mission, report)
     for root in pools:
-        check_faults(root, mission.duration, findings)
+        check_faults(root, mission.duration, report)
     report.require_no_errors()
 
 

@@ -124,8 +124,8 @@ class PublishedReader:
     ``require_all``.
     """
 
-    def __init__(self, root: Node, report: Report, notes: Notes) -> None:
-        self.origins: dict[Any, Node] = {}
+    def __init__(self, root: Node, origins: dict[Any, Node], report: Report, notes: Notes) -> None:
+        self.origins = origins
         self.own_ids: dict[Any, str] = {}
         self._root = root
         self._report = report
