@@ -100,17 +100,15 @@ def check_claims(files: ModelFiles, report: Report) -> None:
                 )
 
 
-def report_count(node: Node, slot: Slot, count: int, report: Report) -> None:
-    """Report that an element has too few or too many of a feature."""
+def report_count(element: Any, slot: Slot, count: int, report: Report) -> None:
+    """Report that an element, a node or its object, has too few or too many of a feature."""
     name = slot.name
     if count < slot.lower_bound:
         expected = f"at least {slot.lower_bound}" if slot.many else "one"
-        found = count or "no"
-        report.add(
-            node, "RequiredFeature", f"has {found} {name}; expected {expected}; add what is missing"
-        )
+        finding = f"has {count or 'no'} {name}; expected {expected}; add what is missing"
+        report.add(element, "RequiredFeature", finding)
     else:
-        report.add(node, "SingleValue", f"has {count} {name}; expected one; delete the others")
+        report.add(element, "SingleValue", f"has {count} {name}; expected one; delete the others")
 
 
 def _report_wrong_root(file: ModelFile, metaclass: Any, report: Report) -> None:

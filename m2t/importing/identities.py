@@ -2,13 +2,13 @@
 
 import re
 from collections import defaultdict
+from collections.abc import Mapping
 from itertools import count
 from typing import Any
 
 from m2t.diagnostics import shown
 from m2t.elements import contained
-from m2t.importing.notes import Kind, Notes
-from m2t.importing.reading import PublishedReader
+from m2t.importing.notes import Notes
 from m2t.metaclasses import slots
 from m2t.naming import identifier, snake_case
 from mrsfi_runtime.errors import ModelError
@@ -18,7 +18,7 @@ _UNUSABLE = re.compile(r"[^A-Za-z0-9_.-]+", re.ASCII)
 _LONGEST_BASE = 80
 
 
-def give_ids(root: Any, reader: PublishedReader, notes: Notes) -> None:
+def give_ids(root: Any, own_ids: Mapping[Any, str], notes: Notes) -> None:
     """Set the ID of every element below a root, and the name of those that have none.
 
     IDs are unique, also as names in Python; ``notes`` take every one that is new or changed. An
@@ -27,20 +27,20 @@ def give_ids(root: Any, reader: PublishedReader, notes: Notes) -> None:
     or ``r1_sensor_2``.
     """
     identified = [element for element in contained(root) if _has(element, "ID")]
-    namer = _Namer(reader, notes)
+    namer = _Namer(own_ids, notes)
     for element in [element for element in identified if not namer.keeps_own(element)]:
         namer.derive(element)
     for element in identified:
         if _has(element, "name") and not element.name:
             element.name = element.ID
-            notes.add("default", reader.origins[element], "name", "is absent; set to the ID")
+            notes.add("default", element, "name", "is absent; set to the ID")
 
 
 class _Namer:
     """Knows which names are taken."""
 
-    def __init__(self, reader: PublishedReader, notes: Notes) -> None:
-        self._reader = reader
+    def __init__(self, own_ids: Mapping[Any, str], notes: Notes) -> None:
+        self._own_ids = own_ids
         self._notes = notes
         self._taken: set[str] = set()
         self._kept: set[str] = set()
@@ -53,8 +53,8 @@ class _Namer:
             return False
         self._kept.add(own)
         element.ID = own
-        if element not in self._reader.own_ids:
-            self._note("renamed", element, "has no ID; its name is its ID now")
+        if element not in self._own_ids:
+            self._notes.add("renamed", element, "ID", "has no ID; its name is its ID now")
         return True
 
     def derive(self, element: Any) -> None:
@@ -68,17 +68,17 @@ class _Namer:
             new = f"{base}_{next(self._numbers[base])}"
         element.ID = new
         if own is None:
-            self._note("renamed", element, f"has no ID; is now {new}")
+            self._notes.add("renamed", element, "ID", f"has no ID; is now {new}")
             return
-        self._note("renamed", element, f"{shown(own)} is now {new}")
+        self._notes.add("renamed", element, "ID", f"{shown(own)} is now {new}")
         if own in self._kept:
             message = f"{shown(own)} is the ID of more than one element; the first keeps it"
-            self._note("inconsistent", element, message)
+            self._notes.add("inconsistent", element, "ID", message)
 
     def _own(self, element: Any) -> str | None:
         """Return the ID that the file gives an element; a fault without one goes by its name."""
         name = element.name if element.eClass.name == "Fault" else None
-        return self._reader.own_ids.get(element, name)
+        return self._own_ids.get(element, name)
 
     def _take(self, identity: str) -> bool:
         try:
@@ -103,9 +103,6 @@ class _Namer:
         if container.eContainer() is None:
             return word
         return f"{container.ID if _has(container, 'ID') else self._place(container)}_{word}"
-
-    def _note(self, kind: Kind, element: Any, message: str) -> None:
-        self._notes.add(kind, self._reader.origins[element], "ID", message)
 
 
 def _has(element: Any, name: str) -> bool:

@@ -52,7 +52,8 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
     """
     _require_free(folder, is_forced=is_forced)
     origins: dict[Any, Node] = {}
-    report, notes = Report(origins), Notes()
+    report = Report(origins)
+    notes = Notes(report)
     setup = read_root(path, report)
     if (setup.namespace, setup.tag) != (SETUP_NAMESPACE, ROOT):
         finding = (
@@ -68,11 +69,15 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
     report.require_no_errors()
     if not mission.name:
         mission.name = folder.name[:MAX_NAME_LENGTH]
-        notes.add("default", reader.origins[mission], "name", f"is absent; set to {folder.name}")
+        notes.add("default", mission, "name", f"is absent; set to {folder.name}")
     for root in (mission, *specifications):
-        give_ids(root, reader, notes)
+        give_ids(root, reader.own_ids, notes)
     if not specifications:
-        specifications.append(_empty_pool(setup, reader, notes))
+        specifications.append(load_metamodels().faults_class(ID="faults"))
+        origins[specifications[0]] = setup
+        # A pool for the team to fill, so that the folder is that of a whole mission.
+        said = f"is absent; {FAULTS_XMI} is an empty pool: it flies, a search needs faults in it"
+        notes.add("default", setup, "specification", said)
     _require_sound(mission, specifications, reader, report)
     for found in report:
         notes.add_found(found)
@@ -112,15 +117,6 @@ def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, l
     return mission, specifications
 
 
-def _empty_pool(setup: Node, reader: PublishedReader, notes: Notes) -> Any:
-    """Return a pool for the team to fill, so that the folder is that of a whole mission."""
-    pool = load_metamodels().faults_class(ID="faults")
-    reader.origins[pool] = setup
-    message = f"is absent; {FAULTS_XMI} is an empty pool: it flies, a search needs faults in it"
-    notes.add("default", setup, "specification", message)
-    return pool
-
-
 def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
     """Return the root objects of the models by file name."""
     models = {MISSION_XMI: mission}
@@ -151,7 +147,7 @@ def _write(models: Mapping[str, Any], folder: Path) -> tuple[str, ...]:
         name: dumps(root, hrefs={} if root is mission else {mission: MISSION_XMI})
         for name, root in models.items()
     }
-    cases = campaign_files(mission)
+    cases = _campaign_files(mission)
     contents |= {name: text for name, text in cases.items() if not (folder / name).exists()}
     if folder.exists():
         with changing(folder) as change:
@@ -198,7 +194,7 @@ fitness = "focused"      # equation (2): violations of the chosen goals
 goals = [{goals}]"""
 
 
-def campaign_files(mission: Any) -> dict[str, bytes]:
+def _campaign_files(mission: Any) -> dict[str, bytes]:
     """Return the campaign files of a mission by name: ``case_a.toml``, and maybe ``case_b.toml``.
 
     Case b takes both a goal that avoids collisions and one about energy; it names the first each.

@@ -2,10 +2,9 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
-from m2t.diagnostics import Diagnostic
-from m2t.read.nodes import Node
+from m2t.diagnostics import Diagnostic, Report
 
 Kind: TypeAlias = Literal["renamed", "dropped", "default", "inconsistent"]
 KINDS: tuple[Kind, ...] = ("renamed", "dropped", "default", "inconsistent")
@@ -28,14 +27,16 @@ class Note:
 
 
 class Notes:
-    """Collects the notes of one import."""
+    """Collects the notes of one import, whose report knows where objects come from."""
 
-    def __init__(self) -> None:
+    def __init__(self, report: Report) -> None:
+        self._report = report
         self._notes: list[Note] = []
 
-    def add(self, kind: Kind, node: Node, feature: str, message: str) -> None:
-        """Add a note about an element of the published file."""
-        self._notes.append(Note(kind, node.line, node.description, feature, message))
+    def add(self, kind: Kind, element: Any, feature: str, message: str) -> None:
+        """Add a note about an object or a node of the published file."""
+        place = self._report.place(element)
+        self._notes.append(Note(kind, place.line, place.description, feature, message))
 
     def add_found(self, found: Diagnostic) -> None:
         """Add what a constraint warns of."""

@@ -119,13 +119,13 @@ class _Given:
 class PublishedReader:
     """Reads the elements of one published file, of which ``n_xmi_ids`` have an xmi:id.
 
-    ``origins`` has the node of every object that was made, ``own_ids`` the ID that the file gives
+    ``origins`` gets the node of every object that is made, ``own_ids`` the ID that the file gives
     it, if any. What cannot be carried over is reported as it is read, what is missing by
     ``require_all``.
     """
 
     def __init__(self, root: Node, origins: dict[Any, Node], report: Report, notes: Notes) -> None:
-        self.origins = origins
+        self._origins = origins
         self.own_ids: dict[Any, str] = {}
         self._root = root
         self._report = report
@@ -158,7 +158,7 @@ class PublishedReader:
     def element(self, node: Node, metaclass: Any) -> Any:
         """Return an object with all that it contains; references stay open."""
         instance = metaclass()
-        self.origins[instance] = node
+        self._origins[instance] = node
         self._objects[node] = instance
         given = _Given(node)
         for old, new in RENAMED.get(metaclass.name, {}).items():
@@ -190,7 +190,7 @@ class PublishedReader:
 
     def _copied(self, target: Any, node: Node) -> Any:
         made = copies([target])
-        self.origins |= dict.fromkeys(made.values(), node)
+        self._origins |= dict.fromkeys(made.values(), node)
         return made[target]
 
     def require_all(self, element: Any) -> None:
@@ -199,7 +199,7 @@ class PublishedReader:
             is_given = slot.many or element.eIsSet(slot.feature)
             count = len(values(element, slot)) if is_given else 0
             if count < slot.lower_bound:
-                report_count(self.origins[element], slot, count, self._report)
+                report_count(element, slot, count, self._report)
 
     def drop_rest(self, node: Node, used: Iterable[str]) -> None:
         """Note what of the root is not carried over."""
@@ -282,7 +282,7 @@ class PublishedReader:
 
     def _duration(self) -> int:
         """Return what the mission lasts, which is read before all else; 0 if that is wrong."""
-        return int(next(iter(self.origins)).duration)
+        return int(next(iter(self._origins)).duration)
 
     def _target(self, reference: Reference, text: str) -> Any:
         """Return the object that a reference leads to; ``None`` after a report."""
