@@ -8,7 +8,7 @@ and so does every copy of it.
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -137,7 +137,7 @@ def dumps(sources: Mapping[str, str], files: Mapping[str, FileRecord]) -> str:
         "generator": GENERATOR,
         "semantics": SEMANTICS,
         "sources": dict(sources),
-        "files": {name: _entry(record) for name, record in files.items()},
+        "files": {name: asdict(record) for name, record in files.items()},
     }
     return json.dumps(document, indent=2, sort_keys=True) + "\n"
 
@@ -172,10 +172,6 @@ def is_alike(one: str | None, other: str) -> bool:
 
 def _but_sources(text: str) -> dict[str, Any]:
     return {**json.loads(text), "sources": None}
-
-
-def _entry(record: FileRecord) -> dict[str, Any]:
-    return {"skeleton": record.skeleton, "regions": dict(record.regions)}
 
 
 def _records(entry: Any) -> tuple[FileRecord, ...]:

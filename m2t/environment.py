@@ -8,6 +8,7 @@ other way is open to model text that is not a checked identifier.
 import math
 import re
 from dataclasses import dataclass
+from functools import cache
 from typing import TypeAlias
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -63,7 +64,8 @@ def literal(value: Scalar | tuple[object, ...]) -> str:
     if isinstance(value, float):
         return _float_literal(value)
     if isinstance(value, tuple):
-        return _tuple_of([literal(entry) for entry in value])  # type: ignore[arg-type]
+        entries = ", ".join(literal(entry) for entry in value)  # type: ignore[arg-type]
+        return f"({entries},)" if len(value) == 1 else f"({entries})"
     raise TypeError(f"no literal for a value of type {type(value).__name__}")
 
 
@@ -150,10 +152,7 @@ def _flat(value: Expression) -> str | None:
     return f"{opening}{joined}{comma}{closing}"
 
 
-def _tuple_of(entries: list[str]) -> str:
-    return f"({entries[0]},)" if len(entries) == 1 else f"({', '.join(entries)})"
-
-
+@cache
 def template_environment(folder: str = "templates") -> Environment:
     """Return the environment that renders a folder of ``m2t``; an undefined name is an error."""
     environment = Environment(

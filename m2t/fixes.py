@@ -6,6 +6,7 @@ offered to an element too many.
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -20,10 +21,9 @@ from m2t.constraints.fault_rules import (
 )
 from m2t.constraints.mission_rules import repeated, strangers
 from m2t.diagnostics import Diagnostic
-from m2t.elements import contained, values
 from m2t.load import Inspection, LoadedModels
-from m2t.metaclasses import is_kind, slots
-from m2t.saving import difference, saved
+from m2t.metaclasses import contained, is_kind, slots, values
+from m2t.saving import Edit, edited
 
 Remedy: TypeAlias = Callable[[Any], None]
 
@@ -37,19 +37,10 @@ class Fix:
 
 
 @dataclass(frozen=True, slots=True)
-class Mending:
-    """What fixing models would change; ``fixed`` are defects that go, with the title of the fix.
-
-    ``contents`` and ``before`` have the files that change, ``difference`` their unified diff.
-    ``respelt`` change beyond the fixes, as they are not spelt as Eclipse writes them.
-    """
+class Mending(Edit):
+    """What fixing models would change; ``fixed`` are defects that go, with the title of the fix."""
 
     fixed: tuple[tuple[Diagnostic, str], ...]
-    folder: Path
-    contents: Mapping[Path, bytes]
-    before: Mapping[Path, bytes]
-    difference: tuple[str, ...]
-    respelt: tuple[Path, ...]
 
 
 def mend(inspection: Inspection) -> Mending | None:
@@ -63,28 +54,18 @@ def mend(inspection: Inspection) -> Mending | None:
     fixable = tuple(found for found in inspection.diagnostics if found.constraint in titles)
     if draft is None or not fixable:
         return None
-    unfixed = saved(draft)
-    old = {path: path.read_bytes() for path in unfixed}
-    if inspection.remains is None:
-        elements = _elements_by_place(draft)
-        for found in fixable:
-            for element in elements[found.path, found.line, found.element]:
-                FIXES[found.constraint].mend(element)
-    else:
-        delete_incomplete(draft)
-    places = {found.path for found in fixable}
-    contents = {
-        path: new
-        for path, new in saved(draft).items()
-        if new != old[path] and (path in places or new != unfixed[path])
-    }
     by_loading = {found.path for found in fixable if found.constraint in _TITLES_OF_REMAINS}
-    respelt = tuple(
-        path for path in contents if path not in by_loading and unfixed[path] != old[path]
-    )
+    fix = partial(_fix, fixable) if inspection.remains is None else delete_incomplete
+    made = edited(draft, fix, loaded=by_loading)
     fixed = tuple((found, titles[found.constraint]) for found in fixable)
-    lines = tuple(difference(draft, old, contents))
-    return Mending(fixed, draft.mission_path.parent, contents, old, lines, respelt)
+    return Mending(made.folder, made.contents, made.before, made.difference, made.respelt, fixed)
+
+
+def _fix(defects: Iterable[Diagnostic], draft: LoadedModels) -> None:
+    elements = _elements_by_place(draft)
+    for found in defects:
+        for element in elements[found.path, found.line, found.element]:
+            FIXES[found.constraint].mend(element)
 
 
 def _elements_by_place(draft: LoadedModels) -> Mapping[tuple[Path, int, str], list[Any]]:

@@ -11,12 +11,9 @@ Source paper, section III-D, the model-to-text transformations.
 import hashlib
 import os
 from collections.abc import Callable, Mapping
-from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
-
-from jinja2 import Environment
 
 from m2t.emit import GenerationPlan, plan_files
 from m2t.environment import remark, template_environment
@@ -38,19 +35,14 @@ Visitor: TypeAlias = Callable[[LoadedModels], Mapping[str, Any]]
 """Computes what a template needs, free of metamodel objects."""
 
 
-def _nothing(_: LoadedModels) -> Mapping[str, Any]:
-    """Collect nothing: such a file goes through the rows of ``topics.py``."""
-    return {}
-
-
 VISITORS: Mapping[str, Visitor] = MappingProxyType(
     {
         "mission_loader.py": mission_loader.visit,
         "fault_loader.py": fault_loader.visit,
         "fault_effects.py": fault_effects.visit,
         "topics.py": topics.visit,
-        "sim_interface.py": _nothing,
-        "simulation.py": _nothing,
+        "sim_interface.py": lambda _: {},  # goes through the rows of topics.py, as the next does
+        "simulation.py": lambda _: {},
         "collective_intelligence.py": collective_intelligence.visit,
     }
 )
@@ -113,16 +105,11 @@ def rendered(loaded: LoadedModels) -> dict[str, str]:
 
 
 def _render(name: str, loaded: LoadedModels) -> str:
-    template = _environment().get_template(f"{name}.j2")
+    template = template_environment().get_template(f"{name}.j2")
     mission = remark(loaded.mission_path.resolve().parent.name)
     header = f"# Generated from mission {mission} by {template.name}.\n"
     protected = "# Edit inside protected regions only.\n"
     return header + protected + template.render(VISITORS[name](loaded))
-
-
-@cache
-def _environment() -> Environment:
-    return template_environment()
 
 
 def _difference(name: str, old: str | None, new: str | None) -> str:

@@ -20,8 +20,7 @@ from m2t.constraints.fault_rules import check_faults
 from m2t.constraints.identity import check_identities
 from m2t.constraints.mission_rules import check_mission
 from m2t.diagnostics import Diagnostic, Report
-from m2t.elements import put
-from m2t.metaclasses import slots
+from m2t.metaclasses import put, slots
 from m2t.metamodels import load_metamodels
 from m2t.read.model_files import ModelFiles, local_path
 from m2t.read.nodes import Node, Spelling

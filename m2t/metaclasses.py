@@ -1,11 +1,11 @@
-"""What code asks of metaclasses: their lineage, their features, and what mrsfi reads of them."""
+"""What code asks of metaclasses and of their elements, features in the order of the metamodel."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from pyecore.ecore import EClass, EReference
+from pyecore.ecore import EClass, EEnum, EReference
 
 from m2t.metamodel_contract import BOUNDS, CONTRACT, MEANING
 from mrsfi_runtime.model.fault_types import Range
@@ -115,3 +115,52 @@ def is_read(metaclass: Any, feature: str = "") -> bool:
 def is_kind(metaclass: Any, name: str) -> bool:
     """Return whether a metaclass is that of a name, or inherits from it."""
     return any(known.name == name for known in lineage(metaclass))
+
+
+def values(element: Any, slot: Slot) -> list[Any]:
+    """Return what an element holds in a feature, be it one value, many, or none."""
+    value = getattr(element, slot.name)
+    if slot.many:
+        return list(value)
+    return [] if value is None else [value]
+
+
+def is_set(element: Any, name: str) -> bool:
+    """Return whether the model gives an optional feature that the element's class has."""
+    slot = slots(element.eClass).get(name)
+    return slot is not None and bool(element.eIsSet(slot.feature))
+
+
+def put(element: Any, slot: Slot, value: Any) -> None:
+    """Set a feature of an element, or add to its values if it holds many."""
+    if slot.many:
+        getattr(element, slot.name).append(value)
+    else:
+        setattr(element, slot.name, value)
+
+
+def contained(element: Any) -> Iterator[Any]:
+    """Yield an element and all that it contains, in the order in which they are written."""
+    yield element
+    for slot in slots(element.eClass).values():
+        if slot.is_contained:
+            for child in values(element, slot):
+                yield from contained(child)
+
+
+def copies(roots: Iterable[Any], known: Callable[[Any], Any] = lambda kind: kind) -> dict[Any, Any]:
+    """Return copies of elements and all that they contain, by their originals.
+
+    What they refer to beyond themselves stays the same, and what is unset stays unset. ``known``
+    gives the class of the copies for a class, and the enumeration for an enumeration. All copies
+    are made before any gets its values, which may refer to any of them.
+    """
+    made = {element: known(element.eClass)() for root in roots for element in contained(root)}
+    for element, copy in made.items():
+        for slot in slots(element.eClass).values():
+            if slot.many or element.eIsSet(slot.feature):
+                for value in values(element, slot):
+                    is_literal = isinstance(slot.type, EEnum)
+                    same = known(slot.type).getEEnumLiteral(value.name) if is_literal else value
+                    put(copy, slot, made.get(same, same))
+    return made

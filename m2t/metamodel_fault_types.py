@@ -45,6 +45,7 @@ _WORDS: Mapping[str, Mapping[str, object]] = MappingProxyType(
 )
 """What annotations may say, by key: the words with their meanings."""
 
+_VALUES = (Role.VALUE, Role.LOWEST, Role.HIGHEST)
 _ROLE_OF_RANGE = MappingProxyType(
     {of: Role[of.name] for of in (Range.TICKS, Range.PERCENT, Range.X, Range.Y, Range.Z)}
 )
@@ -250,7 +251,7 @@ class _Reader:
                     f"{listed}; delete it, or correct its range or role"
                 )
                 self._add(node, "KnownFeature", finding)
-            elif _is_value(role) and affected in REPORTED and parameter.range.name != affected.name:
+            elif role in _VALUES and affected in REPORTED and parameter.range.name != affected.name:
                 finding = (
                     f"has parameter {parameter.name} of range {parameter.range.name}; expected "
                     f"{affected.name}, that of its property; correct it"
@@ -281,10 +282,6 @@ def _bounded(feature: Any, numbers: Mapping[str, Any]) -> Any:
     """Return the number that a feature bounds by its name; ``None`` if it bounds none."""
     names = (feature.name.removesuffix(end) for end in BOUNDS if feature.name.endswith(end))
     return next((numbers[name] for name in names if name in numbers), None)
-
-
-def _is_value(role: Role) -> bool:
-    return role in (Role.VALUE, Role.LOWEST, Role.HIGHEST)
 
 
 def _names(kind: FaultType) -> str:

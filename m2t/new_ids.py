@@ -8,23 +8,23 @@ import ast
 import tokenize
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from m2t.constraints.identity import defects_of_id
 from m2t.diagnostics import Report
-from m2t.elements import contained
 from m2t.emit import GenerationPlan, plan_files
 from m2t.generate import rendered, sources
 from m2t.line_difference import unified_difference
 from m2t.load import LoadedModels, load_mission_folder, load_specification
-from m2t.metaclasses import slots
+from m2t.metaclasses import contained, slots
 from m2t.metamodels import load_metamodels
 from m2t.naming import identifier
 from m2t.protected_regions import parse, text_lines
 from m2t.read.model_files import ModelFiles
-from m2t.saving import difference, saved
+from m2t.saving import edited
 from mrsfi_runtime.errors import ProtectedRegionError, UsageError, expected
 from mrsfi_runtime.markers import MARKER, lines_in_regions
 
@@ -54,13 +54,14 @@ def with_new_ids(models: Path, target: Path, names: Mapping[str, str]) -> WithNe
     loaded = load_mission_folder(models)
     _require_ids(loaded, names)
     before = rendered(loaded)
-    edits = [_Edit(loaded, names)]
+    edits = [edited(loaded, partial(_rename, names))]
     own = frozenset(file.path.resolve() for file in loaded.files)
     for path in sorted(models.rglob("*.xmi")):
         if path.resolve() not in own and _is_specification(path):
             specification = load_specification(path)
             if specification.mission_path.resolve() in own:
-                edits.append(_Edit(specification, _numbered(specification, names), without=own))
+                rename = partial(_rename, _numbered(specification, names))
+                edits.append(edited(specification, rename, without=own))
     contents = {path: new for edit in edits for path, new in edit.contents.items()}
     lines = [line for edit in edits for line in edit.difference]
     code = None
@@ -71,30 +72,9 @@ def with_new_ids(models: Path, target: Path, names: Mapping[str, str]) -> WithNe
     return WithNewIds(contents, respelt, code, tuple(lines))
 
 
-class _Edit:
-    """New IDs in the files of some models, whose objects change.
-
-    ``without`` are the files that somebody else sees to.
-    """
-
-    def __init__(
-        self,
-        models: LoadedModels,
-        names: Mapping[str, str],
-        *,
-        without: frozenset[Path] = frozenset(),
-    ) -> None:
-        unedited = saved(models)
-        for element in (*_identified(models.mission), *_identified(models.faults)):
-            element.ID = names.get(element.ID, element.ID)
-        self.contents = {
-            path: new
-            for path, new in saved(models).items()
-            if new != unedited[path] and path.resolve() not in without
-        }
-        old = {path: path.read_bytes() for path in self.contents}
-        self.respelt = [path for path, content in old.items() if content != unedited[path]]
-        self.difference = [*difference(models, old, self.contents)]
+def _rename(names: Mapping[str, str], models: LoadedModels) -> None:
+    for element in (*_identified(models.mission), *_identified(models.faults)):
+        element.ID = names.get(element.ID, element.ID)
 
 
 def _identified(root: Any) -> Iterator[Any]:

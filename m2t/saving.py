@@ -1,7 +1,8 @@
 """Save loaded models: every file as Eclipse would, and only what changed."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Container, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -10,6 +11,22 @@ from m2t.line_difference import unified_difference
 from m2t.load import LoadedFile, LoadedModels
 from m2t.write.xmi import dumps_file
 from mrsfi_runtime.files import changing
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """What an edit of loaded models changes in their files; nothing is written.
+
+    ``contents`` and ``before`` have the files that change, ``difference`` their unified diff.
+    ``respelt`` change beyond the edit, as they are not spelt as Eclipse writes them. ``folder`` is
+    that of the mission.
+    """
+
+    folder: Path
+    contents: Mapping[Path, bytes]
+    before: Mapping[Path, bytes]
+    difference: tuple[str, ...]
+    respelt: tuple[Path, ...]
 
 
 def save(models: LoadedModels) -> tuple[Path, ...]:
@@ -44,17 +61,37 @@ def saved(models: LoadedModels) -> dict[Path, bytes]:
     }
 
 
-def difference(
-    models: LoadedModels, old: Mapping[Path, bytes], new: Mapping[Path, bytes]
-) -> Iterator[str]:
-    """Yield the lines of the unified diff of files, each read in its own encoding."""
+def edited(
+    models: LoadedModels,
+    edit: Callable[[LoadedModels], object],
+    *,
+    loaded: Container[Path] = (),
+    without: Container[Path] = (),
+) -> Edit:
+    """Carry out an edit of the objects of models, and return what it changes.
+
+    ``loaded`` are files of which loading has left out something already, ``without`` resolved
+    paths of files that somebody else sees to.
+    """
+    unedited = saved(models)
+    before = {path: path.read_bytes() for path in unedited}
+    edit(models)
+    contents = {
+        path: new
+        for path, new in saved(models).items()
+        if new != before[path]
+        and (path in loaded or new != unedited[path])
+        and path.resolve() not in without
+    }
+    respelt = [path for path in contents if path not in loaded and unedited[path] != before[path]]
+    lines: list[str] = []
     for file in models.files:
-        if file.path in new:
-            before, after = (
-                versions[file.path].decode(file.spelling.encoding, "replace").splitlines()
-                for versions in (old, new)
-            )
-            yield from unified_difference(before, after, str(file.path), str(file.path), "")
+        if (path := file.path) in contents:
+            versions = (before[path], contents[path])
+            old, new = (each.decode(file.spelling.encoding, "replace") for each in versions)
+            named = str(path)
+            lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
+    return Edit(models.mission_path.parent, contents, before, tuple(lines), tuple(respelt))
 
 
 def addresses(

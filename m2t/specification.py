@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import TypeAlias
 
 from m2t.constraints.fault_rules import fault_types
-from m2t.elements import copies
 from m2t.load import LoadedModels, load_mission_folder
-from m2t.metaclasses import slots
+from m2t.metaclasses import copies, slots
 from m2t.metamodels import load_metamodels, meaning
 from m2t.saving import addresses
 from m2t.write.xmi import dumps

@@ -4,8 +4,8 @@ from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
-from m2t.elements import copies
 from m2t.load import LoadedModels
+from m2t.metaclasses import copies
 from mrsfi_runtime.errors import ModelError
 
 

@@ -54,11 +54,8 @@ class _Resolver:
         for element in found:
             if element in known and slot.many:
                 name = element.attributes.get("ID", element.metaclass.name)
-                self._report.add(
-                    reference.node,
-                    "UniqueReference",
-                    f"names '{name}' twice in {slot.name}; expected each once; delete one",
-                )
+                finding = f"names '{name}' twice in {slot.name}; expected each once; delete one"
+                self._report.add(reference.node, "UniqueReference", finding)
             known.add(element)
         self._tree.resolved.append((reference, found))
 

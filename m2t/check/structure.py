@@ -6,7 +6,7 @@ Eclipse splits it: ``<robots href="robots.xmi#r1"/>`` stands for a root of ``rob
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -135,7 +135,9 @@ class _Checker:
     def element(self, node: Node, metaclass: Any) -> None:
         """Check one node with everything that it contains."""
         node.metaclass = metaclass
-        self._unqualify(node.children)
+        for child in node.children:  # all are of it where it is the default namespace of a file
+            if child.namespace == self._package.nsURI:
+                child.namespace = ""  # a feature, as Eclipse takes it
         given = Counter(child.tag for child in node.children if not child.namespace)
         self._require_no_text(node)
         for name, text in node.attributes.items():
@@ -146,15 +148,6 @@ class _Checker:
             count = given[slot.name]
             if count < slot.lower_bound or (count > 1 and not slot.many):
                 report_count(node, slot, count, self._report)
-
-    def _unqualify(self, children: Sequence[Node]) -> None:
-        """Take elements of the metamodel's namespace for features, as Eclipse does.
-
-        All are of it where it is the default namespace of a file.
-        """
-        for child in children:
-            if child.namespace == self._package.nsURI:
-                child.namespace = ""
 
     def _attribute(self, node: Node, name: str, text: str) -> int:
         """Check an attribute; return of how many values it is."""
@@ -362,10 +355,6 @@ class _Checker:
         )
 
     def _require_no_text(self, node: Node) -> None:
-        text = node.text.strip()
-        if text:
-            self._report.add(
-                node,
-                "NoText",
-                f"holds the text {shown(text)}; expected attributes and elements; delete it",
-            )
+        if text := node.text.strip():
+            finding = f"holds the text {shown(text)}; expected attributes and elements; delete it"
+            self._report.add(node, "NoText", finding)

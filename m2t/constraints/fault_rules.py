@@ -10,8 +10,7 @@ from typing import Any, TypeAlias
 
 from m2t.constraints.mission_rules import number
 from m2t.diagnostics import Report
-from m2t.elements import is_set, values
-from m2t.metaclasses import is_kind, slots
+from m2t.metaclasses import is_kind, is_set, slots, values
 from m2t.metamodel_contract import BOUNDS
 from m2t.metamodels import meaning
 from mrsfi_runtime.model.fault_types import OF_ROBOT, Field, Mode

@@ -14,8 +14,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 from pyecore.ecore import EObject
 
 from m2t.diagnostics import Report, listed, shown
-from m2t.elements import is_set
-from m2t.metaclasses import base_class, is_kind
+from m2t.metaclasses import base_class, is_kind, is_set
 from m2t.write.xmi import java_double
 from mrsfi_runtime.model.mission import ROBOT_RADIUS
 
@@ -107,11 +106,8 @@ def _check_robot(mission: Any, robot: Any, report: Report) -> None:
             "inside it; correct the position or the area",
         )
     if sum(battery.totalEnergy for battery in robot.batteries) <= 0:
-        report.add(
-            robot,
-            "RobotHasBattery",
-            "has no energy to begin with and will never move; expected a battery; add one",
-        )
+        finding = "has no energy to begin with and will never move; expected a battery; add one"
+        report.add(robot, "RobotHasBattery", finding)
 
 
 def _check_property_names(station: Any, report: Report) -> None:
@@ -157,11 +153,8 @@ def _check_starts(mission: Any, report: Report) -> None:
 
 def _check_goal(mission: Any, goal: Any, report: Report) -> None:
     if goal in goal.dependentGoals:
-        report.add(
-            goal,
-            "GoalDependsOnOthers",
-            "depends on itself; expected other goals; delete it from dependentGoals",
-        )
+        finding = "depends on itself; expected other goals; delete it from dependentGoals"
+        report.add(goal, "GoalDependsOnOthers", finding)
     _check_figures(mission, goal.task, report)
     check = _TASK_CHECKS.get(base_class(goal.task.eClass).name)
     if check is not None:
@@ -188,11 +181,8 @@ def _check_figures(mission: Any, element: Any, report: Report) -> None:
 
 def _check_gather_samples(_: Any, goal: Any, report: Report) -> None:
     if goal.area is None:
-        report.add(
-            goal,
-            "GatherSamplesArea",
-            "has no area to gather samples in; expected one; add <area ID=... radius=...>",
-        )
+        finding = "has no area to gather samples in; expected one; add <area ID=... radius=...>"
+        report.add(goal, "GatherSamplesArea", finding)
     sensor = goal.task.sensor
     if sensor.eContainer() not in goal.members:
         report.add(
@@ -260,16 +250,14 @@ def _check_message(goal: Any, message: Any, report: Report) -> None:
     for entry in message.body:
         _check_field(sender, entry, report)
         if entry in again:
-            report.add(
-                entry,
-                "UniqueMessageField",
-                "is reported twice by the same message; expected it once; delete one",
-            )
+            finding = "is reported twice by the same message; expected it once; delete one"
+            report.add(entry, "UniqueMessageField", finding)
 
 
 def _check_field(sender: Any, entry: Any, report: Report) -> None:
     carried = [sensor.type.name for sensor in getattr(sender, "sensors", ())]
-    sensor_types = [literal.name for literal in _sensor_type(sender).eLiterals]
+    enumeration = sender.eClass.ePackage.getEClassifier("SensorType")
+    sensor_types = [literal.name for literal in enumeration.eLiterals]
     if entry.name not in (*ROBOT_FIELDS, *sensor_types):
         report.add(
             entry,
@@ -291,10 +279,6 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
             f"has type {shown(entry.type)}; expected one of {', '.join(FIELD_TYPES)}; "
             "correct the type",
         )
-
-
-def _sensor_type(element: Any) -> Any:
-    return element.eClass.ePackage.getEClassifier("SensorType")
 
 
 Point: TypeAlias = tuple[float, float]

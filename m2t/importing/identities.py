@@ -7,9 +7,8 @@ from itertools import count
 from typing import Any
 
 from m2t.diagnostics import shown
-from m2t.elements import contained
 from m2t.importing.notes import Notes
-from m2t.metaclasses import slots
+from m2t.metaclasses import contained, slots
 from m2t.naming import identifier, snake_case
 from mrsfi_runtime.errors import ModelError
 

@@ -12,11 +12,11 @@ from m2t.check.attribute_values import MAX_NAME_LENGTH
 from m2t.constraints.fault_rules import check_faults
 from m2t.constraints.mission_rules import check_mission
 from m2t.diagnostics import Report, shown
-from m2t.elements import contained
 from m2t.importing.identities import give_ids
 from m2t.importing.notes import Note, Notes
 from m2t.importing.reading import ROOT, SETUP_NAMESPACE, PublishedReader
 from m2t.load import FAULTS_XMI, MISSION_XMI
+from m2t.metaclasses import contained
 from m2t.metamodels import load_metamodels
 from m2t.read.nodes import Node, read_root
 from m2t.write.xmi import dumps

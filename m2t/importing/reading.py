@@ -13,9 +13,8 @@ from typing import Any
 from m2t.check.attribute_values import require_value
 from m2t.check.structure import Reference, report_count
 from m2t.diagnostics import Defect, Report, shown
-from m2t.elements import copies, put, values
 from m2t.importing.notes import Notes
-from m2t.metaclasses import Slot, concrete_classes, conforms, slots
+from m2t.metaclasses import Slot, concrete_classes, conforms, copies, put, slots, values
 from m2t.metamodel_contract import BOUNDS
 from m2t.read.nodes import XMI, Node, follow
 

@@ -147,21 +147,14 @@ class ModelFiles:
             if (namespace, name) not in ROOT_ATTRIBUTES
         ]
         if unknown:
-            self._report.add(
-                root,
-                "KnownFeature",
-                f"has attribute {unknown[0]}; expected xmi:version only; delete it",
-            )
-        if root.text.strip():
-            self._report.add(
-                root,
-                "NoText",
-                f"holds the text {shown(root.text.strip())}; expected elements; delete it",
-            )
+            finding = f"has attribute {unknown[0]}; expected xmi:version only; delete it"
+            self._report.add(root, "KnownFeature", finding)
+        if text := root.text.strip():
+            finding = f"holds the text {shown(text)}; expected elements; delete it"
+            self._report.add(root, "NoText", finding)
         if not root.children:
-            self._report.add(
-                root, "RootElement", "is the root and holds nothing; expected a Mission; add one"
-            )
+            finding = "is the root and holds nothing; expected a Mission; add one"
+            self._report.add(root, "RootElement", finding)
         for child in root.children:
             child.parent = None
         return tuple(root.children)

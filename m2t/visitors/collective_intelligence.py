@@ -4,9 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from m2t.elements import values
 from m2t.load import LoadedModels
-from m2t.metaclasses import base_class, is_read, slots
+from m2t.metaclasses import base_class, is_read, slots, values
 from m2t.metamodel_contract import PROGRESSING
 from m2t.naming import constant, identifier, snake_case
 from m2t.visitors.own_constants import Constant, OwnFeatures

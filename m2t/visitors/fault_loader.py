@@ -4,10 +4,9 @@ from collections.abc import Container, Mapping
 from typing import Any, TypeAlias
 
 from m2t.constraints.fault_rules import fault_types
-from m2t.elements import is_set
 from m2t.environment import Call, Expression, Name, Table, literal
 from m2t.load import LoadedModels
-from m2t.metaclasses import Slot, slots
+from m2t.metaclasses import is_set, slots
 from m2t.metamodel_contract import BOUNDS, CONTRACT
 from m2t.metamodels import load_metamodels, meaning
 from m2t.visitors.mission_loader import functions, held
@@ -124,12 +123,12 @@ def _features(element: Any, known: Container[str] = ()) -> tuple[Entry, ...]:
     return tuple(
         (name, held(element, slot, _part))
         for name, slot in slots(element.eClass).items()
-        if name not in known and (element.eIsSet(slot.feature) or _has_default(slot))
+        if name not in known
+        and (
+            element.eIsSet(slot.feature)
+            or getattr(slot.feature, "defaultValueLiteral", None) is not None
+        )
     )
-
-
-def _has_default(slot: Slot) -> bool:
-    return getattr(slot.feature, "defaultValueLiteral", None) is not None
 
 
 def _part(part: Any) -> Table:

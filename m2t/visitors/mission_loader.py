@@ -6,10 +6,9 @@ from typing import Any
 
 from pyecore.ecore import EEnumLiteral
 
-from m2t.elements import values
 from m2t.environment import Call, Expression, Name
 from m2t.load import LoadedModels
-from m2t.metaclasses import Slot, base_class, is_read, slots
+from m2t.metaclasses import Slot, base_class, is_read, slots, values
 from m2t.metamodel_contract import OWN_TASK
 from m2t.naming import snake_case
 

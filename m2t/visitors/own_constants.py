@@ -10,9 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from m2t.elements import values
 from m2t.environment import Expression
-from m2t.metaclasses import Slot, base_class, is_read, slots
+from m2t.metaclasses import Slot, base_class, is_read, slots, values
 from m2t.naming import constant, snake_case
 from m2t.read.nodes import Node
 from m2t.visitors.mission_loader import plain

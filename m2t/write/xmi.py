@@ -12,8 +12,7 @@ from typing import Any
 
 from pyecore.ecore import EEnum
 
-from m2t.elements import values
-from m2t.metaclasses import Slot, slots
+from m2t.metaclasses import Slot, slots, values
 from m2t.read.nodes import XMI, XSI, Spelling
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.files import write_atomically as write_atomically  # noqa: PLC0414 - for scripts
@@ -65,15 +64,11 @@ def document(lines: Iterable[str], encoding: str, line_end: str = "\n") -> bytes
 
 def _encoded(text: str, encoding: str) -> bytes:
     """Return text in an encoding, with hexadecimal references for what it lacks, as EMF does."""
-    lacking = {ord(each): f"&#x{ord(each):x};" for each in set(text) if _lacks(encoding, each)}
-    text = text.translate(lacking)
+    lacking = (each for each in set(text) if not each.encode(encoding, "ignore"))
+    text = text.translate({ord(each): f"&#x{ord(each):x};" for each in lacking})
     if encoding.upper() == "UTF-16":  # as in Java: big-endian after a byte order mark
         return b"\xfe\xff" + text.encode("UTF-16-BE")
     return text.encode(encoding)
-
-
-def _lacks(encoding: str, character: str) -> bool:
-    return not character.encode(encoding, "ignore")
 
 
 def java_double(value: float) -> str:
@@ -141,14 +136,10 @@ class _Writer:
         schemas = "" if location is None else attribute("xsi:schemaLocation", location)
         return f' xmi:version="2.0" xmlns:xmi="{XMI}"{xsi}{namespaces}{schemas}'
 
-    def _identity(self, element: Any) -> str:
-        """Return the attribute xmi:id of an element that has one."""
-        identity = self._xmi_ids.get(element)
-        return "" if identity is None else attribute("xmi:id", identity)
-
     def _content(self, element: Any, indent: str) -> tuple[str, list[str]]:
         """Return the attributes of an element as one text, and the lines of its children."""
-        attributes = [self._identity(element)]
+        identity = self._xmi_ids.get(element)
+        attributes = [] if identity is None else [attribute("xmi:id", identity)]
         lines: list[str] = []
         indent += "  "
         for slot in slots(element.eClass).values():
