@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from pyecore.ecore import EClass, EEnum, EReference
+from pyecore.ecore import EClass, EEnum, EProxy, EReference
 
 from m2t.metamodel_contract import BOUNDS, CONTRACT, MEANING
 from mrsfi_runtime.model.fault_types import Range
@@ -14,7 +14,9 @@ from mrsfi_runtime.model.fault_types import Range
 @cache
 def lineage(metaclass: Any) -> tuple[Any, ...]:
     """Return a metaclass after all its supertypes, the most general one first."""
-    parents = [known for parent in metaclass.eSuperTypes for known in lineage(parent)]
+    parents = [
+        ancestor for parent in metaclass.eSuperTypes for ancestor in lineage(_resolved(parent))
+    ]
     return (*dict.fromkeys(parents), metaclass)
 
 
@@ -58,7 +60,7 @@ def slots(metaclass: Any) -> Mapping[str, Slot]:
         str(feature.name): Slot(
             feature,
             str(feature.name),
-            feature.eType,
+            _resolved(feature.eType),
             bool(feature.many),
             int(feature.lowerBound),
             isinstance(feature, EReference) and bool(feature.containment),
@@ -115,6 +117,11 @@ def is_read(metaclass: Any, feature: str = "") -> bool:
 def is_kind(metaclass: Any, name: str) -> bool:
     """Return whether a metaclass is that of a name, or inherits from it."""
     return any(known.name == name for known in lineage(metaclass))
+
+
+def _resolved(metaclass: Any) -> Any:
+    """Return the metaclass behind the proxy of another metamodel file."""
+    return metaclass.force_resolve() if isinstance(metaclass, EProxy) else metaclass
 
 
 def values(element: Any, slot: Slot) -> list[Any]:

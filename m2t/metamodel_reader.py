@@ -1,17 +1,19 @@
-"""Read metamodels: check their nodes, build what is sound, and check what it says.
+"""Read metamodels: check their nodes, let pyecore load what is sound, and check what it says.
 
-pyecore's own reader, which is not asked, takes unknown types and bounds for granted, takes comments
-for elements, and finds some defects only when the metamodel is used.
+pyecore takes unknown types and bounds for granted, fails with exceptions of all kinds, and finds
+some defects only when the metamodel is used.
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
+from io import BytesIO
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from pyecore import ecore
+from lxml import etree
 from pyecore.ecore import EClass, EEnum, EObject
+from pyecore.resources import URI, ResourceSet
 
 from m2t.diagnostics import Report, shown
 from m2t.metaclasses import Slot, conforms, features, is_kind, is_read, lineage, slots
@@ -21,11 +23,10 @@ from mrsfi_runtime.errors import ModelError
 
 
 class _Values(NamedTuple):
-    """What the values of a type look like, in words and as a pattern, and how they are read."""
+    """What the values of a type look like, in words and as a pattern."""
 
     described: str
     pattern: str
-    read: Callable[[str], object] = str
 
     def has(self, text: str) -> bool:
         """Whether a text is a value of the type."""
@@ -35,12 +36,12 @@ class _Values(NamedTuple):
 _VALUES: Mapping[str, _Values] = MappingProxyType(
     {
         "Name": _Values("a letter, then letters, digits and _, all of ASCII", r"[A-Za-z]\w*"),
-        "Count": _Values("-1 or a whole number of at most 6 digits", r"-1|\d{1,6}", int),
+        "Count": _Values("-1 or a whole number of at most 6 digits", r"-1|\d{1,6}"),
         "Some": _Values("a text that is not empty", r".+"),
         "EString": _Values("a text", r".*"),
-        "EInt": _Values("a whole number of at most 9 digits", r"-?\d{1,9}", int),
+        "EInt": _Values("a whole number of at most 9 digits", r"-?\d{1,9}"),
         "EDouble": _Values("a decimal number", r"-?\d{1,15}(\.\d{1,15})?"),
-        "EBoolean": _Values("true or false", r"true|false", "true".__eq__),
+        "EBoolean": _Values("true or false", r"true|false"),
     }
 )
 _VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startswith("E")}
@@ -48,7 +49,6 @@ _VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startsw
 
 _MAX_ANCESTORS = 50
 _ECORE_TYPE = f"ecore:EDataType {ECORE}#//"
-_REFERENCES = frozenset({"eSuperTypes", "eType"})
 
 _ANNOTATED = "val EAnnotation[*] eAnnotations"
 _NAMED = f"{_ANNOTATED}, attr Name[1] name"
@@ -83,7 +83,7 @@ class MetamodelReader:
     def __init__(self) -> None:
         self._nodes: dict[Any, Node] = {}
         self.report = Report(self._nodes)
-        self._objects: dict[Node, Any] = {}
+        self._resources = ResourceSet()
         self._kinds: dict[Node, str] = {}
         self._classifiers: dict[str, Node] = {}
 
@@ -116,45 +116,24 @@ class MetamodelReader:
         return package
 
     def _loaded(self, root: Node) -> Any:
-        """Build the elements of a checked file, then refer from one to the other."""
+        """Let pyecore load a checked file; remember which node each element comes from."""
         try:
-            package = self._built(root)
-            for node in root.walk():
-                self._refer(node)
+            resource = self._resources.get_resource(_CheckedFile(str(root.path)))
+            package = resource.contents[0]
         except Exception as error:  # pyecore raises anything
             raise ModelError(
                 f"{root.path}:{root.line}: {root.path.name} cannot be loaded "
                 f"({type(error).__name__}: {error}); expected a metamodel of classes and "
                 "enumerations; restore the file"
             ) from error
+        self._place(package, root)
         return package
 
-    def _built(self, node: Node) -> Any:
-        """Return the element of a node with its attributes and all that it contains."""
-        kind = self._kinds[node]
-        known = {"name": node.attributes["name"]} if kind == "EClass" else {}  # cannot come later
-        built = getattr(ecore, kind)(**known)
-        self._nodes[built] = node
-        self._objects[node] = built
-        for name, text in node.attributes.items():
-            if name not in _REFERENCES:
-                setattr(built, name, _VALUES[_UNDERSTOOD[kind][name].type].read(text))
-        for child in node.children:
-            if child.tag == "details":
-                built.details[child.attributes.get("key")] = child.attributes.get("value")
-            else:
-                getattr(built, child.tag).append(self._built(child))
-        return built
-
-    def _refer(self, node: Node) -> None:
-        """Give a class its supertypes, or a feature its type."""
-        for parent in self._parents(node):
-            self._objects[node].eSuperTypes.append(self._objects[parent])
-        target = node.attributes.get("eType", "")
-        if target.startswith(_ECORE_TYPE):
-            self._objects[node].eType = getattr(ecore, target.removeprefix(_ECORE_TYPE))
-        elif (found := self._target(node, target)) is not None:
-            self._objects[node].eType = self._objects[found]
+    def _place(self, element: Any, node: Node) -> None:
+        self._nodes[element] = node
+        for tag in ("eAnnotations", "eClassifiers", "eStructuralFeatures", "eLiterals"):
+            for part, child in zip(getattr(element, tag, ()), node.tagged(tag), strict=True):
+                self._place(part, child)
 
     def _check(self, node: Node, kind: str) -> None:
         """Check a node, and all below it, as an element of a kind."""
@@ -256,6 +235,15 @@ class MetamodelReader:
         if len(ancestors) > _MAX_ANCESTORS:
             finding = f"inherits from more than {_MAX_ANCESTORS} classes; expected fewer; join some"
             self.report.add(node, "FileSize", finding)
+
+
+class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
+    """A file that pyecore reads without comments, which it would take for elements."""
+
+    def create_instream(self) -> BytesIO:
+        """Return the content."""
+        parser = etree.XMLParser(remove_comments=True, remove_pis=True, resolve_entities=False)
+        return BytesIO(etree.tostring(etree.parse(self.plain, parser)))
 
 
 def _held(known: Needs, holding: str) -> list[str]:

@@ -61,7 +61,7 @@ IMPORTED = [
     (("--version",), {"importlib.metadata"}),
     (("validate", MISSION), FLIGHT),
     (("generate", MISSION, "--check"), FRESH),
-    (("diff", MISSION, MISSION), MODELS - {"lxml"}),  # makes no objects of models
+    (("diff", MISSION, MISSION), MODELS),
     (("rename", MISSION, "r1=leader", "--diff"), FRESH),
     (("import", "published.xmi"), MODELS),
     (("simulate", MISSION), {*FLIGHT, "rich"}),
