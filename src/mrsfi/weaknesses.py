@@ -23,11 +23,10 @@ from mrsfi_runtime.causes.weakness import Known, Weakness, faults_of, in_seeds
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.engine.settings import EngineSettings
-from mrsfi_runtime.errors import RecordError, UsageError
+from mrsfi_runtime.errors import RecordError, UsageError, counted
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.encoding import fault_texts
 from mrsfi_runtime.record.manifest import EngineRecord
-from mrsfi_runtime.record.measure import counted
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.search.space import SearchSpace
 

@@ -39,6 +39,11 @@ def expected(found: object, known: Iterable[object], what: str = "one of") -> st
     return f"expected {what} {', '.join(names) or '(there is none)'}{nearest(found, names)}"
 
 
+def counted(number: int, nouns: str) -> str:
+    """Return ``1 robot`` or ``2 robots``."""
+    return f"{number} {nouns.removesuffix('s') if number == 1 else nouns}"
+
+
 class MrsfiError(Exception):
     """Base of all errors of mrsfi."""
 

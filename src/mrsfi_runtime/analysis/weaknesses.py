@@ -5,9 +5,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES, Known
+from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.measure import NONE, counted
+from mrsfi_runtime.record.measure import NONE
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
 MATRIX = "Share of forms that do; (%): only believed, *: unseen by the CI, joint: with others"

@@ -17,8 +17,9 @@ from mrsfi_runtime.causes.robustness import N_SEEDS
 from mrsfi_runtime.causes.sentence import sentences
 from mrsfi_runtime.cli.tables import fault_tables, plain_table
 from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.errors import counted
 from mrsfi_runtime.generated_code import MissionCode
-from mrsfi_runtime.record.measure import NONE, Measure, counted, ticks
+from mrsfi_runtime.record.measure import NONE, Measure, ticks
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mrsfi_runtime.cli.console import print_json
-from mrsfi_runtime.record.measure import counted
+from mrsfi_runtime.errors import counted
 
 if TYPE_CHECKING:
     from mrsfi.models import Imported, Note

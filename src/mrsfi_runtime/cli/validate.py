@@ -8,8 +8,7 @@ import click
 
 from mrsfi_runtime.cli.console import print_changes, print_json, tell
 from mrsfi_runtime.cli.options import generated_option, mission_argument, tell_of_metamodels
-from mrsfi_runtime.errors import EvaluationError, ModelError, UsageError
-from mrsfi_runtime.record.measure import counted
+from mrsfi_runtime.errors import EvaluationError, ModelError, UsageError, counted
 
 if TYPE_CHECKING:
     from mrsfi.validation import Validated

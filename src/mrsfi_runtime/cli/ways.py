@@ -23,9 +23,9 @@ from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.measure import counted
 
 _MOST_UNTRIED = 10
 """Faults and pairs that are named at most, of those that were never flown."""

@@ -121,8 +121,3 @@ def _require(goals: Sequence[str], known: Sequence[str], what: str) -> None:
     for goal in goals:
         if goal not in known:
             raise UsageError(f"found goal '{goal}'; {expected(goal, known, what)}")
-
-
-def counted(number: int, nouns: str) -> str:
-    """Return ``1 robot`` or ``2 robots``."""
-    return f"{number} {nouns.removesuffix('s') if number == 1 else nouns}"

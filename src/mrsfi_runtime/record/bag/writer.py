@@ -1,10 +1,15 @@
 """Writes a flight as a bag that viewers of ROS 2 open: topics of the bus, events, map and robots.
 
 docs/bags.md says what is on which topic. The same flight gives the same bytes.
+
+References
+----------
+https://mcap.dev/spec/registry, schema encoding ``ros2msg``.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
+from importlib.resources import files
 from types import MappingProxyType
 from typing import IO, TypeAlias
 
@@ -19,7 +24,6 @@ from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.names import plain_name
-from mrsfi_runtime.record.bag.definitions import definition
 from mrsfi_runtime.record.bag.markers import (
     Message,
     RobotMarkers,
@@ -44,6 +48,7 @@ _LEVELS: Mapping[Kind, int] = MappingProxyType(
 )
 """Severities of ``rcl_interfaces/Log``: DEBUG, WARN and ERROR."""
 
+_RULE = "=" * 80  # between definitions
 _SECOND = 1_000_000_000  # nanoseconds
 
 
@@ -106,7 +111,7 @@ class Bag:
         self._writer.write_message(topic.name, schema, message, tick * _SECOND)
 
     def _registered(self, name: str) -> Schema:
-        return self._writer.register_msgdef(name.replace("/", "/msg/"), definition(name))
+        return self._writer.register_msgdef(name.replace("/", "/msg/"), _definition(name))
 
     def _reported(self, world: State) -> Iterator[Said]:
         """Yield what the simulation says on the bus."""
@@ -189,3 +194,25 @@ def _logged(time: Message, event: Event) -> Message:
         "name": event.kind.value,
         "msg": str(event),
     }
+
+
+def _definition(name: str) -> str:
+    """Return the definition of a message, ``std_msgs/Bool``, and after it those of all in it."""
+    nested = list(dict.fromkeys(_nested(name)))
+    parts = [_definitions()[name], *(f"MSG: {each}\n{_definitions()[each]}" for each in nested)]
+    return f"{_RULE}\n".join(parts)
+
+
+def _nested(name: str) -> Iterator[str]:
+    for line in _definitions()[name].splitlines():
+        kind = line.split()[0].removesuffix("[]")
+        if "/" in kind:
+            yield kind
+            yield from _nested(kind)
+
+
+@cache
+def _definitions() -> Mapping[str, str]:
+    text = files(__package__).joinpath("interfaces.msg").read_text(encoding="utf-8")
+    _, *parts = text.split(f"{_RULE}\nMSG: ")
+    return {name: fields for name, _, fields in (part.partition("\n") for part in parts)}
