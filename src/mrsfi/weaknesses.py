@@ -13,7 +13,7 @@ from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly
 from mrsfi.engines import Tell, Workers, flying, silent
 from mrsfi_runtime.analysis import fault_tree, fmea
 from mrsfi_runtime.analysis.drawing import Drawing, drawn
-from mrsfi_runtime.analysis.tables import as_csv
+from mrsfi_runtime.analysis.table import as_csv
 from mrsfi_runtime.analysis.weaknesses import goal_in_words
 from mrsfi_runtime.causes import mildest as shrinking
 from mrsfi_runtime.causes.harvest import Harvest, known_by
@@ -209,9 +209,10 @@ def write_fmea(campaign: OpenCampaign, found: Sequence[Way], record: Record, pat
     What cannot be written, or ends otherwise than those of ``FMEA``, is a ``UsageError``.
     """
     write = FMEA[require_format(path, FMEA)]
+    mission = campaign.store.manifest.mission or campaign.mission.name
     modes = fmea.failure_modes(campaign.mission, campaign.pool, found, record)
     with whole_file(path) as file:
-        file.write(write(campaign.mission, modes))
+        file.write(write(mission, modes))
 
 
 def write_fault_trees(campaign: OpenCampaign, found: Sequence[Way], path: Path) -> None:

@@ -13,7 +13,7 @@ from textwrap import fill
 from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
-from mrsfi_runtime.analysis.markdown import printable
+from mrsfi_runtime.analysis.table import printable
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Mission

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from functools import cache, lru_cache
 from typing import NamedTuple
 
-from mrsfi_runtime.analysis import markdown, tables
+from mrsfi_runtime.analysis import table
 from mrsfi_runtime.analysis.weaknesses import goal_in_words
 from mrsfi_runtime.causes.chain import chains
 from mrsfi_runtime.causes.sentence import local_effect
@@ -96,16 +96,15 @@ def _rank(mode: FailureMode) -> tuple[float, bool, int]:
     return chance, mode.severity != "missed", -mode.ticks
 
 
-def as_csv(_: Mission, modes: Sequence[FailureMode]) -> bytes:
+def as_csv(_: str, modes: Sequence[FailureMode]) -> bytes:
     """Return failure modes as CSV."""
-    return tables.as_csv([FailureMode._fields, *modes])
+    return table.as_csv([FailureMode._fields, *modes])
 
 
-def as_markdown(mission: Mission, modes: Sequence[FailureMode]) -> bytes:
-    """Return failure modes as a page in Markdown."""
-    header = [name.replace("_", " ") for name in FailureMode._fields]
-    rows = (
-        (*mode[:-1], NONE if mode.occurrence is None else f"{mode.occurrence:g}") for mode in modes
+def as_markdown(mission: str, modes: Sequence[FailureMode]) -> bytes:
+    """Return failure modes of a mission, by its name, as a page in Markdown."""
+    title = f"Failure modes of mission {mission}"
+    modes_table = table.Table(
+        title, [name.replace("_", " ") for name in FailureMode._fields], modes
     )
-    title = f"# Failure modes of mission {markdown.plain(mission.name)}"
-    return f"{title}\n\n{markdown.table(header, rows)}\n".encode()
+    return f"# {table.plain(title)}\n\n{table.to_markdown(modes_table)}\n".encode()

@@ -33,8 +33,7 @@ from mrsfi_runtime.analysis.plots import (
     legend_below,
     whole_numbers,
 )
-from mrsfi_runtime.analysis.story import Story, seen
-from mrsfi_runtime.analysis.tables import working_window
+from mrsfi_runtime.analysis.story import Story, seen, working_window
 from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
 
 Place: TypeAlias = tuple[float, float]

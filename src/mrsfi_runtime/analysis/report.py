@@ -8,19 +8,18 @@ Source paper, section V, figures 5 to 12.
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import astuple, fields, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mrsfi_runtime.analysis import tables
-from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.drawing import Draw, Drawing, draw_here
-from mrsfi_runtime.analysis.fronts import Front, Harm, Pick, find_front, thinned
+from mrsfi_runtime.analysis.campaign_tables import evaluations_table, listed_step
+from mrsfi_runtime.analysis.drawing import Draw, draw_here
+from mrsfi_runtime.analysis.illustrations import Illustration, illustrate
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.page.content import PageEntry, campaign_page, flown_of, told_content
 from mrsfi_runtime.analysis.page.document import document
-from mrsfi_runtime.analysis.patterns import TypePattern
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
+from mrsfi_runtime.analysis.table import as_csv, write_csv
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.engine.recording import Record, Recording
@@ -28,25 +27,11 @@ from mrsfi_runtime.errors import EvaluationError, MrsfiError, RecordError
 from mrsfi_runtime.model.faults import FaultPool, Specification, numbered
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.named_faults import named_faults
-from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
 
 if TYPE_CHECKING:
     from mrsfi_runtime.analysis.page.flight import Flown
-
-N_GENERATION_FRONTS = 5
-
-
-class Illustration(NamedTuple):
-    """A figure and the numbers behind it; ``name`` is the stem of their files."""
-
-    name: str
-    caption: str
-    drawing: Drawing
-    rows: tables.Rows
-
 
 SpecificationRow: TypeAlias = tuple[str, int, int, Mapping[str, float]]
 """Pool fault ID, start, finish, and values by parameter name."""
@@ -94,10 +79,10 @@ def write_report(
                 flown = [*_fly(layout, summary, mission, pool, record)]
             summary = replace(summary, sentences={number: said for number, said, _ in flown})
             with writing(folder, "report"):
-                _write_evaluations(layout.tables / "evaluations.csv", summary.measure, store)
+                _write_evaluations(layout.tables / "evaluations.csv", summary, store)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
-                captions = {each.name: each.caption for each in shown}
+                captions = {each.name: each.table.title for each in shown}
                 layout.report.write_text(
                     report_text(summary, mission, pool, captions), encoding="utf-8"
                 )
@@ -207,15 +192,15 @@ def write_figures(
 ) -> Callable[[], None]:
     """Write the numbers behind figures and begin to draw them; what is returned waits for them."""
     for each in shown:
-        (layout.tables / f"{each.name}.csv").write_bytes(tables.as_csv(each.rows))
+        (layout.tables / f"{each.name}.csv").write_bytes(as_csv(each.table.lines))
     return draw([(each.drawing, layout.figures / each.name) for each in shown])
 
 
-def _write_evaluations(path: Path, measure: Measure, store: CampaignStore) -> None:
+def _write_evaluations(path: Path, summary: Summary, store: CampaignStore) -> None:
     """Write what came of each evaluation, or of each so many-th."""
-    flown = store.flown(tables.listed_step(store.n_evaluations))
+    flown = store.flown(listed_step(summary.n_evaluations))
     with path.open("w", encoding="utf-8", newline="") as file:
-        tables.write_csv(file, tables.evaluations_table(flown, measure))
+        write_csv(file, evaluations_table("Evaluations", flown, summary.measure).lines)
 
 
 def _emptied(folder: Path, *patterns: str) -> None:
@@ -224,153 +209,3 @@ def _emptied(folder: Path, *patterns: str) -> None:
     for pattern in patterns:
         for file in sorted(folder.glob(pattern)):
             file.unlink()
-
-
-def illustrate(
-    summary: Summary,
-    mission: Mission,
-    columns: Columns,
-    store: CampaignStore,
-) -> Iterator[Illustration]:
-    """Yield the figures that a campaign has numbers for, in the order of the paper.
-
-    A campaign on chosen goals gets figures 8 and 9 in place of 6 and 7, which differ in the
-    fitness only; figures 10 and 11 show the first two goals of its front, whatever is minimised
-    beside them.
-    """
-    yield Illustration(
-        "figure_05_mission_map",
-        "Mission map",
-        map_drawing(mission),
-        tables.map_table(mission),
-    )
-    if summary.trend.generations:
-        yield from _fitness(summary)
-    if summary.harm:
-        yield _harm(summary.harm, summary.measure)
-    if summary.front is not None and summary.front.points and len(summary.front.goals) >= 2:
-        yield from _fronts(summary, summary.front.goals, columns, store)
-    if summary.top:
-        where = f"the {len(summary.top)} most critical specifications"
-        yield _types("figure_12_fault_types", where, summary.patterns)
-    if summary.ways:
-        where = f"the {len(summary.ways)} least sets that break a goal"
-        yield _types("figure_12_weaknesses", where, summary.guilty)
-
-
-def _types(name: str, where: str, patterns: Sequence[TypePattern]) -> Illustration:
-    caption = f"Fault types in {where}"
-    header = tuple(field.name.removeprefix("n_") for field in fields(TypePattern))
-    drawing = Drawing("fault_types", (patterns, caption))
-    return Illustration(name, caption, drawing, [header, *map(astuple, patterns)])
-
-
-def map_drawing(mission: Mission) -> Drawing:
-    """Return the figure of a mission, which needs no evaluation."""
-    return Drawing("mission_map", (mission,), "mission_plots")
-
-
-def fitness_label(settings: CampaignSettings, measure: Measure) -> str:
-    """Return what the fitness of a campaign measures, for an axis."""
-    name = settings.fitness
-    goals = " + ".join(settings.goals) or "the chosen goals"
-    known = {
-        "weighted": f"0.3 · {measure.words} + 0.7 · goals",
-        "weighted_normalised": f"0.3 · {measure.words} + 0.7 · goals, as shares",
-        "focused": f"{measure.words} of {goals}, ticks",
-    }
-    return f"fitness ({known.get(name, name)}{measure.means})"
-
-
-def evenly_spaced(n: int, n_wanted: int) -> tuple[int, ...]:
-    """Return up to ``n_wanted`` of ``0 … n - 1`` with the first, the last and equal steps."""
-    if n <= n_wanted:
-        return tuple(range(n))
-    return tuple(step * (n - 1) // (n_wanted - 1) for step in range(n_wanted))
-
-
-def _fitness(summary: Summary) -> Iterator[Illustration]:
-    is_focused = summary.settings.fitness == "focused"
-    mean, best = ("08", "09") if is_focused else ("06", "07")
-    label = fitness_label(summary.settings, summary.measure)
-    yield Illustration(
-        f"figure_{mean}_mean_fitness",
-        "Mean fitness of each generation",
-        Drawing("mean_fitness", (summary.trend, label)),
-        [
-            ("generation", "mean", "std"),
-            *((row.generation, row.mean, row.std) for row in summary.trend.generations),
-        ],
-    )
-    yield Illustration(
-        f"figure_{best}_best_fitness",
-        "Best fitness of each generation",
-        Drawing("best_fitness", (summary.trend, label)),
-        [
-            ("generation", "best"),
-            *((row.generation, row.best) for row in summary.trend.generations),
-        ],
-    )
-
-
-def _harm(harm: Sequence[Harm], measure: Measure) -> Illustration:
-    return Illustration(
-        "figure_harm",
-        f"Most harm with how few {measure.minimised}",
-        Drawing("harm_front", (harm, measure)),
-        tables.harm_table(harm, str(measure.minimised)),
-    )
-
-
-def _fronts(
-    summary: Summary, front_goals: tuple[str, ...], columns: Columns, store: CampaignStore
-) -> Iterator[Illustration]:
-    goals, measure = front_goals[:2], replace(summary.measure, minimised=None)
-    over = f"over the {measure.words} of {' and '.join(goals)}{measure.means}"
-    by_generation = _generation_fronts(measure, columns, store, goals)
-    if by_generation:
-        yield Illustration(
-            "figure_10_front_by_generation",
-            f"Pareto points of some generations {over}",
-            Drawing("generation_fronts", (by_generation,)),
-            [
-                ("generation", "evaluation", *goals),
-                *(
-                    (generation, *row)
-                    for generation, front in by_generation.items()
-                    for row in tables.front_table(front)[1:]
-                ),
-            ],
-        )
-    front = find_front(measure, columns, goals)
-    cloud, n_left_out = thinned(columns.of(goals))
-    drawn = f"; {len(cloud)} of {len(cloud) + n_left_out} points are drawn" if n_left_out else ""
-    yield Illustration(
-        "figure_11_front",
-        f"All non-dominated specifications {over}{drawn}",
-        Drawing("whole_front", (front, cloud, _shown_pick(summary, front), n_left_out)),
-        tables.front_table(front),
-    )
-
-
-def _generation_fronts(
-    measure: Measure, columns: Columns, store: CampaignStore, goals: Sequence[str]
-) -> dict[int, Front]:
-    """Return the fronts of evenly spaced generations' populations, by generation."""
-    populated = store.populated()
-    fronts = {}
-    for place in evenly_spaced(len(populated), N_GENERATION_FRONTS):
-        generation = store.generation(populated[place])
-        assert generation is not None
-        rows = columns.distinct_among(generation.population)
-        fronts[generation.index] = find_front(measure, columns, goals, rows)
-    return fronts
-
-
-def _shown_pick(summary: Summary, front: Front) -> Pick | None:
-    """Return the pick if it is one of the front that is drawn."""
-    pick = summary.pick
-    if pick is None or pick.point is None or set(pick.ratio.goals) != set(front.goals):
-        return None
-    drawn = {point.evaluation: point for point in front.points}
-    return Pick(pick.ratio, drawn.get(pick.point.evaluation), front.goals)

@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mrsfi_runtime.analysis.drawing import Drawing, draw_here
+from mrsfi_runtime.analysis.illustrations import Illustration
 from mrsfi_runtime.analysis.page.content import flown_of
-from mrsfi_runtime.analysis.report import Illustration, write_figures, writing
+from mrsfi_runtime.analysis.report import write_figures, writing
 from mrsfi_runtime.analysis.story import places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.weaknesses import broken_by
 from mrsfi_runtime.causes.ways import Way
@@ -39,7 +40,6 @@ def look_at(
     illustrations = [
         Illustration(
             f"weakness_{way.number:02d}_{what}",
-            story.title,
             Drawing(f"flight_{what}", (story,), "mission_plots"),
             table(story),
         )

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.analysis.tables import Rows, working_window
+from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
@@ -118,6 +118,23 @@ def first(flags: npt.NDArray[np.bool_]) -> int | None:
     return int(flags.argmax()) if flags.any() else None
 
 
+def working_window(mission: Mission) -> tuple[float, float, float]:
+    """Return the square around all robots' starts, obstacles and goal areas, with a margin.
+
+    It is centre x, centre y and half width, in distance units.
+    """
+    discs = [(disc.x, disc.y, disc.radius) for disc in mission.goal_discs]
+    discs += [(robot.position.x, robot.position.y, ROBOT_RADIUS) for robot in mission.robots]
+    discs += [
+        (obstacle.area.center.x, obstacle.area.center.y, obstacle.area.radius)
+        for obstacle in mission.obstacles
+    ]
+    left, right = min(x - r for x, _, r in discs), max(x + r for x, _, r in discs)
+    low, high = min(y - r for _, y, r in discs), max(y + r for _, y, r in discs)
+    half = max(right - left, high - low) / 2
+    return (left + right) / 2, (low + high) / 2, max(half * 1.12, mission.area.radius * 0.01)
+
+
 def seen(mission: Mission, places: Places) -> tuple[float, float, float]:
     """Return the square around what a mission is about, and around places, shape ``(…, 2)``.
 
@@ -128,9 +145,9 @@ def seen(mission: Mission, places: Places) -> tuple[float, float, float]:
     return x, y, max(half, reach * 1.05)
 
 
-def timeline_table(story: Story) -> Rows:
+def timeline_table(story: Story) -> Table:
     """Return the windows of a flight: of active faults, violated goals and collisions."""
-    return [("kind", "name", "what", "first", "last"), *_windows(story)]
+    return Table(story.title, ("kind", "name", "what", "first", "last"), [*_windows(story)])
 
 
 def _windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
@@ -148,13 +165,12 @@ def _windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
         yield "collision", each.names, "truly", *each.window
 
 
-def places_table(story: Story) -> Rows:
+def places_table(story: Story) -> Table:
     """Return where robots were and were believed to be, at every tick or at each so many-th."""
-    robots = story.mission.robots
-    step = max(1, -(-story.mission.duration * len(robots) // _MOST_PLACES))
-    rows: Rows = [("tick", "robot", "x", "y", "believed_x", "believed_y")]
-    for tick in range(0, story.mission.duration, step):
-        for k, robot in enumerate(robots):
-            places = (*story.true[tick, k], *story.believed[tick, k])
-            rows.append((tick, robot.id, *map(float, places)))
-    return rows
+    robots, duration = story.mission.robots, story.mission.duration
+    rows = [
+        (tick, robot.id, *story.true[tick, k].tolist(), *story.believed[tick, k].tolist())
+        for tick in range(0, duration, max(1, -(-duration * len(robots) // _MOST_PLACES)))
+        for k, robot in enumerate(robots)
+    ]
+    return Table(story.title, ("tick", "robot", "x", "y", "believed_x", "believed_y"), rows)

@@ -1,23 +1,17 @@
 """What breaks which goal at the least, as people and scripts read of it."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
+from mrsfi_runtime.analysis.table import Cell, Table
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES, Known
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.measure import NONE
-from mrsfi_runtime.record.named_faults import NamedFault, named_faults
-
-MATRIX = "Share of forms that do; (%): only believed, *: unseen by the CI, joint: with others"
-"""What ``matrix`` shows."""
+from mrsfi_runtime.record.named_faults import named_faults
 
 _BREAKS = {"believed": "in what is believed", "true": "in truth", "missed": "for good"}
-
-LISTED = ("goal", *MEASURES, "since", "seeds", "fault", "type", "window", "target", "values")
-"""Columns of ``listed``, after the number."""
 
 
 def said(goals: Sequence[str], found: Sequence[Way], n_flights: int) -> str:
@@ -31,29 +25,32 @@ def said(goals: Sequence[str], found: Sequence[Way], n_flights: int) -> str:
     )
 
 
-def matrix(
-    mission: Mission, pool: FaultPool, goals: Sequence[str], found: Iterable[Way]
-) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each fault that breaks a goal: the fault, its type, goals, what it touches.
+def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Table:
+    """Return a row for each fault that breaks a goal: the fault, its type, goals, what it touches.
 
     A cell has the share of forms that break the goal alone, by the gravest measure; or says that
-    the fault does so jointly with others.
+    the fault does so jointly with others. Goals that nothing breaks are left out.
     """
     cells: dict[str, dict[str, str]] = {}
-    names: dict[str, NamedFault] = {}
+    targets: dict[str, str] = {}
     for way in found:
         for named in named_faults(mission, pool, way.shown.witness):
-            names[named.name] = named
+            targets[named.name] = named.target
             row = cells.setdefault(named.name, {})
             if len(way.faults) == 1:
                 row[way.goal] = _share(way)
             else:
                 row.setdefault(way.goal, "joint")
-    for fault in pool:
-        if fault.id in cells:
-            row = cells[fault.id]
-            told = (row.get(goal, NONE) for goal in goals)
-            yield fault.id, fault.type, *told, names[fault.id].target
+    goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in found)]
+    rows = [
+        (fault.id, fault.type, *map(cells[fault.id].get, goals), targets[fault.id])
+        for fault in pool
+        if fault.id in cells
+    ]
+    title = "Share of forms that do; (%): only believed, *: unseen by the CI, joint: with others"
+    words, columns = ("fault", "type", "target"), ("fault", "type", *goals)
+    narrow = Table(title, columns, [row[:-1] for row in rows], words, is_compact=True)
+    return Table(title, (*columns, "target"), rows, words, is_compact=True, narrow=narrow)
 
 
 def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
@@ -70,22 +67,34 @@ def harmless(pool: FaultPool, found: Iterable[Way]) -> str:
     )
 
 
-def listed(mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each fault of each way, in the form that breaks the goal."""
+def way_table(title: str, mission: Mission, pool: FaultPool, found: Iterable[Way]) -> Table:
+    """Return a row for each fault of each way, in the form that breaks the goal.
+
+    Where that does not fit, all that is said of a fault stands below its type.
+    """
+    rows, stacked = [], []
     for way in found:
         shares = {each.column.kind: f"{100 * each.share:.0f}%" for each in way.by}
         shares[way.shown.column.kind] += "*" * way.is_unseen
-        first: tuple[str, ...] = (
-            str(way.number),
+        seeds = f"{way.shown.n_held}/{way.shown.n_seeds}"
+        head: tuple[Cell, ...] = (
+            way.number,
             way.goal,
-            *(shares.get(measure, NONE) for measure in MEASURES),
-            NONE if way.shown.since is None else str(way.shown.since),
-            f"{way.shown.n_held}/{way.shown.n_seeds}",
+            *map(shares.get, MEASURES),
+            way.shown.since,
+            seeds,
         )
         for named in named_faults(mission, pool, way.shown.witness):
             window = f"{named.timed.start} … {named.timed.finish}"
-            yield *first, named.name, named.fault.type, window, named.target, named.values
-            first = ("", "and", *[""] * (len(first) - 2))
+            told = named.target, named.values
+            rows.append((*head, named.name, named.fault.type, window, *told))
+            how = f"{named.fault.type}\n{window}: {'; '.join(filter(None, told))}"
+            stacked.append((*head, named.name, how))
+            head = ("", "and", *[""] * (len(head) - 2))
+    columns = ("#", "goal", *MEASURES, "since", "seeds", "fault")
+    words = ("#", "goal", "fault", "type", "window", "target", "values")
+    narrow = Table(title, (*columns, "how"), stacked, words, ("how",), is_compact=True)
+    return Table(title, (*columns, *words[3:]), rows, words, is_compact=True, narrow=narrow)
 
 
 def not_found(known: Known, goal: str) -> str:

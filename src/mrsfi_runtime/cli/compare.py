@@ -186,19 +186,21 @@ def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
 
 
 def _print(comparison: "Comparison", folder: "ComparisonFolder", n_evaluations: int) -> None:
-    from mrsfi_runtime.cli.tables import plain_table
+    from mrsfi_runtime.analysis.table import Table
     from mrsfi_runtime.cli.terminal import print_table
 
     title = (
         f"{len(comparison.algorithms)} algorithms, {len(comparison.seeds)} seeds, "
         f"{n_evaluations} evaluations a run"
     )
-    parts = ("lower quartile", "median", "upper quartile")
-    print_table(title, plain_table(("measure", "algorithm"), parts, _quartile_rows(comparison)))
+    words = ("measure", "algorithm")
+    columns = (*words, "lower quartile", "median", "upper quartile")
+    print_table(Table(title, columns, [*_quartile_rows(comparison)], words))
     if comparison.tests:
-        found = ("U", "p", "p (Holm)", "A12", "magnitude")
-        table = plain_table(("measure", "first", "second"), found, _test_rows(comparison))
-        print_table("Mann-Whitney U: does the first do better?", table)
+        pair = ("measure", "first", "second")
+        found = (*pair, "U", "p", "p (Holm)", "A12", "magnitude")
+        title = "Mann-Whitney U: does the first do better?"
+        print_table(Table(title, found, [*_test_rows(comparison)], pair))
     for line in _legend(comparison):
         click.echo(line)
     click.echo(f"runs         {folder.runs}")

@@ -128,7 +128,7 @@ def command(
     """Evolve fault specifications against a mission and print the most critical."""
     from mrsfi.evolving import evolve
     from mrsfi_runtime.analysis.drawing import DrawingProcess
-    from mrsfi_runtime.analysis.report import map_drawing
+    from mrsfi_runtime.analysis.illustrations import map_drawing
     from mrsfi_runtime.cli.progress import search_progress
     from mrsfi_runtime.cli.summary import report
 

@@ -6,16 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.table import Table
 
 from mrsfi.explaining import CAUSE_SET, SIMPLEST, of_goal
+from mrsfi_runtime.analysis.campaign_tables import fault_table
+from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.causes.chain import First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
 from mrsfi_runtime.causes.labels import BYSTANDER, GoalCauses
 from mrsfi_runtime.causes.robustness import N_SEEDS
 from mrsfi_runtime.causes.sentence import sentences
-from mrsfi_runtime.cli.tables import fault_tables, plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.generated_code import MissionCode
@@ -61,17 +61,16 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
     click.echo()
     if found.cause.places:
         causes = [shown.faults[place] for place in found.cause.places]
-        print_table("Cause set", *fault_tables(causes, found.cause.outcome))
+        print_table(fault_table("Cause set", causes, found.cause.outcome))
         simple = shown.simplest(found)
-        print_table("Its simplest form", *fault_tables(simple, found.simplest_outcome))
-    print_table("Violations", _counts_table(shown, found))
+        print_table(fault_table("Its simplest form", simple, found.simplest_outcome))
+    print_table(_counts_table(shown, found))
     if found.cause.places:
-        print_table("Due to each fault of the cause set", _share_table(shown, found))
+        print_table(_share_table(shown, found))
         for said in sentences(found.cause, shown.faults):
             click.echo(f"{said}\n")
-        print_table("First differences that each fault makes", _chain_table(shown, found))
-        title = f"Violations under the cause set in {N_SEEDS} mission seeds"
-        print_table(title, _robustness_table(found))
+        print_table(_chain_table(shown, found))
+        print_table(_robustness_table(found))
     _print_labels(shown, found)
     for part, n_flown in found.n_flown.items():
         click.echo(f"{n_flown:>6} flights  {part}")
@@ -108,8 +107,9 @@ def _counts_table(shown: Shown, found: Explanation) -> Table:
         )
         if any(counts)
     ]
-    header = ("all faults", "cause set", "simplest", "no fault")
-    return plain_table(("goal", "violations"), header, rows)
+    words = ("goal", "violations")
+    columns = (*words, "all faults", "cause set", "simplest", "no fault")
+    return Table("Violations", columns, rows, words)
 
 
 def _share_table(shown: Shown, found: Explanation) -> Table:
@@ -132,7 +132,7 @@ def _share_table(shown: Shown, found: Explanation) -> Table:
         for row, place in enumerate(found.cause.places)
     ]
     header = [f"{found.cause.columns[k].goal}\n{found.cause.columns[k].kind}" for k in places]
-    return plain_table(("fault",), header, rows)
+    return Table("Due to each fault of the cause set", ("fault", *header), rows, ("fault",))
 
 
 def _chain_table(shown: Shown, found: Explanation) -> Table:
@@ -145,8 +145,8 @@ def _chain_table(shown: Shown, found: Explanation) -> Table:
         )
         for place, chain in zip(found.cause.places, found.cause.chains, strict=True)
     ]
-    last = ("goal:believed/true/missed",)
-    return plain_table(("fault", "belief", "command", "truth"), (), rows, last)
+    words, texts = ("fault", "belief", "command", "truth"), ("goal:believed/true/missed",)
+    return Table("First differences that each fault makes", (*words, *texts), rows, words, texts)
 
 
 def _first(first: First | None) -> str:
@@ -167,8 +167,9 @@ def _robustness_table(found: Explanation) -> Table:
         for column, firm in zip(found.cause.columns, found.cause.robustness, strict=True)
         if firm.most
     ]
-    header = ("median", "least", "most", "seeds violated")
-    return plain_table(("goal", "violations"), header, rows)
+    words = ("goal", "violations")
+    columns = (*words, "median", "least", "most", "seeds violated")
+    return Table(f"Violations under the cause set in {N_SEEDS} mission seeds", columns, rows, words)
 
 
 def _print_labels(shown: Shown, found: Explanation) -> None:
@@ -187,18 +188,16 @@ def _print_named(
     shown: Shown, found: Explanation, goals: Sequence[GoalCauses], named: Sequence[int]
 ) -> None:
     """Print what some faults are to some goals."""
-    header = [each.goal for each in goals]
+    columns = ("fault", *(each.goal for each in goals))
     rows = [(shown.faults[k].name, *(goal.labels[k] for goal in goals)) for k in named]
-    print_table("What each fault is to each goal", plain_table(("fault", *header), (), rows))
+    print_table(Table("What each fault is to each goal", columns, rows, words=columns))
+    kinds = "/".join(dict.fromkeys(column.kind for column in found.cause.columns))
     for title, counts in (("alone", found.alone), ("left out", found.left_out)):
         cells = [
             (shown.faults[k].name, *(_cell(shown, found, goal.goal, counts[k]) for goal in goals))
             for k in named
         ]
-        kinds = "/".join(dict.fromkeys(column.kind for column in found.cause.columns))
-        print_table(
-            f"Violations with each {title}, {kinds}", plain_table(("fault",), header, cells)
-        )
+        print_table(Table(f"Violations with each {title}, {kinds}", columns, cells, ("fault",)))
 
 
 def _cell(shown: Shown, found: Explanation, goal: str, counts: Counts) -> str:

@@ -6,10 +6,15 @@ from dataclasses import dataclass
 from typing import IO, Any, TypeAlias
 
 from mrsfi.versions import installed_version
+from mrsfi_runtime.analysis.campaign_tables import (
+    fault_table,
+    faults_as_json,
+    goal_table,
+    goals_as_json,
+)
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import FlightFiles
 from mrsfi_runtime.cli.progress import FlightProgress
-from mrsfi_runtime.cli.tables import fault_tables, faults_as_json, goal_table, goals_as_json
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.engine.flights import Engine, PlainEngine
@@ -68,9 +73,9 @@ def print_flight(
         goals = goals_as_json(mission, outcome)
         print_json({**head, "goals": goals, "faults": faults_as_json(faults, outcome)})
         return
-    print_table(title, goal_table(mission, outcome))
+    print_table(goal_table(title, mission, outcome))
     if faults:
-        print_table("Faults", *fault_tables(faults, outcome))
+        print_table(fault_table("Faults", faults, outcome))
 
 
 _Finish: TypeAlias = Callable[[Outcome], None]

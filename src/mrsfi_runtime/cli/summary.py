@@ -1,21 +1,17 @@
 """The report of a campaign: written into its folder, and printed."""
 
-from collections.abc import Sequence
-
 import click
 
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.reporting import report as write_report
+from mrsfi_runtime.analysis.campaign_tables import critical_table, front_table, harm_table
 from mrsfi_runtime.analysis.drawing import Draw
-from mrsfi_runtime.analysis.fronts import Front, Harm, Pick
+from mrsfi_runtime.analysis.fronts import Pick
 from mrsfi_runtime.analysis.summary import Summary, as_json
-from mrsfi_runtime.analysis.tables import Rows, front_table, harm_table, in_words
-from mrsfi_runtime.analysis.weaknesses import said
+from mrsfi_runtime.analysis.weaknesses import matrix_table, said, way_table
 from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.tables import critical_tables, plain_table
 from mrsfi_runtime.cli.terminal import print_table
-from mrsfi_runtime.cli.ways import print_list, print_ways
 from mrsfi_runtime.record.measure import Measure, ticks
 
 
@@ -45,16 +41,14 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     mission, pool = campaign.mission, campaign.pool
     if summary.harvest is not None and summary.ways:
         click.echo(f"{said(mission.goal_ids, summary.ways, summary.harvest.n_flights)}\n")
-        print_ways(mission, pool, summary.ways)
+        print_table(matrix_table(mission, pool, summary.ways))
         _print_least(campaign, summary)
     else:
-        n_top, n_distinct = len(summary.top), summary.n_distinct
-        title = f"The {n_top} most critical of {n_distinct} fault specifications"
-        print_table(title, *critical_tables(measure, pool, summary.top))
+        print_table(critical_table(measure, pool, summary.top, summary.n_distinct))
     if summary.front is not None:
-        _print_front(summary.front)
+        print_table(front_table(summary.front))
     if summary.harm:
-        _print_harm(summary.harm, summary.measure)
+        print_table(harm_table(summary.harm, measure))
     if summary.pick is not None:
         click.echo(_picked(campaign, summary.pick, summary.measure) + "\n")
     if summary.ways:
@@ -71,35 +65,13 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
 def _print_least(campaign: OpenCampaign, summary: Summary) -> None:
     """Print what is the least that breaks each goal, in its mildest form, and how that comes."""
     shown = least(summary.ways)
-    print_list(
-        campaign.mission,
-        campaign.pool,
-        shown,
-        "The least that breaks each goal, in its mildest form",
-    )
+    title = "The least that breaks each goal, in its mildest form"
+    print_table(way_table(title, campaign.mission, campaign.pool, shown))
     for way in shown:
         if way.mildest is not None:
             click.echo(f"{way.number} {way.mildest.sentence}\n")
         for sentence in summary.sentences.get(way.number, ()):
             click.echo(f"{way.number} {way.goal}: {sentence}\n")
-
-
-def _print_front(front: Front) -> None:
-    title = (
-        f"Pareto front: {len(front.points)} trade-offs between {', '.join(front.aims)} "
-        f"({front.counts})"
-    )
-    _print_numbers(title, front_table(front))
-
-
-def _print_harm(harm: Sequence[Harm], measure: Measure) -> None:
-    title = f"Most harm with how few {measure.minimised} ({measure}, {', '.join(measure.chosen)})"
-    _print_numbers(title, harm_table(harm, str(measure.minimised)))
-
-
-def _print_numbers(title: str, rows: Rows) -> None:
-    header, *numbers = in_words(rows)
-    print_table(title, plain_table((), header, numbers))
 
 
 def _picked(campaign: OpenCampaign, pick: Pick, measure: Measure) -> str:

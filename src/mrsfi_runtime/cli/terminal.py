@@ -3,9 +3,12 @@
 import os
 import sys
 
+from rich import box
 from rich.console import Console
-from rich.table import Table
+from rich.table import Table as Grid
 from rich.text import Text
+
+from mrsfi_runtime.analysis.table import Table, in_words
 
 _WIDTH = 100
 """Columns of a table in a pipe or a file, unless the variable COLUMNS says otherwise."""
@@ -13,16 +16,19 @@ _WIDTH = 100
 _WIDEST = 100_000
 """Columns that hold any table."""
 
+_LEAST = 16
+"""Columns that a text which may wrap has at least, if it is as long."""
+
 
 def progress_console() -> Console:
     """Return the console of standard error; only on a terminal does it move and have colours."""
     return Console(file=sys.stderr, highlight=False)
 
 
-def print_table(title: str, *tables: Table) -> None:
-    """Print a table to standard output: the first that fits.
+def print_table(table: Table) -> None:
+    """Print a table to standard output, in its narrow form where it does not fit.
 
-    No figure, ID or word is ever cut: where even the last is too wide, it is printed in as many
+    No figure, ID or word is ever cut: where even that is too wide, it is printed in as many
     columns as it needs. There are as many as COLUMNS says, or else the terminal, or else 100, so
     that a table is the same in every pipe and log file.
     """
@@ -31,21 +37,41 @@ def print_table(title: str, *tables: Table) -> None:
     console = Console(file=sys.stdout, highlight=False, width=width)
     if width is None and not console.is_terminal:
         console.width = _WIDTH
-    needed = [_needed(console, table) for table in tables]
-    table, least = next(
-        (pair for pair in zip(tables, needed, strict=True) if pair[1] <= console.width),
-        (tables[-1], needed[-1]),
-    )
-    console.width = max(console.width, least)
-    console.print(Text(title, style="bold"))
-    console.print(table)
+    grid, needed = _laid_out(console, table)
+    if needed > console.width:
+        grid, needed = _laid_out(console, table.narrow or table, is_tight=True)
+    console.width = max(console.width, needed)
+    console.print(Text(table.title, style="bold"))
+    console.print(grid)
     console.print()
 
 
-def _needed(console: Console, table: Table) -> int:
-    """Return in how many columns a table cuts nothing; let those that must not wrap keep theirs."""
-    for column in table.columns:
-        if column.no_wrap:
-            cells = (column.header, *column.cells)
-            column.min_width = max(console.measure(cell).maximum for cell in cells)
-    return console.measure(table, options=console.options.update(width=_WIDEST)).minimum
+def _laid_out(console: Console, table: Table, *, is_tight: bool = False) -> tuple[Grid, int]:
+    """Return a table in which nothing of a cell becomes markup, and in how many columns it fits.
+
+    If it is tight, numbers and their names go on below where they have spaces.
+    """
+    padding = (0, 1, 0, 0) if table.is_compact else (0, 1)
+    grid = Grid(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=padding)
+    for name in table.columns:
+        is_word = name in table.words
+        grid.add_column(
+            Text(name.replace(" ", "\n") if table.is_compact else name),
+            justify="left" if is_word or name in table.texts else "right",
+            no_wrap=is_word,
+            overflow="fold",
+        )
+    for row in table.rows:
+        grid.add_row(*(Text(in_words(cell)) for cell in row))
+    whole = console.options.update(width=_WIDEST)
+    for name, column in zip(table.columns, grid.columns, strict=True):
+        cells = (column.header, *column.cells)
+        sizes = [console.measure(cell, options=whole) for cell in cells]
+        longest = max(each.maximum for each in sizes)
+        if name in table.texts:
+            column.min_width = min(_LEAST, longest)
+        elif name in table.words or not is_tight:
+            column.min_width = longest
+        else:  # or else rich makes it narrower than its longest number
+            column.width = max(each.minimum for each in sizes)
+    return grid, console.measure(grid, options=whole).minimum

@@ -8,11 +8,10 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import click
-from rich.table import Table
 
 from mrsfi.regressions import Checked
+from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.cli.console import print_json
-from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.measure import NONE
@@ -40,7 +39,9 @@ def _print(name: str, checked: Sequence[Checked]) -> None:
         n_kept = _range(len(each.regression.mission_seeds) for each in judged)
         n_flown = _range(len(each.seeds) for each in judged)
         title += f" (mission seeds: limits of {n_kept}, flown in {n_flown})"
-    print_table(title, _table(checked))
+    words = ("kept", "counted", "goal")
+    columns = (*words, "at most", "now", "verdict")
+    print_table(Table(title, columns, [*_rows(checked)], words, ("verdict",)))
     failed: dict[str, list[str]] = defaultdict(list)
     for each in checked:
         if each.gone:
@@ -61,13 +62,7 @@ def _range(numbers: Iterable[int]) -> str:
     return " to ".join(map(str, dict.fromkeys((found[0], found[-1]))))
 
 
-def _table(checked: Sequence[Checked]) -> Table:
-    return plain_table(
-        ("kept", "counted", "goal"), ("at most", "now"), _rows(checked), ("verdict",)
-    )
-
-
-def _rows(checked: Sequence[Checked]) -> Iterator[tuple[object, ...]]:
+def _rows(checked: Sequence[Checked]) -> Iterator[tuple[str | int, ...]]:
     """Yield a row for each goal that has something, or may."""
     for each in checked:
         regression = each.regression

@@ -4,24 +4,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import click
-from rich.table import Table
 
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.weaknesses import untried
 from mrsfi_runtime.analysis.weaknesses import (
-    LISTED,
-    MATRIX,
     harmless,
-    listed,
-    matrix,
+    matrix_table,
     not_found,
     said,
+    way_table,
 )
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.cli.console import print_json
-from mrsfi_runtime.cli.tables import plain_table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
@@ -38,8 +34,8 @@ def print_all(
     mission, pool = campaign.mission, campaign.pool
     click.echo(f"{said(goals, found, known.n_flights)}\n")
     if found:
-        print_ways(mission, pool, found)
-        print_list(mission, pool, found, "How, in one of the forms that do")
+        print_table(matrix_table(mission, pool, found))
+        print_table(way_table("How, in one of the forms that do", mission, pool, found))
     click.echo("\n".join(not_found(known.known, each) for each in goals) + "\n")
     click.echo(f"{harmless(pool, known.ways)}\n{_never_flown(campaign)}")
 
@@ -79,40 +75,6 @@ def print_mildest(
         print_json([{"number": way.number, **each.as_json()} for way, each in told])
         return
     shown = [replace(way, by=(each.weakness,)) for way, each in told]
-    print_list(mission, pool, shown, "The mildest form that was found")
+    print_table(way_table("The mildest form that was found", mission, pool, shown))
     for way, each in told:
         click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")
-
-
-def print_ways(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> None:
-    """Print which fault breaks which goal, of those goals that some do."""
-    goals = [goal for goal in mission.goal_ids if any(way.goal == goal for way in found)]
-    rows = [*matrix(mission, pool, goals, found)]
-    wide = plain_table(("fault", "type"), goals, rows, ("target",))
-    narrow = plain_table(("fault", "type"), goals, (row[:-1] for row in rows))
-    print_table(MATRIX, *_compact(wide, narrow))
-
-
-def print_list(mission: Mission, pool: FaultPool, found: Sequence[Way], title: str) -> None:
-    """Print ways to break goals, with a row for each fault of each."""
-    n_first = LISTED.index("fault")
-    rows = [*listed(mission, pool, found)]
-    numbers, told = LISTED[1:n_first], LISTED[n_first:]
-    wide = plain_table(("#", LISTED[0]), numbers, rows, told)
-    stacked = (
-        (*row[: n_first + 2], f"{row[n_first + 2]}\n{row[-3]}: {'; '.join(filter(None, row[-2:]))}")
-        for row in rows
-    )
-    narrow = plain_table(("#", LISTED[0]), numbers, stacked, ("fault", "how"))
-    wide.columns[-1].no_wrap = True
-    narrow.columns[-2].no_wrap = True
-    print_table(title, *_compact(wide, narrow, n_first + 1))
-
-
-def _compact(wide: Table, narrow: Table, n_whole: int | None = None) -> tuple[Table, Table]:
-    """Return tables with little room between columns, the first of which are not wrapped."""
-    for table in (wide, narrow):
-        table.padding = (0, 1, 0, 0)
-    for column in (*wide.columns, *narrow.columns[:n_whole]):
-        column.no_wrap = True
-    return wide, narrow

@@ -100,18 +100,6 @@ def missed_from(outcome: Outcome, duration: int) -> tuple[str, ...]:
     return tuple(NONE if tick is None else str(tick) for tick in since)
 
 
-def violated(outcome: Outcome, duration: int) -> tuple[str, ...]:
-    """Return what came of each goal, in short: ``901/567 missed from 712``, or ``0/0``.
-
-    These are the violations believed and true, and ``missed_from`` where it is a tick.
-    """
-    counts = zip(outcome.believed, outcome.true, missed_from(outcome, duration), strict=True)
-    return tuple(
-        f"{believed}/{true}" + (f" {MISSED_FROM} {since}" if since not in {NONE, UNKNOWN} else "")
-        for believed, true, since in counts
-    )
-
-
 def ticks(count: float) -> str:
     """Return a count, or a mean of counts, as text."""
     return str(count) if isinstance(count, int) else f"{count:.2f}"

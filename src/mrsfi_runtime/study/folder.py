@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from mrsfi_runtime.analysis.plots import rendered
-from mrsfi_runtime.analysis.tables import Rows, as_csv
+from mrsfi_runtime.analysis.table import Rows, as_csv
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import write_atomically
 from mrsfi_runtime.record.folder import CampaignFolder

@@ -1,8 +1,8 @@
 import pytest
 
+from mrsfi_runtime.analysis.campaign_tables import critical_table
 from mrsfi_runtime.analysis.fronts import FrontPoint, find_front
-from mrsfi_runtime.analysis.report import fitness_label
-from mrsfi_runtime.cli.tables import critical_tables
+from mrsfi_runtime.analysis.illustrations import fitness_label
 from mrsfi_runtime.model.outcome import COUNTED
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -33,25 +33,27 @@ def test_a_front_is_over_the_means_of_all_mission_seeds():
 
 
 def test_the_printed_table_shows_the_measure_before_belief_and_truth():
-    printed, _ = critical_tables(Measure.of(MEANS, paper_mission()), pool_of(), FLOWN_TWICE[:1])
+    table = critical_table(Measure.of(MEANS, paper_mission()), pool_of(), FLOWN_TWICE[:1], 1)
 
-    goals = {str(column.header): list(column.cells) for column in printed.columns}
-    assert goals["violations"] == ["mean believed\nbelieved\ntrue\nmissed from"]
-    assert goals["g1"] == ["450.00\n900\n450\n775"]
-    assert goals["g2"] == ["–\n0\n0\n–"]
+    (row,) = table.rows
+    goals = dict(zip(table.columns, row, strict=True))
+    assert goals["violations"] == "mean believed\nbelieved\ntrue\nmissed from"
+    assert goals["g1"] == "450.00\n900\n450\n775"
+    assert goals["g2"] == "–\n0\n0\n–"
 
 
 def test_the_printed_table_shows_the_time_missed_and_from_when_on():
     settings = CampaignSettings(violations="missed")
     measure = Measure.of(settings, paper_mission())
 
-    printed, _ = critical_tables(measure, pool_of(), [missing(0, (288, 0, 1000, 0, 0, 0))])
+    table = critical_table(measure, pool_of(), [missing(0, (288, 0, 1000, 0, 0, 0))], 1)
 
-    goals = {str(column.header): list(column.cells) for column in printed.columns}
-    assert goals["violations"] == ["missed\nbelieved\ntrue\nmissed from"]
-    assert goals["g1"] == ["288\n0\n0\n712"]
-    assert goals["g2"] == ["0\n0\n0\n–"]
-    assert goals["g3"] == ["1000\n0\n0\n0"]
+    (row,) = table.rows
+    goals = dict(zip(table.columns, row, strict=True))
+    assert goals["violations"] == "missed\nbelieved\ntrue\nmissed from"
+    assert goals["g1"] == "288\n0\n0\n712"
+    assert goals["g2"] == "0\n0\n0\n–"
+    assert goals["g3"] == "1000\n0\n0\n0"
 
 
 @pytest.mark.parametrize(

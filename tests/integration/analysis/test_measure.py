@@ -48,7 +48,7 @@ def test_a_report_uses_the_measure_and_says_which_it_is(settings, found, rows, t
     assert table(tmp_path / "run", "figure_10_front_by_generation")[1:] == [
         ["0", *row] for row in rows
     ]
-    assert f"non-dominated specifications over g1, g3 ({measure};" in report
+    assert f"trade-offs between g1, g3 ({measure})\n" in report
     assert f"Violations per goal in ticks, {measure}: believed by" in report
     assert summary["measure"] == {"violations": measure.kind, "mission_seeds": measure.n_seeds}
     assert summary["top"][0]["measured"] == measure.by_goal(best)

@@ -6,12 +6,8 @@ from pathlib import Path
 import pytest
 
 from mrsfi_runtime.analysis.drawing import DrawingProcess, Drawings, draw_here
-from mrsfi_runtime.analysis.report import (
-    evenly_spaced,
-    illustrate,
-    specification_rows,
-    write_report,
-)
+from mrsfi_runtime.analysis.illustrations import evenly_spaced, illustrate
+from mrsfi_runtime.analysis.report import specification_rows, write_report
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import TimedFault
@@ -272,10 +268,10 @@ def test_a_campaign_that_minimises_reports_harm_against_it(tmp_path):
         ["3", "1", "1", "4", "0"],
     ]
     report = (tmp_path / "run" / "report.md").read_text()
-    assert "## Harm against faults" in report
+    assert "## Most harm with how few faults (true violations, g2)\n" in report
     assert "(figures/figure_harm.png)" in report
     assert "| 3 | 1 | 1 | 4 | 0 |" in report
-    assert "2 non-dominated specifications over g2, faults (true violations" in report
+    assert "## Pareto front: 2 trade-offs between g2, faults (true violations)\n" in report
 
 
 def test_a_ratio_over_goals_that_nobody_chose_has_its_own_front(tmp_path):

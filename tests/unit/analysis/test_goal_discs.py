@@ -1,6 +1,6 @@
 from dataclasses import replace
 
-from mrsfi_runtime.analysis.tables import working_window
+from mrsfi_runtime.analysis.story import working_window
 from mrsfi_runtime.api import Patrol, Stay, Visit
 from mrsfi_runtime.model.mission import Coordinates, Goal
 from tests.support.campaigns import area

@@ -2,8 +2,7 @@
 
 import pytest
 
-from mrsfi_runtime.analysis.markdown import plain
-from mrsfi_runtime.analysis.tables import as_csv
+from mrsfi_runtime.analysis.table import as_csv, plain
 
 
 def test_no_name_is_a_formula_in_a_spreadsheet():

@@ -2,15 +2,14 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from rich.table import Table
 
-from mrsfi_runtime.cli.tables import (
-    critical_tables,
-    fault_tables,
+from mrsfi_runtime.analysis.campaign_tables import (
+    critical_table,
+    fault_table,
     goal_table,
     goals_as_json,
-    plain_table,
 )
+from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.measure import Measure
@@ -21,16 +20,16 @@ from tests.support.search import paper_mission, pool_of
 FAULTS = tuple(fault.id for fault in pool_of())
 
 
-def _tables(n_goals: int, **counts: Any) -> tuple[Table, Table]:
+def _table(n_goals: int, **counts: Any) -> Table:
     goals = tuple(f"g{number}" for number in range(1, n_goals + 1))
     believed = tuple(900 + number if number % 3 else 0 for number in range(n_goals))
     found = evaluation(123, believed, fitness=809.8)
     told = replace(found, outcome=replace(found.outcome, **counts))
-    return critical_tables(Measure("believed", 1, goals, goals, 1000), pool_of(), [told])
+    return critical_table(Measure("believed", 1, goals, goals, 1000), pool_of(), [told], 1)
 
 
-def _printed(capsys: pytest.CaptureFixture[str], *tables: Table) -> list[str]:
-    print_table("The most critical", *tables)
+def _printed(capsys: pytest.CaptureFixture[str], table: Table) -> list[str]:
+    print_table(table)
     return capsys.readouterr().out.splitlines()[1:]
 
 
@@ -40,7 +39,7 @@ def _in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_six_goals_have_a_column_each_in_a_pipe(capsys):
-    head, _, believed, *_ = _printed(capsys, *_tables(6))
+    head, _, believed, *_ = _printed(capsys, _table(6))
 
     assert head.split()[:5] == ["#", "evaluation", "fitness", "violations", "g1"]
     assert believed.split()[:6] == ["1", "123", "809.80", "believed", "0", "901"]
@@ -52,7 +51,7 @@ def test_six_goals_have_a_column_each_in_a_pipe(capsys):
     [((0, 1000, 288), ["–", "0", "712"]), ((0, 0, 0), ["–"] * 3), (None, ["?"] * 3)],
 )
 def test_a_line_says_from_which_tick_on_a_goal_was_missed(capsys, missed, expected):
-    *_, line = _printed(capsys, *_tables(3, missed=missed))[:5]
+    *_, line = _printed(capsys, _table(3, missed=missed))[:5]
 
     assert line.split() == ["missed", "from", *expected]
 
@@ -62,7 +61,7 @@ def test_a_line_says_from_which_tick_on_a_goal_was_missed(capsys, missed, expect
     [((0,) * 9 + (1000, 288), "g10:0 g11:712"), ((0,) * 11, "none"), (None, "?")],
 )
 def test_where_goals_are_named_those_that_were_missed_are(capsys, missed, expected):
-    words = " ".join(" ".join(_printed(capsys, *_tables(11, missed=missed))).split())
+    words = " ".join(" ".join(_printed(capsys, _table(11, missed=missed))).split())
 
     assert f"missed from {expected}" in words
 
@@ -71,7 +70,7 @@ def test_what_happened_to_the_papers_goals_fits_into_80_columns(capsys, monkeypa
     monkeypatch.setenv("COLUMNS", "80")
     flown = replace(outcome((0, 901, 934, 856, 901, 986)), missed=(0, 0, 0, 288, 1000, 1))
 
-    above, head, rule, *rows = _printed(capsys, goal_table(paper_mission(), flown))
+    above, head, rule, *rows = _printed(capsys, goal_table("", paper_mission(), flown))
 
     assert (above.split(), head.split()[-3:]) == (["missed"], ["masked", "from", "samples"])
     assert max(map(len, (above, head, rule, *rows))) <= 80
@@ -100,7 +99,7 @@ def test_a_script_gets_the_ticks_that_a_goal_was_missed_and_since_when():
 
 @pytest.mark.parametrize("n_goals", [11, 40])
 def test_what_identifies_a_specification_never_gives_way_to_goals(capsys, n_goals):
-    lines = _printed(capsys, *_tables(n_goals))
+    lines = _printed(capsys, _table(n_goals))
 
     assert lines[0].split() == ["#", "evaluation", "fitness", "violations", "faults"]
     text = " ".join(lines)
@@ -113,7 +112,7 @@ def test_what_identifies_a_specification_never_gives_way_to_goals(capsys, n_goal
 def test_columns_says_how_many_there_are(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "160")
 
-    head, *_ = _printed(capsys, *_tables(11))
+    head, *_ = _printed(capsys, _table(11))
 
     assert head.split()[-2:] == ["g11", "faults"]
     assert 100 < len(head) <= 160
@@ -122,10 +121,10 @@ def test_columns_says_how_many_there_are(capsys, monkeypatch):
 @pytest.mark.parametrize("columns", ["1", "30", "60", "80"])
 def test_no_number_or_word_is_cut_however_narrow_it_is(capsys, monkeypatch, columns):
     monkeypatch.setenv("COLUMNS", columns)
-    table = plain_table(("goal",), ("believed", "true"))
-    table.add_row("g1_area_of_the_harbour", "1234567", "7654321")
+    columns = ("goal", "believed", "true")
+    table = Table("", columns, [("g1_area_of_the_harbour", 1234567, 7654321)], ("goal",))
 
-    words = " ".join(_printed(capsys, *_tables(11)) + _printed(capsys, table)).split()
+    words = " ".join(_printed(capsys, _table(11)) + _printed(capsys, table)).split()
 
     assert {"evaluation", "fitness", "809.80", "123", "g2:901", "g11:910"} <= {*words}
     assert {"g1_area_of_the_harbour", "1234567", "7654321", "believed"} <= {*words}
@@ -139,7 +138,7 @@ def test_every_fault_has_its_target_and_its_values_however_narrow_it_is(
     specification = [TimedFault(fault.id, 3, 9, fault.values) for fault in pool_of()]
     faults = named_faults(paper_mission(), pool_of(), specification)
 
-    lines = _printed(capsys, *fault_tables(faults, outcome((0,) * 6, len(faults))))
+    lines = _printed(capsys, fault_table("", faults, outcome((0,) * 6, len(faults))))
 
     words = " ".join(lines).split()
     assert "…" not in words

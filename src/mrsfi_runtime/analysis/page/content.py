@@ -6,6 +6,12 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
+from mrsfi_runtime.analysis.campaign_tables import (
+    COUNTS,
+    evaluations_table,
+    goal_table,
+    settings_table,
+)
 from mrsfi_runtime.analysis.markdown import trend_in_words
 from mrsfi_runtime.analysis.page.flight import (
     Flown,
@@ -15,8 +21,8 @@ from mrsfi_runtime.analysis.page.flight import (
     stride,
 )
 from mrsfi_runtime.analysis.summary import Summary
-from mrsfi_runtime.analysis.tables import evaluations_table
-from mrsfi_runtime.analysis.weaknesses import MATRIX, goal_in_words, matrix, said
+from mrsfi_runtime.analysis.table import to_page
+from mrsfi_runtime.analysis.weaknesses import goal_in_words, matrix_table, said
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain
 from mrsfi_runtime.causes.sentence import sentence
@@ -30,12 +36,6 @@ from mrsfi_runtime.record.store import CampaignStore
 
 MOST_LISTED = 5000
 """Evaluations that the page lists, at most."""
-
-_WORDS = {"missed_since": "missed since tick"}
-_COUNTS = (
-    "Ticks at which each goal was violated; phantom: believed, not true; masked: true, not "
-    "believed."
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,8 @@ def campaign_page(
 ) -> dict[str, Any]:
     """Return what the page shows of a campaign, and of the ways in which goals break."""
     step = max(1, -(-summary.n_evaluations // MOST_LISTED))
-    header, *rows = evaluations_table(store.flown(step), summary.measure)
+    listed = f"One in {step} is listed." if step > 1 else "All are listed."
+    evaluations = to_page(evaluations_table(listed, store.flown(step), summary.measure))
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.mission}",
         "mission": mission_content(mission),
@@ -90,9 +91,9 @@ def campaign_page(
         "none": "Nobody looked for what breaks which goal, or nothing does; see the evaluations.",
         "search": {"said": trend_in_words(summary.trend), "charts": list(_charts(summary))},
         "evaluations": {
-            "said": f"One in {step} is listed." if step > 1 else "All are listed.",
-            "header": header[:-1],
-            "rows": [(*row[:2], _plain(row[2]), *row[3:-1]) for row in rows],
+            **evaluations,
+            "header": evaluations["header"][:-1],
+            "rows": [(*row[:2], _plain(row[2]), *row[3:-1]) for row in evaluations["rows"]],
         },
         "record": list(_record(summary, store)),
     }
@@ -130,20 +131,11 @@ def _matrix(summary: Summary, mission: Mission, pool: FaultPool) -> dict[str, An
     """Return which fault breaks which goal, as a table; ``None`` if none is known to."""
     if summary.harvest is None or not summary.ways:
         return None
-    goals = mission.goal_ids
-    return {
-        "said": said(goals, summary.ways, summary.harvest.n_flights),
-        "note": MATRIX,
-        "header": ("fault", "type", *goals, "target"),
-        "rows": [*matrix(mission, pool, goals, summary.ways)],
-    }
+    sentence = said(mission.goal_ids, summary.ways, summary.harvest.n_flights)
+    return {"said": sentence, **to_page(matrix_table(mission, pool, summary.ways))}
 
 
 def _told(mission: Mission, told: PageEntry) -> dict[str, Any]:
-    counts = told.outcome.told(mission.duration)
-    header = ("goal", "name", *(_WORDS.get(name, name) for name in counts))
-    goals = [(goal.id, goal.name) for goal in mission.goals]
-    columns = zip(*counts.values(), strict=True)
     return {
         "title": told.title,
         "sentence": told.sentence,
@@ -153,11 +145,7 @@ def _told(mission: Mission, told: PageEntry) -> dict[str, Any]:
                 told.faults, told.sentences or [""] * len(told.faults), strict=True
             )
         ],
-        "counts_said": _COUNTS,
-        "counts": {
-            "header": header,
-            "rows": [(*goal, *row) for goal, row in zip(goals, columns, strict=True)],
-        },
+        "counts": to_page(goal_table(COUNTS, mission, told.outcome)),
         "command": shlex.join(told.command),
         "xmi": told.xmi,
         "flight": None,
@@ -210,9 +198,7 @@ def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]
         "digest": summary.digest,
     }.items()
     yield from ((f"version of {name}", text) for name, text in manifest.versions.items())
-    for name, value in summary.settings.as_json().items():
-        if value not in (None, []):
-            yield f"setting {name}", " ".join(value) if isinstance(value, list) else str(value)
+    yield from ((f"setting {name}", text) for name, text in settings_table(summary.settings).rows)
     yield from ((f"SHA-256 of {name}", text) for name, text in islice(manifest.sha256.items(), 100))
 
 

@@ -30,6 +30,8 @@ function table(header, rows, attributes) {
       make("tbody", {}, rows.map((row) => make("tr", {}, row.map((value, k) => cell("td", value, k)))))));
 }
 
+const titled = ({ title, header, rows }) => [make("p", { class: "note" }, said(title)), table(header, rows)];
+
 function copying(text) {
   const button = make("button", { type: "button" }, "Copy");
   button.addEventListener("click", async () => {

@@ -5,14 +5,13 @@ function weaknessesOf(data, view) {
   return make("section", { id: "weaknesses" }, make("h2", {}, data.heading),
     data.shown.length ? null : make("p", {}, data.none),
     matrix ? make("p", {}, said(matrix.said)) : null,
-    matrix ? make("p", { class: "note" }, matrix.note) : null,
-    matrix ? table(matrix.header, matrix.rows) : null,
+    matrix ? titled(matrix) : null,
     data.shown.map((shown, k) => make("article", {},
       make("h3", {}, said(shown.title)),
       make("p", {}, said(shown.sentence)),
       table(["fault", "type", "on", "values", "ticks", "what it did"], shown.faults.map((fault) =>
         [fault.name, fault.type, fault.target, fault.values, fault.window ? `${fault.window[0]} to ${fault.window[1]}` : "never", fault.sentence])),
-      make("p", { class: "note" }, shown.counts_said), table(shown.counts.header, shown.counts.rows),
+      titled(shown.counts),
       make("p", {}, "Fly it again: ", make("code", {}, said(shown.command)), " ", copying(shown.command)),
       make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(shown.xmi), make("pre", { dir: "ltr" }, shown.xmi)),
       shown.flight ? make("button", { type: "button", class: "show", "aria-label": `show the flight of weakness ${k + 1}`, on: { click: async () => {
@@ -59,7 +58,7 @@ function evaluationsOf(data) {
     fill();
   } } }, said(name))));
   fill();
-  return make("section", { id: "evaluations" }, make("h2", {}, "The evaluations"), make("p", { class: "note" }, data.said),
+  return make("section", { id: "evaluations" }, make("h2", {}, "The evaluations"), make("p", { class: "note" }, data.title),
     make("p", { class: "controls" }, make("label", {}, "Rows that contain ", make("input", { type: "search", id: "filter", on: { input: (event) => { state.text = event.target.value; fill(); } } })), count),
     make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "evaluations" }, make("table", {}, make("thead", {}, make("tr", {}, head)), body)));
 }

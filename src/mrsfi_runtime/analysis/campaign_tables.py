@@ -1,0 +1,227 @@
+"""Every table of a flight and of a campaign; ``weaknesses.py`` has those of weaknesses.
+
+What they are made from needs no numpy at run time: ``mrsfi simulate`` prints some of them.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import astuple, fields
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+from mrsfi_runtime.analysis.patterns import TypePattern
+from mrsfi_runtime.analysis.table import Cell, Table
+from mrsfi_runtime.model.faults import FaultPool, Specification
+from mrsfi_runtime.model.mission import Area, Goal, Mission
+from mrsfi_runtime.model.outcome import COUNTED, TOLD, Outcome
+from mrsfi_runtime.record.measure import MISSED_FROM, NONE, UNKNOWN, Measure, missed_from, ticks
+from mrsfi_runtime.record.named_faults import FAULT_COLUMNS, NamedFault, fault_rows
+from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import Evaluation, Flown
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.analysis.fronts import Front, Harm
+
+COUNTS = (
+    "Ticks at which each goal was violated; phantom: believed, not true; masked: true, not "
+    "believed."
+)
+"""What ``goal_table`` shows."""
+
+_MOST_LISTED = 100_000  # evaluations of a table
+
+
+def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
+    """Return what happened to each goal, in model order."""
+    counted = [name for name in COUNTED if name != "missed"]
+    counts = [getattr(outcome, name) for name in counted]
+    since = outcome.missed_since(mission.duration) or [UNKNOWN] * len(mission.goals)
+    found = zip(mission.goals, zip(*counts, since, strict=True), outcome.samples, strict=True)
+    rows = [(goal.id, goal.task.name, *cells, _samples(goal, n)) for goal, cells, n in found]
+    words = ("goal", "task")
+    return Table(title, (*words, *counted, MISSED_FROM, "samples"), rows, words, is_compact=True)
+
+
+def goals_as_json(mission: Mission, outcome: Outcome) -> list[dict[str, Any]]:
+    """Return what ``goal_table`` shows, for scripts."""
+    told = outcome.told(mission.duration) | {"samples": outcome.samples}
+    return [
+        {
+            "id": goal.id,
+            "task": goal.task.name,
+            **{name: counts[index] for name, counts in told.items()},
+        }
+        for index, goal in enumerate(mission.goals)
+    ]
+
+
+def _samples(goal: Goal, n_samples: int) -> str:
+    terms = goal.terms
+    return NONE if terms.sensor is None else f"{n_samples} of {terms.target_sample_number}"
+
+
+def fault_table(title: str, faults: Sequence[NamedFault], outcome: Outcome) -> Table:
+    """Return what each timed fault of a specification is, and what it did.
+
+    Where that does not fit, targets stand above values.
+    """
+    rows = fault_rows(faults, outcome)
+    words = (*FAULT_COLUMNS[:2], *FAULT_COLUMNS[-2:])
+    told = "\n".join(FAULT_COLUMNS[-2:])
+    stacked = [(*row[:-2], "\n".join(row[-2:]).removesuffix(f"\n{NONE}")) for row in rows]
+    columns = (*FAULT_COLUMNS[:-2], told)
+    narrow = Table(title, columns, stacked, words, (told,), is_compact=True)
+    return Table(title, FAULT_COLUMNS, rows, words, is_compact=True, narrow=narrow)
+
+
+def faults_as_json(faults: Sequence[NamedFault], outcome: Outcome) -> list[dict[str, Any]]:
+    """Return what ``fault_table`` shows, for scripts."""
+    return [
+        {"id": fault.fault.id, **fault.as_json(), "applied": applied, "changed": changed}
+        for fault, applied, changed in zip(faults, outcome.applied, outcome.changed, strict=True)
+    ]
+
+
+def critical_table(
+    measure: Measure, pool: FaultPool, top: Sequence[Evaluation], n_distinct: int
+) -> Table:
+    """Return the most critical specifications with fitness, what came of each goal, and faults.
+
+    Each takes a line for violations as the collective intelligence believed them, one for those
+    that were true, and one for the tick from which on a goal was certain to be missed; before these
+    one for the campaign's measure if it is another. Where a column for each goal does not fit,
+    those that were violated, or missed, are named: ``g3:509 g5:915``.
+    """
+    wide: list[tuple[Cell, ...]] = []
+    narrow: list[tuple[Cell, ...]] = []
+    for rank, each in enumerate(top, 1):
+        lines = dict(_violation_lines(measure, each))
+        head = rank, each.index, each.fitness[0]
+        faults = _fault_counts(pool, each.specification)
+        columns = map("\n".join, zip(*lines.values(), strict=True))
+        wide.append((*head, "\n".join(lines), *columns, faults))
+        named = (f"{name} {_violated(measure.goals, name, line)}" for name, line in lines.items())
+        narrow.append((*head, "\n".join(named), faults))
+    title = f"The {len(top)} most critical of {n_distinct} fault specifications"
+    names, texts = ("#", "evaluation", "fitness", "violations"), ("violations", "faults")
+    short = Table(title, (*names, "faults"), narrow, texts=texts)
+    return Table(
+        title, (*names, *measure.goals, "faults"), wide, texts[:1], texts[1:], narrow=short
+    )
+
+
+def _violated(goals: Sequence[str], name: str, cells: Sequence[str]) -> str:
+    """Return the goals that a line says something of: ``g3:509 g5:915``; ``?`` if it cannot."""
+    nothing = {NONE, UNKNOWN} if name == MISSED_FROM else {NONE, "0", "0.00"}
+    pairs = zip(goals, cells, strict=True)
+    named = " ".join(f"{goal}:{cell}" for goal, cell in pairs if cell not in nothing)
+    return named or (UNKNOWN if UNKNOWN in cells else "none")
+
+
+def _violation_lines(
+    measure: Measure, evaluation: Evaluation
+) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield what came of each goal, by what it says."""
+    if not measure.is_shown_by_outcomes:
+        measured = measure.by_goal(evaluation)
+        name = measure.kind if measure.n_seeds == 1 else f"mean {measure.kind}"
+        yield (
+            name,
+            tuple(ticks(measured[goal]) if goal in measured else NONE for goal in measure.goals),
+        )
+    yield "believed", tuple(map(str, evaluation.outcome.believed))
+    yield "true", tuple(map(str, evaluation.outcome.true))
+    yield MISSED_FROM, missed_from(evaluation.outcome, measure.duration)
+
+
+def _fault_counts(pool: FaultPool, specification: Specification) -> str:
+    """Return the faults of a specification in the order of the pool: ``f4 f9×2 f11``."""
+    counts = Counter(timed.fault for timed in specification)
+    return " ".join(
+        fault.id if counts[fault.id] == 1 else f"{fault.id}×{counts[fault.id]}"
+        for fault in pool
+        if fault.id in counts
+    )
+
+
+def map_table(title: str, mission: Mission) -> Table:
+    """Return everything with a place in the mission, in distance units."""
+
+    def row(kind: str, identifier: str, name: str, area: Area) -> tuple[Cell, ...]:
+        return kind, identifier, name, area.center.x, area.center.y, area.radius
+
+    rows = [
+        row("mission area", mission.area.id, mission.name, mission.area),
+        *(
+            ("robot", each.id, each.name, each.position.x, each.position.y, 1.0)
+            for each in mission.robots
+        ),
+        *(row("obstacle", each.id, "", each.area) for each in mission.obstacles),
+        *(
+            ("goal area", disc.goal.id, disc.goal.name, disc.x, disc.y, disc.radius)
+            for disc in mission.goal_discs
+        ),
+    ]
+    return Table(title, ("kind", "id", "name", "x", "y", "radius"), rows)
+
+
+def settings_table(settings: CampaignSettings) -> Table:
+    """Return what the campaign file and the options say, by name."""
+    rows = (
+        (name, " ".join(value) or "none named" if isinstance(value, list) else str(value))
+        for name, value in settings.as_json().items()
+        if value is not None
+    )
+    return Table("Settings", ("setting", "value"), sorted(rows))
+
+
+def pattern_table(title: str, patterns: Iterable[TypePattern]) -> Table:
+    """Return how often each type of faults occurs, and how often by chance."""
+    columns = [field.name.removeprefix("n_") for field in fields(TypePattern)]
+    return Table(title, columns, [*map(astuple, patterns)])
+
+
+def front_table(front: "Front") -> Table:
+    """Return the points of a front, with what it has few of beside many violations last."""
+    columns = ("evaluation", *front.aims)
+    rows = [
+        (point.evaluation, *point.violations, point.cost)[: len(columns)] for point in front.points
+    ]
+    title = f"{len(rows)} trade-offs between {', '.join(front.aims)} ({front.counts})"
+    return Table(f"Pareto front: {title}", columns, rows)
+
+
+def harm_table(harm: Iterable["Harm"], measure: Measure) -> Table:
+    """Return the front of harm against what is minimised; ``by`` names an evaluation."""
+    few = str(measure.minimised)
+    title = f"Most harm with how few {few} ({measure}, {', '.join(measure.chosen)})"
+    columns = (few, "goals violated", "goals by", "violations", "violations by")
+    return Table(title, columns, [*map(astuple, harm)])
+
+
+def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> Table:
+    """Return evaluations with what came of each goal; several objectives in one cell.
+
+    They are read one after the other. The counts are those of the first mission seed. A cell is
+    empty where a goal was not missed since any tick, or an older record does not say.
+    """
+    counted = (f"{name}_{goal}" for name in TOLD for goal in measure.goals)
+    first = ("evaluation", "generation", "fitness", "n_faults", "fault_ticks")
+    rows = (
+        (
+            each.index,
+            each.generation,
+            " ".join(map(repr, each.fitness)),
+            len(each.outcome.applied),
+            each.fault_ticks,
+            *chain.from_iterable(each.outcome.told(measure.duration).values()),
+            each.outcome.digest,
+        )
+        for each in flown
+    )
+    return Table(title, (*first, *counted, "digest"), rows)
+
+
+def listed_step(n_evaluations: int) -> int:
+    """Return how far apart the evaluations are that a table lists: 1 if it lists all."""
+    return max(1, -(-n_evaluations // _MOST_LISTED))
