@@ -115,6 +115,14 @@ def test_a_script_gets_the_same(place, told, monkeypatch):
     assert found == [{k: v for k, v in one.items() if k != "number"} for one in told]
 
 
+def test_failure_modes_are_titled_with_the_name_of_the_mission_as_commands_know_it(place, tmp_path):
+    page = tmp_path / "fmea.md"
+
+    mrsfi("weaknesses", "runs/cover", "--goal", "within", "--fmea", page, *REFERENCE, cwd=place)
+
+    assert page.read_text().startswith(f"# Failure modes of mission {MISSION}\n\n| number | ")
+
+
 def test_failure_modes_have_a_row_for_each_goal_and_set(place, told, tmp_path):
     table = tmp_path / "fmea.csv"
 

@@ -28,7 +28,8 @@ COUNTS = (
 )
 """What ``goal_table`` shows."""
 
-_MOST_LISTED = 100_000  # evaluations of a table
+MOST_LISTED = 100_000
+"""Evaluations that ``evaluations.csv`` lists, at most."""
 
 
 def goal_table(title: str, mission: Mission, outcome: Outcome) -> Table:
@@ -220,8 +221,3 @@ def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> T
         for each in flown
     )
     return Table(title, (*first, *counted, "digest"), rows)
-
-
-def listed_step(n_evaluations: int) -> int:
-    """Return how far apart the evaluations are that a table lists: 1 if it lists all."""
-    return max(1, -(-n_evaluations // _MOST_LISTED))

@@ -4,19 +4,19 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from mrsfi_runtime.analysis.campaign_tables import (
     COUNTS,
+    MOST_LISTED,
     critical_table,
     fault_table,
     front_table,
     goal_table,
     harm_table,
-    listed_step,
     pattern_table,
     settings_table,
 )
 from mrsfi_runtime.analysis.fronts import Pick
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.summary import Summary
-from mrsfi_runtime.analysis.table import Table, plain, to_markdown
+from mrsfi_runtime.analysis.table import Table, every, plain, to_markdown
 from mrsfi_runtime.analysis.weaknesses import (
     broken_by,
     goal_in_words,
@@ -124,7 +124,7 @@ def pick_in_words(pick: Pick, measure: Measure) -> str:
 
 
 def _extent(summary: Summary) -> str:
-    step = listed_step(summary.n_evaluations)
+    step = every(summary.n_evaluations, MOST_LISTED)
     listed = f" `tables/evaluations.csv` lists one in {step} of them, `campaign.sqlite` has all."
     return (
         f"{summary.n_evaluations} evaluations of {summary.n_distinct} distinct specifications in "

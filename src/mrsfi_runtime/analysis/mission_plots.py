@@ -31,6 +31,7 @@ from mrsfi_runtime.analysis.plots import (
     TRUE,
     drawing,
     legend_below,
+    name_rows,
     whole_numbers,
 )
 from mrsfi_runtime.analysis.story import Story, seen, working_window
@@ -147,18 +148,9 @@ def flight_timeline(story: Story) -> Figure:
                 axes.broken_barh(bars, (row + place - 0.19, 0.38), color=colour, lw=0)
             if said.missed is not None:
                 axes.plot([said.missed] * 2, [row - 0.42, row + 0.42], color=INK, lw=2.2)
-        axes.set(
-            xlim=(0, story.mission.duration),
-            ylim=(len(names) - 0.4, -0.6),
-            xlabel="tick",
-            yticks=range(len(names)),
-            yticklabels=names,
-            title=story.title,
-        )
+        axes.set(xlim=(0, story.mission.duration), xlabel="tick", title=story.title)
         axes.axhline(len(faults) - 0.5, color=GRID, lw=1.4)
-        axes.xaxis.set_major_locator(whole_numbers())
-        axes.tick_params(axis="y", length=0, labelcolor=INK)
-        axes.grid(visible=False, axis="y")
+        name_rows(axes, names)
         keys: list[Line2D | Patch] = [
             Patch(fc=INK, alpha=0.75, label="fault active"),
             Patch(fc=BELIEVED, label="believed violated"),

@@ -23,6 +23,7 @@ from matplotlib.ticker import MaxNLocator
 
 from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
+from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.causes.mildest import Tried
 from mrsfi_runtime.record.measure import Measure
 
@@ -88,7 +89,7 @@ def mean_fitness(trend: Trend, label: str) -> Figure:
     """
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Mean fitness of each generation", label)
-        step = _generations_a_point(trend)
+        step = every(len(trend.generations), _MOST_GENERATIONS)
         rows = trend.generations[::step]
         xs = [row.generation for row in rows]
         means = [row.mean for row in rows]
@@ -111,7 +112,7 @@ def best_fitness(trend: Trend, label: str) -> Figure:
     """
     with drawing((8.4, 4.8)) as figure:
         axes = _fitness_axes(figure, "Best fitness of each generation", label)
-        step = _generations_a_point(trend)
+        step = every(len(trend.generations), _MOST_GENERATIONS)
         firsts = range(0, len(trend.generations), step)
         xs = [trend.generations[first].generation for first in firsts]
         best = [
@@ -209,40 +210,15 @@ def fault_types(patterns: Sequence[TypePattern], title: str) -> Figure:
             ("D", INK, 20, "expected from share in campaign", "campaign_expected"),
         ):
             values = [getattr(pattern, share) for pattern in patterns]
-            keys.append(
-                axes.scatter(
-                    values,
-                    places,
-                    marker=marker,
-                    s=size,
-                    color=colour,
-                    lw=2.2,
-                    label=words,
-                    zorder=3,
-                )
-            )
+            style: dict[str, Any] = {"marker": marker, "color": colour, "lw": 2.2, "zorder": 3}
+            keys.append(axes.scatter(values, places, size, label=words, **style))
         expected = [share for p in patterns for share in (p.pool_expected, p.campaign_expected)]
         reach = max([1.0, *counts, *expected])
         for count, place in zip(counts, places, strict=True):
-            axes.text(
-                1.01,
-                place,
-                str(count),
-                transform=axes.get_yaxis_transform(),
-                va="center",
-                color=INK,
-            )
-        axes.set(
-            xlim=(0, reach * 1.04),
-            ylim=(len(names) - 0.4, -0.6),
-            xlabel="occurrences (timed faults)",
-            yticks=places,
-            yticklabels=names,
-            title=title,
-        )
-        axes.xaxis.set_major_locator(whole_numbers())
-        axes.tick_params(axis="y", length=0, labelcolor=INK)
-        axes.grid(visible=False, axis="y")
+            across = axes.get_yaxis_transform()
+            axes.text(1.01, place, str(count), transform=across, va="center", color=INK)
+        axes.set(xlim=(0, reach * 1.04), xlabel="occurrences (timed faults)", title=title)
+        name_rows(axes, names)
         legend_below(figure, handles=keys)
     return figure
 
@@ -279,10 +255,6 @@ def drawing(size: tuple[float, float]) -> Iterator[Figure]:
         figure.set_layout_engine("none")
 
 
-def _generations_a_point(trend: Trend) -> int:
-    return max(1, -(-len(trend.generations) // _MOST_GENERATIONS))
-
-
 def _fitness_axes(figure: Figure, title: str, label: str) -> Axes:
     axes = figure.add_subplot(title=title, xlabel="generation", ylabel=label)
     axes.xaxis.set_major_locator(whole_numbers())
@@ -306,6 +278,14 @@ def legend_below(figure: Figure, *, ncols: int = 4, **keys: Any) -> None:
 def whole_numbers(n_ticks: int = 8) -> MaxNLocator:
     """Return what marks an axis at whole numbers."""
     return MaxNLocator(n_ticks, integer=True, steps=[1, 2, 5, 10])
+
+
+def name_rows(axes: Axes, names: Sequence[str]) -> None:
+    """Name rows of bars, the first above, along an axis of whole numbers."""
+    axes.set(ylim=(len(names) - 0.4, -0.6), yticks=range(len(names)), yticklabels=names)
+    axes.xaxis.set_major_locator(whole_numbers())
+    axes.tick_params(axis="y", length=0, labelcolor=INK)
+    axes.grid(visible=False, axis="y")
 
 
 def _staircase(axes: Axes, front: Front, colour: str) -> None:

@@ -12,14 +12,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mrsfi_runtime.analysis.campaign_tables import evaluations_table, listed_step
+from mrsfi_runtime.analysis.campaign_tables import MOST_LISTED, evaluations_table
 from mrsfi_runtime.analysis.drawing import Draw, draw_here
 from mrsfi_runtime.analysis.illustrations import Illustration, illustrate
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.page.content import PageEntry, campaign_page, flown_of, told_content
 from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
-from mrsfi_runtime.analysis.table import as_csv, write_csv
+from mrsfi_runtime.analysis.table import as_csv, every, write_csv
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.engine.recording import Record, Recording
@@ -72,8 +72,7 @@ def write_report(
             _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")
             _emptied(layout.tables, "*.csv")
             finish = write_figures(layout, shown, draw)
-            _write_critical(layout, summary, pool, write_specification)
-            _write_witnesses(layout, summary, pool, write_specification)
+            _write_specifications(layout, summary, pool, write_specification)
         try:
             with writing(folder, "flights"):
                 flown = [*_fly(layout, summary, mission, pool, record)]
@@ -160,31 +159,23 @@ def specification_rows(
     )
 
 
-def _write_critical(
+def _write_specifications(
     layout: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
 ) -> None:
-    """Write the top specifications."""
-    _emptied(layout.critical, "[0-9][0-9]*.xmi")
-    for rank, evaluation in enumerate(summary.top, start=1):
-        name = f"evaluation_{evaluation.index}"
-        _write_xmi(pool, evaluation.specification, layout.critical / f"{rank:02d}.xmi", name, write)
-
-
-def _write_witnesses(
-    layout: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
-) -> None:
-    """Write the form of each way to break a goal, and the mildest one where it is known."""
-    _emptied(layout.weaknesses, "[0-9][0-9]*.xmi")
-    for way in {*summary.ways, *least(summary.ways)}:
-        name = f"weakness_{way.number}"
-        _write_xmi(pool, way.shown.witness, _witness(layout, way), name, write)
-
-
-def _write_xmi(
-    pool: FaultPool, specification: Specification, path: Path, name: str, write: SpecificationWriter
-) -> None:
-    rows = specification_rows(pool, specification)
-    write(rows, path, name, numbered(row[0] for row in rows))
+    """Write the top specifications, the form of each way to break a goal, and its mildest one."""
+    for folder in (layout.critical, layout.weaknesses):
+        _emptied(folder, "[0-9][0-9]*.xmi")
+    top = [
+        (layout.critical / f"{rank:02d}.xmi", f"evaluation_{each.index}", each.specification)
+        for rank, each in enumerate(summary.top, start=1)
+    ]
+    ways = [
+        (_witness(layout, way), f"weakness_{way.number}", way.shown.witness)
+        for way in {*summary.ways, *least(summary.ways)}
+    ]
+    for path, name, specification in (*top, *ways):
+        rows = specification_rows(pool, specification)
+        write(rows, path, name, numbered(row[0] for row in rows))
 
 
 def write_figures(
@@ -198,7 +189,7 @@ def write_figures(
 
 def _write_evaluations(path: Path, summary: Summary, store: CampaignStore) -> None:
     """Write what came of each evaluation, or of each so many-th."""
-    flown = store.flown(listed_step(summary.n_evaluations))
+    flown = store.flown(every(summary.n_evaluations, MOST_LISTED))
     with path.open("w", encoding="utf-8", newline="") as file:
         write_csv(file, evaluations_table("Evaluations", flown, summary.measure).lines)
 

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.analysis.table import Table
+from mrsfi_runtime.analysis.table import Table, every
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
@@ -147,17 +147,18 @@ def seen(mission: Mission, places: Places) -> tuple[float, float, float]:
 
 def timeline_table(story: Story) -> Table:
     """Return the windows of a flight: of active faults, violated goals and collisions."""
-    return Table(story.title, ("kind", "name", "what", "first", "last"), [*_windows(story)])
+    return Table(story.title, ("kind", "name", "what", "first", "last"), [*windows(story)])
 
 
-def _windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
+def windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
+    """Yield what was so for a while: its kind, whose it was, what, first and last tick."""
     for fault in story.faults:
         if fault.window is not None:
             yield "fault", fault.name, f"{fault.fault.type} on {fault.target}", *fault.window
     last = story.mission.duration - 1
     for goal, said in zip(story.mission.goals, story.goals, strict=True):
-        for what, windows in (("believed violated", said.believed), ("truly violated", said.true)):
-            for window in windows:
+        for what, times in (("believed violated", said.believed), ("truly violated", said.true)):
+            for window in times:
                 yield "goal", goal.id, what, *window
         if said.missed is not None:
             yield "goal", goal.id, "certain to be missed", said.missed, last
@@ -170,7 +171,7 @@ def places_table(story: Story) -> Table:
     robots, duration = story.mission.robots, story.mission.duration
     rows = [
         (tick, robot.id, *story.true[tick, k].tolist(), *story.believed[tick, k].tolist())
-        for tick in range(0, duration, max(1, -(-duration * len(robots) // _MOST_PLACES)))
+        for tick in range(0, duration, every(duration * len(robots), _MOST_PLACES))
         for k, robot in enumerate(robots)
     ]
     return Table(story.title, ("tick", "robot", "x", "y", "believed_x", "believed_y"), rows)

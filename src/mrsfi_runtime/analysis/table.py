@@ -38,6 +38,11 @@ class Table:
         yield from self.rows
 
 
+def every(n: int, most: int) -> int:
+    """Return how far apart those are that stay if at most so many of ``n`` may: 1 if all do."""
+    return max(1, -(-n // most))
+
+
 def in_words(cell: Cell) -> str:
     """Return a cell as people read it."""
     if isinstance(cell, float):

@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mrsfi_runtime.analysis.campaign_tables import evaluations_table, listed_step
+from mrsfi_runtime.analysis.campaign_tables import MOST_LISTED, evaluations_table
 from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.summary import summarise
+from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.errors import RecordError, SpecificationError
 from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.record.encoding import fault_texts, specification_text
@@ -159,4 +160,4 @@ def test_a_table_lists_every_so_manyth_evaluation_across_all_that_is_read_at_onc
     [(0, 1), (9_999, 1), (100_000, 1), (100_001, 2), (200_000, 2), (1_000_000, 10)],
 )
 def test_at_most_a_hundred_thousand_are_listed(n_evaluations, step):
-    assert listed_step(n_evaluations) == step
+    assert every(n_evaluations, MOST_LISTED) == step

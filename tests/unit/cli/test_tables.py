@@ -130,6 +130,20 @@ def test_no_number_or_word_is_cut_however_narrow_it_is(capsys, monkeypatch, colu
     assert {"g1_area_of_the_harbour", "1234567", "7654321", "believed"} <= {*words}
 
 
+def test_numbers_of_two_words_go_on_below_where_they_do_not_fit_and_no_heading_is_cut(
+    capsys, monkeypatch
+):
+    monkeypatch.setenv("COLUMNS", "40")
+    columns = ("fault", *(f"g{k}\nbelieved" for k in range(4)))
+    table = Table("", columns, [("f1", 0.5, "-147.4 ±49.2", "1.0 ±0.0", None)], ("fault",))
+
+    head, below, _, first, second, *_ = _printed(capsys, table)
+
+    assert (head.split(), below.split()) == (["g0", "g1", "g2", "g3"], ["fault", *["believed"] * 4])
+    assert first.split() == ["f1", "0.5", "-147.4", "1.0", "±0.0", "–"]
+    assert second.split() == ["±49.2"]
+
+
 @pytest.mark.parametrize(("columns", "n_lines"), [("1", None), ("100", None), ("200", 30)])
 def test_every_fault_has_its_target_and_its_values_however_narrow_it_is(
     capsys, monkeypatch, columns, n_lines

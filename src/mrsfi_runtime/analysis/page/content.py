@@ -21,7 +21,7 @@ from mrsfi_runtime.analysis.page.flight import (
     stride,
 )
 from mrsfi_runtime.analysis.summary import Summary
-from mrsfi_runtime.analysis.table import to_page
+from mrsfi_runtime.analysis.table import every, to_page
 from mrsfi_runtime.analysis.weaknesses import goal_in_words, matrix_table, said
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain
@@ -64,9 +64,7 @@ def flight_page(
         "title": told.title,
         "mission": mission_content(mission),
         "heading": "What flew",
-        "shown": [
-            _told(mission, told) | {"flight": flight_content(mission, flown, stride(mission, 1))}
-        ],
+        "shown": [told_content(mission, told, flown, 1)],
         "record": list(facts),
     }
 
@@ -79,7 +77,7 @@ def campaign_page(
     shown: Sequence[dict[str, Any]],
 ) -> dict[str, Any]:
     """Return what the page shows of a campaign, and of the ways in which goals break."""
-    step = max(1, -(-summary.n_evaluations // MOST_LISTED))
+    step = every(summary.n_evaluations, MOST_LISTED)
     listed = f"One in {step} is listed." if step > 1 else "All are listed."
     evaluations = to_page(evaluations_table(listed, store.flown(step), summary.measure))
     return {
@@ -117,14 +115,27 @@ def flown_of(
 def told_content(
     mission: Mission, told: PageEntry, flown: Flown | str, n_flights: int
 ) -> dict[str, Any]:
-    """Return what the page shows of a way to break a goal, and of its flight or why it has none.
+    """Return what the page shows of what was flown, and of its flight or why it has none.
 
     So many flights are on the page in all.
     """
-    content = _told(mission, told)
-    if isinstance(flown, str):
-        return content | {"no_flight": flown}
-    return content | {"flight": flight_content(mission, flown, stride(mission, n_flights))}
+    flight, reason = None, flown
+    if isinstance(flown, Flown):
+        flight, reason = flight_content(mission, flown, stride(mission, n_flights)), ""
+    sentences = told.sentences or [""] * len(told.faults)
+    return {
+        "title": told.title,
+        "sentence": told.sentence,
+        "faults": [
+            fault_content(fault) | {"sentence": sentence}
+            for fault, sentence in zip(told.faults, sentences, strict=True)
+        ],
+        "counts": to_page(goal_table(COUNTS, mission, told.outcome)),
+        "command": shlex.join(told.command),
+        "xmi": told.xmi,
+        "flight": flight,
+        "no_flight": reason,
+    }
 
 
 def _matrix(summary: Summary, mission: Mission, pool: FaultPool) -> dict[str, Any] | None:
@@ -133,24 +144,6 @@ def _matrix(summary: Summary, mission: Mission, pool: FaultPool) -> dict[str, An
         return None
     sentence = said(mission.goal_ids, summary.ways, summary.harvest.n_flights)
     return {"said": sentence, **to_page(matrix_table(mission, pool, summary.ways))}
-
-
-def _told(mission: Mission, told: PageEntry) -> dict[str, Any]:
-    return {
-        "title": told.title,
-        "sentence": told.sentence,
-        "faults": [
-            fault_content(fault) | {"sentence": sentence}
-            for fault, sentence in zip(
-                told.faults, told.sentences or [""] * len(told.faults), strict=True
-            )
-        ],
-        "counts": to_page(goal_table(COUNTS, mission, told.outcome)),
-        "command": shlex.join(told.command),
-        "xmi": told.xmi,
-        "flight": None,
-        "no_flight": "",
-    }
 
 
 def _charts(summary: Summary) -> Iterable[dict[str, Any]]:

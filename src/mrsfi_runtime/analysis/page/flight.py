@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mrsfi_runtime.analysis.story import Window, collisions, judged, places, seen
+from mrsfi_runtime.analysis.story import Story, judged, seen, story_of, windows
+from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
 from mrsfi_runtime.record.named_faults import NamedFault
@@ -75,6 +76,7 @@ def fault_content(fault: NamedFault) -> dict[str, Any]:
 def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any]:
     """Return what the page shows of a flight, of motion every so many-th tick (``stride``)."""
     world = flown.recording["world"]["robots"]
+    story = story_of(flown.title, mission, flown.faults, flown.recording)
     steps = {
         name: _step(world[name], flown.recording["belief"]["robots"][name]) for name in _SERIES
     }
@@ -82,7 +84,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
     flights = [(None, flown.recording), *flown.others.items()]
     return {
         "title": flown.title,
-        "window": seen(mission, places(flown.recording, "world")),
+        "window": seen(mission, story.true),
         "faults": [fault_content(fault) for fault in flown.faults],
         "flights": [
             {"without": place, **_flight(mission, recording, steps, stride)}
@@ -90,7 +92,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
         ],
         "displaced": list(_displaced(mission, flown.recording)),
         "samples": list(_samples(mission, flown.recording)),
-        "events": sorted(_events(mission, flown), key=lambda event: event[0]),
+        "events": sorted(_events(story), key=lambda event: event[0]),
         "said": _resolution(steps, stride),
     }
 
@@ -98,7 +100,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
 def stride(mission: Mission, n_flights: int) -> int:
     """Return the distance of the ticks that a page with so many flights keeps of each."""
     n_values = n_flights * mission.duration * len(mission.robots) * 2 * len(_SERIES)
-    return max(1, -(-n_values // MOST_VALUES))
+    return every(n_values, MOST_VALUES)
 
 
 def _flight(
@@ -177,25 +179,13 @@ def _samples(mission: Mission, recording: Recording) -> Iterator[tuple[int, str,
             yield tick, goal.id, x, y
 
 
-def _events(mission: Mission, flown: Flown) -> Iterator[tuple[int, str]]:
-    for fault in flown.faults:
-        if fault.window is not None:
-            first, last = fault.window
-            yield first, f"{fault.name} ({fault.fault.type}) starts on {fault.target}"
-            yield last, f"{fault.name} ({fault.fault.type}) ends"
-    for subject, what, (first, last) in _spells(mission, flown.recording):
-        yield first, f"{subject} {what}"
-        if last + 1 < mission.duration:
-            yield last + 1, f"{subject} no longer {what}"
-
-
-def _spells(mission: Mission, recording: Recording) -> Iterator[tuple[str, str, Window]]:
-    """Yield what is so for a while: of whom, what, and when."""
-    last = mission.duration - 1
-    for goal, said in zip(mission.goals, judged(recording), strict=True):
-        yield from ((goal.id, "believed violated", window) for window in said.believed)
-        yield from ((goal.id, "truly violated", window) for window in said.true)
-        if said.missed is not None:
-            yield goal.id, "certain to be missed", (said.missed, last)
-    for met in collisions(mission, places(recording, "world")):
-        yield met.names, "colliding", met.window
+def _events(story: Story) -> Iterator[tuple[int, str]]:
+    for kind, name, what, first, last in windows(story):
+        if kind == "fault":
+            yield first, f"{name} ({what}) starts"
+            yield last, f"{name} ({what}) ends"
+            continue
+        so = "colliding" if kind == "collision" else what
+        yield first, f"{name} {so}"
+        if last + 1 < story.mission.duration:
+            yield last + 1, f"{name} no longer {so}"
