@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from m2t.generate import generate
-from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.compiled.compilation_errors import CompilationError
 from mrsfi_runtime.engine.compiled.engine import CompiledEngine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.bounds import value_bounds
@@ -230,7 +230,7 @@ def test_both_engines_tell_alike_when_a_fault_first_changed_something(code):
 def test_own_effects_fly_over_rosbridge_as_without_a_bus(code):
     expected = [ReferenceEngine(code, 3).evaluate(each) for each in SPECIFICATIONS[:2]]
 
-    with RosbridgeEngine(code, 3, patience=Patience()) as engine:
+    with RosbridgeEngine(code, 3, EngineSettings()) as engine:
         found = [engine.evaluate(each) for each in SPECIFICATIONS[:2]]
 
     assert found == expected

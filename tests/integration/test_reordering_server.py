@@ -5,6 +5,7 @@ import pytest
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import ProtocolError
 from tests.support.page_simulator import page_simulator
 from tests.support.rosbridge import FLIGHT_SEED, Relay, code_of, digests, reference_digests
@@ -18,9 +19,8 @@ PATIENCE = Patience(tick=3.0, handshake=20.0)
 
 def flown(url: str) -> list[list[str]]:
     """Return the digests of flights on whatever simulation a server has."""
-    with RosbridgeEngine(
-        CODE, FLIGHT_SEED, url=url, has_simulation=False, patience=PATIENCE
-    ) as engine:
+    settings = EngineSettings(url=url, has_simulation=False, patience=PATIENCE)
+    with RosbridgeEngine(CODE, FLIGHT_SEED, settings) as engine:
         return digests(engine, SEEDS)
 
 

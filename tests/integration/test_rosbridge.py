@@ -55,7 +55,7 @@ def simulation(server):
 
 
 def engine(code, **options):
-    return RosbridgeEngine(code, FLIGHT_SEED, patience=PATIENCE, **options)
+    return RosbridgeEngine(code, FLIGHT_SEED, EngineSettings(patience=PATIENCE, **options))
 
 
 @pytest.mark.parametrize("is_bundled", [False, True], ids=["messages", "bundles"])

@@ -16,6 +16,7 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import load_code
 from tests.support.bags import read_bag
 from tests.support.cli import (
@@ -134,7 +135,9 @@ def test_order_within_topics_is_all_that_it_needs():
             EmbeddedBridge() as server,
             Relay(server.url, scatter=scatter) as relay,
             simulator(relay.url),
-            RosbridgeEngine(code, 1, url=server.url, has_simulation=False) as engine,
+            RosbridgeEngine(
+                code, 1, EngineSettings(url=server.url, has_simulation=False)
+            ) as engine,
         ):
             flown.append(digests(engine, range(2)))
 

@@ -24,6 +24,7 @@ from websockets.exceptions import ConnectionClosed
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import MissionCode
 from tests.support.cli import command_line
 from tests.support.trace import TraceDigest
@@ -214,9 +215,8 @@ def main() -> None:
     """Print the digests of flights over rosbridge as JSON."""
     client, form, mission, duration, url, *seeds = sys.argv[1:]
     code = code_of(mission, int(duration))
-    with RosbridgeEngine(
-        code, FLIGHT_SEED, url=url or None, client=client, is_bundled=form == "bundles"
-    ) as engine:
+    settings = EngineSettings(url=url or None, client=client, is_bundled=form == "bundles")
+    with RosbridgeEngine(code, FLIGHT_SEED, settings) as engine:
         sys.stdout.write(json.dumps(digests(engine, [int(seed) for seed in seeds])))
 
 

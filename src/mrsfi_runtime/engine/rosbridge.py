@@ -22,6 +22,7 @@ from mrsfi_runtime.cosimulation.lockstep_topics import GO_BUNDLE
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine import simulation_process
 from mrsfi_runtime.engine.flights import PlainEngine
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import (
     TransportClosed,
     TransportError,
@@ -105,40 +106,31 @@ class SimulationProcess:
 class RosbridgeEngine(PlainEngine):
     """Flies missions over a rosbridge server, one connection for many evaluations.
 
-    It takes what ``EngineSettings`` have; a seed is at most 2**63 - 1. A server or a simulation
-    that cannot be reached is a TransportError, what does not go together a UsageError.
+    A seed is at most 2**63 - 1. A server or a simulation that cannot be reached is a
+    TransportError, what does not go together a UsageError.
     """
 
-    def __init__(
-        self,
-        code: MissionCode,
-        seed: int,
-        *,
-        url: str | None = None,
-        client: Client = "asyncio",
-        has_simulation: bool = True,
-        is_bundled: bool = False,
-        patience: Patience | None = None,
-    ) -> None:
+    def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
         super().__init__(code, seed)
-        if not has_simulation and url is None:
+        url, client, patience = settings.url, settings.client, settings.patience
+        if not settings.has_simulation and url is None:
             raise UsageError("--side ci needs --url: the server on which the simulation is found")
         _require_seed(seed)
-        patience = Patience() if patience is None else patience
         self.patience = 2 * (patience.tick + patience.handshake)
         self._simulation: SimulationProcess | None = None
         with ExitStack() as opened:
             if url is not None:  # first: it tells best what is wrong with the URL
                 self._transport = RosbridgeTransport(url, client)
                 opened.callback(self._transport.close)
-            if has_simulation:
+            if settings.has_simulation:
                 self._simulation = SimulationProcess(code, url, client, patience)
                 opened.callback(self._simulation.close)
             if url is None and self._simulation is not None:
                 self._transport = RosbridgeTransport(self._simulation.url, client)
                 opened.callback(self._transport.close)
             self._opened = opened.pop_all()
-        self._may_be_deaf = is_bundled and not has_simulation
+        is_bundled = settings.is_bundled
+        self._may_be_deaf = is_bundled and not settings.has_simulation
         transport = BundlingTransport.of_ci(self._transport) if is_bundled else self._transport
         self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
         self.interface = self._lockstep.interface

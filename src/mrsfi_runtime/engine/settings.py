@@ -11,7 +11,6 @@ from mrsfi_runtime.errors import EvaluationError, UsageError, expected
 from mrsfi_runtime.transport.server_address import Client
 
 if TYPE_CHECKING:
-    from mrsfi_runtime.engine.compiled.engine import CompiledEngine
     from mrsfi_runtime.engine.flights import Engine
     from mrsfi_runtime.generated_code import MissionCode
 
@@ -59,7 +58,7 @@ class EngineSettings:
         if self.name != AUTO:
             return self
         try:
-            _compiled_engine()(code, seed).close()
+            replace(self, name=COMPILED).open(code, seed).close()
         except (UsageError, EvaluationError) as error:
             tell(f"not compiled: {error}; {ON_REFERENCE}")
             return replace(self, name=REFERENCE)
@@ -79,20 +78,16 @@ class EngineSettings:
     def open(self, code: "MissionCode", seed: int, n_threads: int = 1) -> "Engine":
         """Return the engine, ready to evaluate, or raise why it cannot be; the caller closes it."""
         if self.name == REFERENCE:
-            return _reference(code, seed)
+            from mrsfi_runtime.engine.reference import ReferenceEngine  # noqa: PLC0415 - for flights
+
+            return ReferenceEngine(code, seed)
         if self.name == COMPILED:
-            return _compiled_engine()(code, seed, n_threads)
+            from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - numpy
+
+            return CompiledEngine(code, seed, n_threads)
         from mrsfi_runtime.engine.rosbridge import RosbridgeEngine  # noqa: PLC0415 - brings a server
 
-        return RosbridgeEngine(
-            code,
-            seed,
-            url=self.url,
-            client=self.client,
-            has_simulation=self.has_simulation,
-            is_bundled=self.is_bundled,
-            patience=self.patience,
-        )
+        return RosbridgeEngine(code, seed, self)
 
     def require_workers(self, n_workers: int) -> None:
         """Refuse several workers that would share one server, and with it one set of topics."""
@@ -102,20 +97,6 @@ class EngineSettings:
                 "flight at a time; expected --workers 1, or no --url, so that every worker "
                 "embeds its own server"
             )
-
-
-def _reference(code: "MissionCode", seed: int) -> "Engine":
-    from mrsfi_runtime.engine.reference import (  # noqa: PLC0415 - options name it, flights need it
-        ReferenceEngine,
-    )
-
-    return ReferenceEngine(code, seed)
-
-
-def _compiled_engine() -> "type[CompiledEngine]":
-    from mrsfi_runtime.engine.compiled.engine import CompiledEngine  # noqa: PLC0415 - likewise
-
-    return CompiledEngine
 
 
 def require_address(text: str) -> None:

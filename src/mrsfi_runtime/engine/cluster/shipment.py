@@ -10,9 +10,12 @@ from importlib import metadata
 from pathlib import Path
 from typing import Self
 
-from mrsfi_runtime.engine.source_hash import source_hash
+import mrsfi_runtime
 from mrsfi_runtime.imported_copies import copied_files
 from mrsfi_runtime.model.faults import FaultPool
+
+_ELSEWHERE = frozenset({"analysis", "causes", "cli", "search", "study"})
+"""Rooms of mrsfi whose source no evaluation depends on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,12 +77,22 @@ class Shipment:
 def environment() -> dict[str, str]:
     """Return what decides the bits of a result, and whether two processes understand each other."""
     return {
-        "mrsfi": f"{_version('mrsfi')} (source {source_hash()})",
+        "mrsfi": f"{_version('mrsfi')} (source {_source_hash()})",
         "Python": f"{sys.version_info.major}.{sys.version_info.minor}",
         "numba": _version("numba"),
         "distributed": _version("distributed"),
         "processor": platform.machine(),
     }
+
+
+def _source_hash() -> str:
+    """Return a hash of all source of mrsfi on which evaluations depend."""
+    package = Path(str(mrsfi_runtime.__file__)).parent
+    digest = sha256()
+    for path in sorted(package.rglob("*.py")):
+        if path.relative_to(package).parts[0] not in _ELSEWHERE:
+            digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:8]
 
 
 def _version(name: str) -> str:

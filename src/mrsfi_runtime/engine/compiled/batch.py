@@ -24,6 +24,7 @@ from mrsfi_runtime.engine.compiled.layout import (
 from mrsfi_runtime.engine.flights import digested
 from mrsfi_runtime.engine.recording import Records, record_type
 from mrsfi_runtime.kernel.flight import Verdicts
+from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import (
     FaultTally,
     InjectionRow,
@@ -32,7 +33,7 @@ from mrsfi_runtime.kernel.injections import (
     Plan,
     PlanRows,
 )
-from mrsfi_runtime.kernel.state import State
+from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
 
 _INJECTION = record_type(InjectionState)
@@ -147,8 +148,9 @@ class Fresh(NamedTuple):
     samples: npt.NDArray[np.uint8]
 
 
-def fresh_of(state: State) -> Fresh:
-    """Return what a state before the first tick decides."""
+def fresh(mission: Mission, seed: int) -> Fresh:
+    """Return what a mission seed decides."""
+    state = initial_state(mission, seed)
     return Fresh(*laid_out(state), sample_table(state))
 
 

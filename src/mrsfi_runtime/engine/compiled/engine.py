@@ -14,7 +14,7 @@ import numpy as np
 
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.cosimulation.own_effects import allowed_columns
-from mrsfi_runtime.engine.compiled.batch import Batch, Frame, Fresh, fresh_of
+from mrsfi_runtime.engine.compiled.batch import Batch, Frame, fresh
 from mrsfi_runtime.engine.compiled.compiled_flight import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import read_recorded
 from mrsfi_runtime.engine.compiled.self_check import SECONDS, require_same, trials
@@ -28,7 +28,6 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, OwnRow, plan_rows
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 
 CHUNK = 64
@@ -46,7 +45,7 @@ class CompiledEngine(Engine):
 
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
         super().__init__(code, seed)
-        self._fresh = cache(partial(_fresh, code.mission))
+        self._fresh = cache(partial(fresh, code.mission))
         self._moment_type = moment_type(initial_state(code.mission, seed))
         self._reference = ReferenceEngine(code, seed)
         self._gate = Gate(code.mission, code.pool)
@@ -145,12 +144,10 @@ class CompiledEngine(Engine):
         n = len(specifications)
         specifications = [self._gate.admitted(each) for each in specifications]
         batch = self._batch(specifications, self.code.pool)
-        fresh = self._fresh(seed)
         size = -(-n // self._n_threads)
-        firsts = range(0, n, size)
-        failed = self._threads.map(
-            lambda first: self._fly_some(batch, fresh, first, min(first + size, n)), firsts
-        )
+        spans = [(first, min(first + size, n)) for first in range(0, n, size)]
+        self._fresh(seed)  # once, and not on every thread
+        failed = self._threads.map(partial(self._fly_some, batch, seed), spans)
         again = {k for some in failed for k in some}
         return [
             self._reference.attempt(specification, seed) if k in again else batch.outcome(k)
@@ -171,8 +168,8 @@ class CompiledEngine(Engine):
 
         return Batch(plans, self._moment_type, allowed)
 
-    def _fly_some(self, batch: Batch, fresh: Fresh, first: int, last: int) -> list[int]:
-        return self._fly(Frame(fresh, self._fly_many.calls, batch, (first, last)), first, last)
+    def _fly_some(self, batch: Batch, seed: int, span: tuple[int, int]) -> list[int]:
+        return self._fly(Frame(self._fresh(seed), self._fly_many.calls, batch, span), *span)
 
     def _fly(self, frame: Frame, first: int, last: int) -> list[int]:
         """Fly some specifications of a frame, and return which of them failed.
@@ -202,8 +199,3 @@ class CompiledEngine(Engine):
             read_recorded(world, moment["world"])
             read_recorded(belief, moment["belief"])
             observer(world, belief, Verdicts(*(moment[name].tolist() for name in VERDICTS)))
-
-
-def _fresh(mission: Mission, seed: int) -> Fresh:
-    """Return what a seed decides."""
-    return fresh_of(initial_state(mission, seed))

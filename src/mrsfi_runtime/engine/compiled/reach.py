@@ -5,12 +5,14 @@ Machine code holds what was a global, a default, a constant when it was made, as
 
 import builtins
 import dis
+import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from enum import Enum, EnumMeta
 from functools import partial
 from hashlib import sha256
+from pathlib import Path
 from pkgutil import resolve_name
 from types import (
     BuiltinMethodType,
@@ -25,10 +27,10 @@ from typing import Any, ClassVar, TypeAlias, TypeGuard
 
 import numpy as np
 
-from mrsfi_runtime.engine.source_hash import is_library
 from mrsfi_runtime.errors import EvaluationError
 
 _PLAIN = (bool, int, float, complex, str, bytes, range, slice, NoneType, EllipsisType)
+_LIBRARIES = (f"{Path(os.__file__).parent}/", "/site-packages/", "/dist-packages/")
 _CODE = "argcount posonlyargcount kwonlyargcount flags code exceptiontable names varnames freevars"
 
 
@@ -173,7 +175,8 @@ def _named(value: Any) -> str:
     module, name = getattr(value, "__module__", None), getattr(value, "__qualname__", None)
     file = getattr(sys.modules.get(module or ""), "__file__", None)
     is_found = False
-    if module in sys.builtin_module_names or (file is not None and is_library(file)):
+    is_library = file is not None and any(library in file for library in _LIBRARIES)
+    if is_library or module in sys.builtin_module_names:
         with suppress(ImportError, AttributeError):
             is_found = resolve_name(f"{module}:{name or value.__name__}") is value
     if not is_found:
