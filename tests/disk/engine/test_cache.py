@@ -8,73 +8,70 @@ from tempfile import mkdtemp
 import pytest
 
 from mrsfi_runtime.engine.compiled import cache
-from mrsfi_runtime.engine.compiled.cache import N_KEPT, cache_folder, is_sound, sealing
-from mrsfi_runtime.engine.compiled.machine_code import FILE, MachineCode, forget, kept
+from mrsfi_runtime.engine.compiled.cache import FILE, N_KEPT, cache_folder, forget, kept
+from mrsfi_runtime.engine.compiled.machine_code import MachineCode, kept_code
 from mrsfi_runtime.errors import EvaluationError
+
+MADE = b"machine\ncode"
 
 
 @pytest.fixture
-def entry(tmp_path):
-    """A sealed entry with something in it."""
-    path = tmp_path / "mission"
-    with sealing(path):
-        write(path)
-    return path
+def entry(tmp_path, monkeypatch):
+    """An entry with something in it."""
+    monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
+    assert kept("mission", lambda: MADE) == (MADE, True)
+    return tmp_path / "mission"
 
 
-def write(entry):
-    (entry / "__pycache__").mkdir(exist_ok=True)
-    for name in ("flight.py", "__pycache__/flight.nbi", "__pycache__/flight.nbc"):
-        (entry / name).write_bytes(b"machine code")
+def found_again(entry):
+    return kept(entry.name, lambda: pytest.fail("made twice")) == (MADE, False)
 
 
-def files(entry):
-    return sorted(path.name for path in entry.rglob("*") if path.is_file())
+def test_what_was_sealed_is_found_again_until_it_is_forgotten(entry):
+    assert found_again(entry)
+    forget(entry.name)
+    assert kept(entry.name, lambda: MADE) == (MADE, True)
 
 
-def test_what_was_sealed_is_found_again(entry):
-    assert is_sound(entry)
-    with sealing(entry):
-        assert "flight.nbc" in files(entry)
-
-
-@pytest.mark.parametrize("name", ["flight.py", "__pycache__/flight.nbi", "__pycache__/flight.nbc"])
-@pytest.mark.parametrize("content", [b"", b"machine", b"machine code of others", None])
-def test_of_what_was_cut_emptied_exchanged_or_lost_nothing_is_read(entry, name, content):
+@pytest.mark.parametrize(
+    "content",
+    [
+        lambda whole: b"",
+        lambda whole: whole[:-1],
+        lambda whole: whole[1:],
+        lambda whole: whole.replace(b"machine", b"foreign"),
+        lambda whole: b"0" * 64 + b"\n" + MADE,
+        lambda whole: b"\xff\n" + MADE,
+        None,
+    ],
+    ids=["emptied", "cut", "begun later", "exchanged", "another seal", "no seal", "lost"],
+)
+def test_of_what_was_cut_emptied_exchanged_or_lost_nothing_is_read(entry, content):
     if content is None:
-        (entry / name).unlink()
+        (entry / FILE).unlink()
     else:
-        (entry / name).write_bytes(content)
+        (entry / FILE).write_bytes(content((entry / FILE).read_bytes()))
 
-    assert not is_sound(entry)
-    with sealing(entry):
-        assert files(entry) == ["lock", "seal"]
-        write(entry)
-    assert is_sound(entry)
+    assert kept(entry.name, lambda: MADE) == (MADE, True)
+    assert found_again(entry)
 
 
-@pytest.mark.parametrize("seal", [b"", b"\xff", b"0" * 64])
-def test_an_entry_with_another_seal_or_a_file_more_is_emptied(entry, seal):
-    (entry / "seal").write_bytes(seal)
-    assert not is_sound(entry)
-    with sealing(entry):
-        pass
-    (entry / "__pycache__" / "foreign.nbi").write_bytes(b"")
-    assert not is_sound(entry)
-
-
-def test_what_was_not_finished_is_not_sealed(entry):
-    with suppress(EvaluationError), sealing(entry):
-        (entry / "flight.py").write_bytes(b"half")
+def test_what_was_not_finished_is_not_kept(entry):
+    def fail():
         raise EvaluationError
-    assert not is_sound(entry)
+
+    forget(entry.name)
+    with suppress(EvaluationError):
+        kept(entry.name, fail)
+
+    assert kept(entry.name, lambda: MADE) == (MADE, True)
 
 
-def test_a_file_in_the_place_of_an_entry_is_removed(tmp_path):
-    (tmp_path / "mission").write_bytes(b"")
-    with sealing(tmp_path / "mission"):
-        pass
-    assert is_sound(tmp_path / "mission")
+def test_a_file_in_the_place_of_an_entry_is_removed(entry):
+    entry.with_name("other").write_bytes(b"")
+
+    assert kept("other", lambda: MADE) == (MADE, True)
+    assert kept("other", lambda: pytest.fail("made twice")) == (MADE, False)
 
 
 def test_a_folder_of_ones_own_is_made_for_nobody_else(tmp_path, monkeypatch):
@@ -113,18 +110,12 @@ def test_a_folder_that_is_not_to_be_trusted_is_told_once_and_replaced(
     assert [why in record.message for record in caplog.records] == [True]
 
 
-@pytest.mark.parametrize("content", [b"", b"[[], []]", b"machine code of others"])
-def test_machine_code_that_was_cut_or_exchanged_is_compiled_anew(tmp_path, monkeypatch, content):
+def test_machine_code_is_found_as_it_was_kept(tmp_path, monkeypatch):
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
     code = MachineCode(("fly",), b"machine\ncode", ("floor",))
-    assert kept("one", lambda: code) == (code, True)
 
-    (tmp_path / "one" / FILE).write_bytes(content)
-
-    assert kept("one", lambda: code) == (code, True)
-    assert kept("one", lambda: pytest.fail("compiled twice")) == (code, False)
-    forget("one")
-    assert kept("one", lambda: code) == (code, True)
+    assert kept_code("one", lambda: code) == (code, True)
+    assert kept_code("one", lambda: pytest.fail("compiled twice")) == (code, False)
 
 
 @pytest.mark.parametrize("n_before", [0, 1, N_KEPT // 2 + 3, N_KEPT - 1, N_KEPT, N_KEPT + 5])
@@ -138,10 +129,9 @@ def test_a_new_mission_takes_the_place_of_the_oldest_only_where_the_cache_is_ful
         os.utime(path, (k + 1, k + 1))
 
     monkeypatch.setenv("MRSFI_CACHE", str(tmp_path))
-    code = MachineCode(("fly",), b"machine code", ("floor",))
 
-    assert kept("last", lambda: code) == (code, True)
-    assert kept("last", lambda: pytest.fail("compiled twice")) == (code, False)
+    assert kept("last", lambda: MADE) == (MADE, True)
+    assert kept("last", lambda: pytest.fail("made twice")) == (MADE, False)
 
     found = {path.name for path in tmp_path.iterdir()}
     assert found == {*[f"mission_{k}" for k in range(n_before)][-(N_KEPT - 1) :], "last"}

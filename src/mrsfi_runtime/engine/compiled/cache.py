@@ -9,14 +9,15 @@ import fcntl
 import logging
 import os
 import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 from tempfile import mkdtemp
 
 from mrsfi_runtime.engine.compiled.reach import CompilationError
 
+FILE = "code"
 N_KEPT = 512
 """Regions and kernels that the cache keeps; a region takes some 10 kB, a kernel 140."""
 
@@ -57,53 +58,46 @@ def temporary(folder: Path, why: str) -> Path:
     return Path(own)
 
 
-def is_sound(entry: Path) -> bool:
-    """Return whether an entry is as it was sealed."""
+def kept(key: str, make: Callable[[], bytes]) -> tuple[bytes, bool]:
+    """Return what is kept under a key, made if need be, and whether it was."""
+    folder = cache_folder()
     try:
-        return (entry / "seal").read_text(encoding="ascii") == _digest(entry)
-    except (OSError, ValueError):
-        return False
+        return _kept_in(folder / key, make)
+    except OSError as error:  # a full disk, say
+        return _kept_in(temporary(folder, str(error)) / key, make)
 
 
-@contextmanager
-def sealing(entry: Path) -> Iterator[None]:
-    """Let one process at a time work in an entry: empty unless it is sound, sealed by the end."""
+def forget(key: str) -> None:
+    """Have it made anew when it is asked for next."""
+    (cache_folder() / key / FILE).unlink(missing_ok=True)
+
+
+def _kept_in(entry: Path, make: Callable[[], bytes]) -> tuple[bytes, bool]:
+    """Return what an entry keeps; one process at a time makes it, and seals it in the end."""
     _make_room(entry)
     if entry.is_symlink() or entry.is_file():
         entry.unlink()
     entry.mkdir(mode=0o700, exist_ok=True)
-    with (entry / "lock").open("w") as file:
+    file = entry / FILE
+    with (entry / "lock").open("w") as lock:
         with suppress(OSError):  # a file system without locks: then each compiles for itself
-            fcntl.flock(file, fcntl.LOCK_EX)
-        if not is_sound(entry):
-            empty(entry)
-        yield
-        if not is_sound(entry):
-            (entry / "seal").write_text(_digest(entry), encoding="ascii")
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        seal, _, content = file.read_bytes().partition(b"\n") if file.is_file() else (b"", b"", b"")
+        if seal == _seal(content):
+            file.touch()
+            return content, False
+        content = make()
+        file.write_bytes(_seal(content) + b"\n" + content)
+        return content, True
 
 
-def empty(entry: Path) -> None:
-    """Remove what an entry holds."""
-    for path in _content(entry):
-        path.unlink(missing_ok=True)
-
-
-def _content(entry: Path) -> list[Path]:
-    found = sorted(path for path in entry.rglob("*") if not path.is_dir())
-    return [path for path in found if path.name not in ("seal", "lock")]
-
-
-def _digest(entry: Path) -> str:
-    digest = sha256()
-    for path in _content(entry):
-        content = path.read_bytes()
-        digest.update(f"{path.relative_to(entry)} {len(content)}\n".encode() + content)
-    return digest.hexdigest()
+def _seal(content: bytes) -> bytes:
+    return sha256(content).hexdigest().encode()
 
 
 def _make_room(new: Path) -> None:
     """Remove the oldest entries but for one less than are kept; who uses one has it."""
     if not new.exists():
-        known = [(path.stat().st_mtime, path.parent) for path in new.parent.glob("*/code")]
+        known = [(path.stat().st_mtime, path.parent) for path in new.parent.glob(f"*/{FILE}")]
         for _, entry in sorted(known, reverse=True)[N_KEPT - 1 :]:
             shutil.rmtree(entry, ignore_errors=True)

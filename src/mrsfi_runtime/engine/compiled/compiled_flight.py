@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mrsfi_runtime.engine.compiled.batch import Frame
+from mrsfi_runtime.engine.compiled.cache import forget
 from mrsfi_runtime.engine.compiled.machine_code import (
     FLIGHT,
     MachineCode,
-    forget,
-    kept,
+    kept_code,
     kernel_key,
     key_of,
     sources_key,
@@ -51,7 +51,7 @@ class CompiledFlight:
         self.calls[-len(by_task) :] = by_task
         for (region, reached), key in zip(self._regions, self._keys, strict=True):
             compile_ = partial(_compiled_region, self._directory, region, reached)
-            found, is_new = kept(key, compile_)
+            found, is_new = kept_code(key, compile_)
             self.calls[region.place] = found.addresses()[0]
             self.is_new |= is_new
 
@@ -85,7 +85,7 @@ class CompiledFlight:
 def kernel() -> tuple[MachineCode | Library, bool]:
     """Return the kernel: prebuilt, or of the cache, compiled if need be, and whether it was."""
     prebuilt = prebuilt_kernel()
-    return (prebuilt, False) if prebuilt else kept(kernel_key(), _compiled_kernel)
+    return (prebuilt, False) if prebuilt else kept_code(kernel_key(), _compiled_kernel)
 
 
 def _compiled_kernel() -> MachineCode:

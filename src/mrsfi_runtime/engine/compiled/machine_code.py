@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import mrsfi_runtime
-from mrsfi_runtime.engine.compiled.cache import cache_folder, empty, is_sound, sealing, temporary
+from mrsfi_runtime.engine.compiled.cache import kept
 from mrsfi_runtime.engine.compiled.reach import CompilationError
 from mrsfi_runtime.errors import UsageError
 
-FILE = "code"
 _SOURCES = ("kernel", "model", "engine/compiled", "engine/recording.py")
 _LOADED: dict[bytes, tuple[Any, list[int]]] = {}
 
@@ -110,33 +109,17 @@ def key_of(*parts: str) -> str:
     return sha256("\0".join(parts).encode()).hexdigest()[:24]
 
 
-def kept(key: str, compile_: Callable[[], MachineCode]) -> tuple[MachineCode, bool]:
+def kept_code(key: str, compile_: Callable[[], MachineCode]) -> tuple[MachineCode, bool]:
     """Return what the cache keeps under a key, compiled if need be, and whether it was."""
-    folder = cache_folder()
-    try:
-        return _kept_in(folder / key, compile_)
-    except OSError as error:  # a full disk, say
-        return _kept_in(temporary(folder, str(error)) / key, compile_)
 
-
-def forget(key: str) -> None:
-    """Compile anew when it is asked for next."""
-    with sealing(cache_folder() / key):
-        empty(cache_folder() / key)
-
-
-def _kept_in(entry: Path, compile_: Callable[[], MachineCode]) -> tuple[MachineCode, bool]:
-    with sealing(entry):
-        file = entry / FILE
-        if file.is_file() and is_sound(entry):
-            file.touch()
-            head, _, binary = file.read_bytes().partition(b"\n")
-            names, taken = map(tuple, json.loads(head))
-            return MachineCode(names, binary, taken), False
+    def make() -> bytes:
         code = compile_()
-        head = json.dumps([code.names, code.taken]).encode()
-        file.write_bytes(head + b"\n" + code.binary)
-        return code, True
+        return json.dumps([code.names, code.taken]).encode() + b"\n" + code.binary
+
+    content, is_new = kept(key, make)
+    head, _, binary = content.partition(b"\n")
+    names, taken = map(tuple, json.loads(head))
+    return MachineCode(names, binary, taken), is_new
 
 
 FLIGHT = ctypes.CFUNCTYPE(
