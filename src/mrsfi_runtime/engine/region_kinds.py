@@ -163,6 +163,7 @@ def _common(kinds: Kinds, nodes: Sequence[ast.AST]) -> Kind:
 
 
 _KIND_OF: Mapping[type, Callable[[Kinds, Any], Kind]] = {
+    ast.Constant: lambda _, node: type(node.value),
     ast.arg: _of_argument,
     ast.Name: _of_name,
     ast.Attribute: _of_field,

@@ -7,7 +7,7 @@ file, constants and tables included, stays plain Python on every engine.
 """
 
 import ast
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -72,7 +72,7 @@ class RegionFinding:
         return f"{self.path}:{self.line}: {self.place}: {self.message} [{self.constraint}]"
 
 
-Rule: TypeAlias = Callable[[Source], Iterator[tuple[int, str, str]]]
+_Rule: TypeAlias = Callable[[Source], Iterator[tuple[int, str]]]
 
 
 def lint_regions(directory: Path) -> tuple[RegionFinding, ...]:
@@ -80,17 +80,17 @@ def lint_regions(directory: Path) -> tuple[RegionFinding, ...]:
 
     Where no code was generated yet nothing is wrong.
     """
-    return _found(directory, (*ERRORS, _compiled))
+    return _found(directory, {**_ERRORS, _compiled: COMPILES_ALIKE})
 
 
 def require_sound_regions(directory: Path) -> None:
     """Raise EvaluationError of all regions that cannot run, one a line."""
-    errors = _found(directory, ERRORS)
+    errors = _found(directory, _ERRORS)
     if errors:
         raise EvaluationError("\n".join(map(str, errors)))
 
 
-def _found(directory: Path, rules: Sequence[Rule]) -> tuple[RegionFinding, ...]:
+def _found(directory: Path, rules: Mapping[_Rule, str]) -> tuple[RegionFinding, ...]:
     unfilled = (
         RegionFinding(each.path, each.line, each.place, FILLED, each.message)
         for each in unfilled_regions(directory)
@@ -98,31 +98,31 @@ def _found(directory: Path, rules: Sequence[Rule]) -> tuple[RegionFinding, ...]:
     found = (
         RegionFinding(source.path, line, source.place(line), constraint, message)
         for source in sources(directory)
-        for rule in rules
-        for line, constraint, message in sorted(rule(source))
+        for rule, constraint in rules.items()
+        for line, message in sorted(rule(source))
     )
     return tuple(dict.fromkeys((*unfilled, *found)))
 
 
-def _no_python(source: Source) -> Iterator[tuple[int, str, str]]:
+def _no_python(source: Source) -> Iterator[tuple[int, str]]:
     """Yield why a file is no Python; no other rule finds anything there."""
     if source.error is not None:
         what = source.error.msg if isinstance(source.error, SyntaxError) else str(source.error)
-        yield getattr(source.error, "lineno", None) or 1, RUNS, f"is no Python: {what}"
+        yield getattr(source.error, "lineno", None) or 1, f"is no Python: {what}"
 
 
-def _undefined(source: Source) -> Iterator[tuple[int, str, str]]:
+def _undefined(source: Source) -> Iterator[tuple[int, str]]:
     """Yield names that are defined nowhere, and what else pyflakes is sure of."""
     for said in Checker(source.tree, str(source.path)).messages:
         if isinstance(said, messages.UndefinedName):
             where = "" if source.regions is None else " in the region 'imports' or 'helpers'"
             found = f"found `{said.message_args[0]}`, which is not defined; import or define it"
-            yield said.lineno, RUNS, found + where
+            yield said.lineno, found + where
         elif isinstance(said, _CERTAIN):
-            yield said.lineno, RUNS, f"found a mistake: {said.message % said.message_args}"
+            yield said.lineno, f"found a mistake: {said.message % said.message_args}"
 
 
-def _missing(source: Source) -> Iterator[tuple[int, str, str]]:
+def _missing(source: Source) -> Iterator[tuple[int, str]]:
     """Yield lines that ask a record for a field, or a module of ours for a name, in vain."""
     for function in source.functions.values():
         kinds = Kinds(function, source)
@@ -130,7 +130,7 @@ def _missing(source: Source) -> Iterator[tuple[int, str, str]]:
             if isinstance(node, ast.Attribute):
                 owner, known = _known(node.value, kinds)
                 if known and node.attr not in known:
-                    yield node.lineno, RUNS, _missed(node, owner, known)
+                    yield node.lineno, _missed(node, owner, known)
 
 
 def _known(node: ast.AST, kinds: Kinds) -> tuple[str, Sequence[str]]:
@@ -152,13 +152,13 @@ def _missed(node: ast.Attribute, owner: str, known: Sequence[str]) -> str:
     return f"found `{ast.unparse(node)}`, but {owner} has no '{node.attr}'; it has {has}"
 
 
-def _compiled(source: Source) -> Iterator[tuple[int, str, str]]:
+def _compiled(source: Source) -> Iterator[tuple[int, str]]:
     """Yield what would compile to something else, in regions and the team's own files."""
     for function in source.kernels.values():
         for line, message in remarks(function, source):
             if source.regions is None or line in source.regions:
-                yield line, COMPILES_ALIKE, message
+                yield line, message
 
 
-ERRORS: Sequence[Rule] = (_no_python, _undefined, _missing)
+_ERRORS: Mapping[_Rule, str] = dict.fromkeys((_no_python, _undefined, _missing), RUNS)
 """What a region must not have if anything is to fly."""

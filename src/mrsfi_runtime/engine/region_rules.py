@@ -102,7 +102,7 @@ class _Function(Kinds):
 
     def is_whole(self, node: ast.AST) -> bool:
         """Whether an expression is certainly no float."""
-        return _is_text(node) or self.of(node) in (int, bool)
+        return self.of(node) in (int, bool, str)
 
 
 def _fits(number: float | None) -> bool:
@@ -112,10 +112,6 @@ def _fits(number: float | None) -> bool:
 def _is_mask(node: ast.AST) -> bool:
     mask = literal(node)
     return isinstance(mask, int) and 0 <= mask <= _LARGEST
-
-
-def _is_text(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
 def _is_singleton(node: ast.AST) -> bool:

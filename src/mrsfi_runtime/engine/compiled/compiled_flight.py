@@ -3,7 +3,6 @@
 import ctypes
 import logging
 from functools import partial
-from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -50,10 +49,14 @@ class CompiledFlight:
         self.calls: Words = np.zeros(self._n_calls, np.int64)
         self.calls[-len(by_task) :] = by_task
         for (region, reached), key in zip(self._regions, self._keys, strict=True):
-            compile_ = partial(_compiled_region, self._directory, region, reached)
-            found, is_new = kept_code(key, compile_)
+            found, is_new = kept_code(key, partial(self._compiled, region, reached))
             self.calls[region.place] = found.addresses()[0]
             self.is_new |= is_new
+
+    def _compiled(self, region: Region, reached: Reached) -> MachineCode:
+        from mrsfi_runtime.engine.compiled.compiler import compiled_region  # noqa: PLC0415 - slow
+
+        return compiled_region(self._directory, region, reached)
 
     def forget(self) -> None:
         """Compile its regions anew, or the kernel if there are none and none was prebuilt."""
@@ -97,9 +100,3 @@ def _compiled_kernel() -> MachineCode:
     found = compiled_kernel()
     log.warning("compiled the kernel in %.1f s", perf_counter() - began)
     return found
-
-
-def _compiled_region(directory: Path, region: Region, reached: Reached) -> MachineCode:
-    from mrsfi_runtime.engine.compiled.compiler import compiled_region  # noqa: PLC0415 - slow
-
-    return compiled_region(directory, region, reached)
