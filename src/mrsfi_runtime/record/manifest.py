@@ -1,7 +1,7 @@
 """What a campaign runs on: mission, engine, versions, and the hash of every file it copied."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, Self
 
 from mrsfi_runtime.model.semantics import SEMANTICS, UNNUMBERED
@@ -76,13 +76,6 @@ class Manifest:
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Self:
         """Return the manifest that ``as_json`` described; what is missing is empty."""
-        return cls(
-            mission=values.get("mission", ""),
-            place=values.get("place", ""),
-            case=values.get("case", ""),
-            engine=EngineRecord.from_json(values),
-            versions=values.get("versions", {}),
-            machine=values.get("machine", ""),
-            sha256=values.get("sha256", {}),
-            semantics=values.get("semantics", UNNUMBERED),
-        )
+        known = {each.name: values[each.name] for each in fields(cls) if each.name in values}
+        engine = EngineRecord.from_json(values)
+        return cls(**{"semantics": UNNUMBERED, **known, "engine": engine})

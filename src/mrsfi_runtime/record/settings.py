@@ -6,7 +6,7 @@ A campaign file has one table, ``[search]``. What it leaves out has the paper's 
 import math
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from numbers import Integral
 from pathlib import Path
 from types import MappingProxyType
@@ -41,6 +41,53 @@ MINIMISING = ("nsga2", "guided")
 
 VIOLATIONS = ("believed", "true", "masked", "missed")
 """Counts of an outcome that a search can look at."""
+
+
+class _Rule(NamedTuple):
+    expected: str
+    accepts: Callable[[Any], bool]
+    converted: Callable[[Any], Any]
+    names: tuple[str, ...] = ()
+
+
+def _whole(low: int, high: float = math.inf) -> _Rule:
+    words = f"a whole number >= {low}" if high == math.inf else f"a whole number {low} … {high}"
+
+    def accepts(value: Any) -> bool:
+        is_whole = isinstance(value, Integral) and not isinstance(value, bool)
+        return is_whole and low <= int(value) <= high
+
+    return _Rule(words, accepts, int)
+
+
+_CHANCE = _Rule(
+    "a number 0 … 1",
+    lambda value: type(value) in (int, float) and math.isfinite(value) and 0 <= value <= 1,
+    float,
+)
+_NAME = _Rule("a name", lambda value: isinstance(value, str) and bool(value), str)
+
+
+def _one_of(names: Iterable[str]) -> _Rule:
+    known = tuple(names)
+    return _Rule("", lambda value: value in known, str, known)
+
+
+_GOALS = _Rule(
+    "a list of different goal IDs",
+    lambda value: (
+        isinstance(value, list | tuple)
+        and all(isinstance(goal, str) for goal in value)
+        and len(set(value)) == len(value)
+    ),
+    tuple,
+)
+_SEED = _whole(0, _LARGEST_SEED)
+
+
+def _setting(default: Any, rule: _Rule) -> Any:
+    """Return the field of a setting that the campaign file leaves at a default."""
+    return field(default=default, metadata={"rule": rule})
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,27 +147,27 @@ class CampaignSettings:
     Source paper, sections III-E and V-A.
     """
 
-    algorithm: str = "paper"
-    population: int = 20
-    generations: int = 50
-    faults: int = 20
-    crossover: float = 0.7
-    mutation: float = 0.7
-    mutation_share: float = 0.5
-    selection: str = "roulette"
-    crossover_operator: str = "exchange"
-    mutation_operator: str = "redraw"
-    offspring: int | None = None
-    fitness: str = "weighted"
-    violations: str = "believed"
-    minimise: str | None = None
-    replications: int = 1
-    goals: tuple[str, ...] = ()
-    seed: int = 1
-    mission_seed: int = 1
-    evaluations: int | None = None
-    until: float | None = None
-    max_failures: int = 10
+    algorithm: str = _setting("paper", _NAME)
+    population: int = _setting(20, _whole(1))
+    generations: int = _setting(50, _whole(0))
+    faults: int = _setting(20, _whole(1))
+    crossover: float = _setting(0.7, _CHANCE)
+    mutation: float = _setting(0.7, _CHANCE)
+    mutation_share: float = _setting(0.5, _CHANCE)
+    selection: str = _setting("roulette", _NAME)
+    crossover_operator: str = _setting("exchange", _NAME)
+    mutation_operator: str = _setting("redraw", _NAME)
+    offspring: int | None = _setting(None, _whole(1))
+    fitness: str = _setting("weighted", _NAME)
+    violations: str = _setting("believed", _one_of(VIOLATIONS))
+    minimise: str | None = _setting(None, _one_of(COSTS))
+    replications: int = _setting(1, _whole(1, 1000))
+    goals: tuple[str, ...] = _setting((), _GOALS)
+    seed: int = _setting(1, _SEED)
+    mission_seed: int = _setting(1, _SEED)
+    evaluations: int | None = _setting(None, _whole(1))
+    until: float | None = _setting(None, _CHANCE)
+    max_failures: int = _setting(10, _whole(1))
     source: str = field(default="settings", compare=False)
     options: frozenset[str] = field(default=frozenset(), compare=False)
 
@@ -205,69 +252,8 @@ def following(seed: int, n: int) -> tuple[int, ...]:
     return tuple((seed + number) % (_LARGEST_SEED + 1) for number in range(n))
 
 
-class _Rule(NamedTuple):
-    expected: str
-    accepts: Callable[[Any], bool]
-    converted: Callable[[Any], Any]
-    names: tuple[str, ...] = ()
-
-
-def _whole(low: int, high: float = math.inf) -> _Rule:
-    words = f"a whole number >= {low}" if high == math.inf else f"a whole number {low} … {high}"
-
-    def accepts(value: Any) -> bool:
-        is_whole = isinstance(value, Integral) and not isinstance(value, bool)
-        return is_whole and low <= int(value) <= high
-
-    return _Rule(words, accepts, int)
-
-
-_CHANCE = _Rule(
-    "a number 0 … 1",
-    lambda value: type(value) in (int, float) and math.isfinite(value) and 0 <= value <= 1,
-    float,
-)
-_NAME = _Rule("a name", lambda value: isinstance(value, str) and bool(value), str)
-
-
-def _one_of(names: Iterable[str]) -> _Rule:
-    known = tuple(names)
-    return _Rule("", lambda value: value in known, str, known)
-
-
-_GOALS = _Rule(
-    "a list of different goal IDs",
-    lambda value: (
-        isinstance(value, list | tuple)
-        and all(isinstance(goal, str) for goal in value)
-        and len(set(value)) == len(value)
-    ),
-    tuple,
-)
 _RULES: Mapping[str, _Rule] = MappingProxyType(
-    {
-        "algorithm": _NAME,
-        "population": _whole(1),
-        "generations": _whole(0),
-        "faults": _whole(1),
-        "crossover": _CHANCE,
-        "mutation": _CHANCE,
-        "mutation_share": _CHANCE,
-        "selection": _NAME,
-        "crossover_operator": _NAME,
-        "mutation_operator": _NAME,
-        "offspring": _whole(1),
-        "fitness": _NAME,
-        "violations": _one_of(VIOLATIONS),
-        "minimise": _one_of(COSTS),
-        "replications": _whole(1, 1000),
-        "goals": _GOALS,
-        "seed": _whole(0, _LARGEST_SEED),
-        "mission_seed": _whole(0, _LARGEST_SEED),
-        "evaluations": _whole(1),
-        "until": _CHANCE,
-        "max_failures": _whole(1),
-    }
+    {each.name: each.metadata["rule"] for each in fields(CampaignSettings) if each.metadata}
 )
 
 
@@ -305,4 +291,4 @@ def require_whole(name: str, value: object) -> int:
 
 def require_seed(value: object) -> int:
     """Return a mission seed that a script gives; refuse anything else."""
-    return int(_kept(_RULES["mission_seed"], "seed", value))
+    return int(_kept(_SEED, "seed", value))
