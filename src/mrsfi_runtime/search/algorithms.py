@@ -9,7 +9,7 @@ References
 Source paper, section III-E.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import cycle, islice
@@ -32,8 +32,6 @@ from mrsfi_runtime.search.individuals import (
     costs_of,
     foremost,
     lent_to_deap,
-    mate,
-    mutate,
     uniform,
 )
 from mrsfi_runtime.search.loop import (
@@ -81,12 +79,55 @@ class Breeder:
     def toolbox(self, rng: Random) -> Any:
         """Return the operators as DEAP's algorithms take them, drawing from a generator."""
         space, share = self._space, self._settings.mutation_share
-        varied = partial(mutate, space=space, rng=rng, share=share, operator=self._mutation)
+
+        def mate(first: Individual, second: Individual) -> tuple[Individual, Individual]:
+            one, other = self._crossover(space, first.specification, second.specification, rng)
+            first.become(one)
+            second.become(other)
+            return first, second
+
+        def mutate(individual: Individual) -> tuple[Individual]:
+            individual.become(self._mutation(space, individual.specification, rng, share))
+            return (individual,)
+
         toolbox = base.Toolbox()
         toolbox.register("clone", Individual.clone)
-        toolbox.register("mate", mate, space=space, rng=rng, operator=self._crossover)
-        toolbox.register("mutate", varied)
+        toolbox.register("mate", mate)
+        toolbox.register("mutate", mutate)
         return toolbox
+
+    def varied(self, selected: Sequence[Individual]) -> list[Individual]:
+        """Vary by crossover and mutation, as the paper does."""
+        rng, toolbox = self.rng, self.toolbox(self.rng)
+        offspring = [individual.clone() for individual in selected]
+        for pair in zip(offspring[::2], offspring[1::2], strict=False):  # an odd one stays alone
+            if rng.random() < self._settings.crossover:
+                toolbox.mate(*pair)
+        for individual in offspring:
+            if rng.random() < self._settings.mutation:
+                toolbox.mutate(individual)
+        return offspring
+
+    def vary_and(self, selected: Sequence[Individual]) -> list[Individual]:
+        """Vary by crossover and mutation, as DEAP does."""
+        chances = self._settings.crossover, self._settings.mutation
+        return self._by_deap(algorithms.varAnd, selected, *chances)
+
+    def vary_or(self, parents: Sequence[Individual], n_offspring: int) -> list[Individual]:
+        """Vary by crossover or mutation; their chances share what is above 1 in proportion."""
+        crossover = self._settings.crossover if len(parents) > 1 else 0.0
+        total = max(1.0, crossover + self._settings.mutation)
+        share = crossover / total
+        mutation = min(self._settings.mutation / total, 1.0 - share)
+        return self._by_deap(algorithms.varOr, parents, n_offspring, share, mutation)
+
+    def _by_deap(
+        self, vary: Any, individuals: Sequence[Individual], *numbers: float
+    ) -> list[Individual]:
+        """Let DEAP draw from the search's generator; the operators need another then."""
+        toolbox = self.toolbox(Random(self.rng.getrandbits(64)))
+        with lent_to_deap(self.rng):
+            return list(vary(individuals, toolbox, *numbers))
 
     def loop(self, breed: Breeding, survive: Survival = replaced) -> Algorithm:
         """Return the algorithm that breeds from every population but the first."""
@@ -105,7 +146,7 @@ def ea_simple(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     it came out as it was.
     """
     breeder = Breeder(space, settings)
-    return breeder.loop(lambda parents: _vary_and(breeder, settings, breeder.select(parents)))
+    return breeder.loop(lambda parents: breeder.vary_and(breeder.select(parents)))
 
 
 def ea_mu_plus_lambda(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -113,7 +154,7 @@ def ea_mu_plus_lambda(space: SearchSpace, settings: CampaignSettings) -> Algorit
     breeder = Breeder(space, settings)
     n_offspring = settings.offspring or settings.population
     return breeder.loop(
-        lambda parents: _vary_or(breeder, settings, parents, n_offspring),
+        lambda parents: breeder.vary_or(parents, n_offspring),
         lambda parents, offspring: breeder.select([*parents, *offspring]) if parents else offspring,
     )
 
@@ -131,7 +172,7 @@ def ea_mu_comma_lambda(space: SearchSpace, settings: CampaignSettings) -> Algori
         )
     breeder = Breeder(space, settings)
     return breeder.loop(
-        lambda parents: _vary_or(breeder, settings, parents, n_offspring),
+        lambda parents: breeder.vary_or(parents, n_offspring),
         lambda parents, offspring: breeder.select(offspring) if parents else offspring,
     )
 
@@ -172,38 +213,12 @@ def nsga2(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
         padded = [*parents, *islice(cycle(parents), n_padding)]
         with lent_to_deap(breeder.rng):
             selected = tools.selTournamentDCD(padded, len(padded))
-        return _vary_and(breeder, settings, selected[: breeder.size])
+        return breeder.vary_and(selected[: breeder.size])
 
     return breeder.loop(
         breed,
         lambda parents, offspring: foremost([*parents, *offspring], breeder.size, objectives),
     )
-
-
-def _vary_and(
-    breeder: Breeder, settings: CampaignSettings, selected: Sequence[Individual]
-) -> list[Individual]:
-    toolbox = _own_toolbox(breeder)
-    with lent_to_deap(breeder.rng):
-        return list(algorithms.varAnd(selected, toolbox, settings.crossover, settings.mutation))
-
-
-def _vary_or(
-    breeder: Breeder, settings: CampaignSettings, parents: Sequence[Individual], n_offspring: int
-) -> list[Individual]:
-    """Vary by crossover or mutation; their chances share what is above 1 in proportion."""
-    toolbox = _own_toolbox(breeder)
-    crossover = settings.crossover if len(parents) > 1 else 0.0
-    total = max(1.0, crossover + settings.mutation)
-    share = crossover / total
-    mutation = min(settings.mutation / total, 1.0 - share)
-    with lent_to_deap(breeder.rng):
-        return list(algorithms.varOr(parents, toolbox, n_offspring, share, mutation))
-
-
-def _own_toolbox(breeder: Breeder) -> Any:
-    """Return the operators; DEAP draws from the search's generator, so they need another."""
-    return breeder.toolbox(Random(breeder.rng.getrandbits(64)))
 
 
 def paper(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
@@ -215,42 +230,19 @@ def paper(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     the parent's fitness and is not evaluated again.
     """
     breeder = Breeder(space, settings)
-    return _evolution(breeder, settings, breeder.select)
+    return breeder.loop(lambda parents: breeder.varied(breeder.select(parents)))
 
 
 def drift(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Return the paper's loop without selection pressure: variation alone, as a control."""
     breeder = Breeder(space, settings)
-    select = partial(uniform, n_selected=breeder.size, rng=breeder.rng)
-    return _evolution(breeder, settings, select)
+    return breeder.loop(lambda parents: breeder.varied(uniform(parents, breeder.size, breeder.rng)))
 
 
 def random_search(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     """Return a control that draws every generation afresh."""
     breeder = Breeder(space, settings)
     return breeder.loop(lambda _: breeder.first())
-
-
-def _evolution(
-    breeder: Breeder,
-    settings: CampaignSettings,
-    select: Callable[[Sequence[Individual]], list[Individual]],
-) -> Algorithm:
-    rng, toolbox = breeder.rng, breeder.toolbox(breeder.rng)
-    return breeder.loop(lambda parents: _varied(select(parents), settings, rng, toolbox))
-
-
-def _varied(
-    selected: Sequence[Individual], settings: CampaignSettings, rng: Random, toolbox: Any
-) -> list[Individual]:
-    offspring = [toolbox.clone(parent) for parent in selected]
-    for one, other in zip(offspring[::2], offspring[1::2], strict=False):  # an odd one stays alone
-        if rng.random() < settings.crossover:
-            toolbox.mate(one, other)
-    for individual in offspring:
-        if rng.random() < settings.mutation:
-            toolbox.mutate(individual)
-    return offspring
 
 
 ALGORITHMS: Mapping[str, AlgorithmFactory] = MappingProxyType(

@@ -26,7 +26,6 @@ from mrsfi_runtime.model.faults import COSTS, Specification, TimedFault
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.space import SearchSpace
-from mrsfi_runtime.search.variation import Crossover, Mutation, crossed, mutated
 
 
 class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
@@ -86,32 +85,6 @@ class Individual(list[TimedFault]):
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         return self.clone()
-
-
-def mutate(
-    individual: Individual,
-    space: SearchSpace,
-    rng: Random,
-    share: float,
-    operator: Mutation = mutated,
-) -> tuple[Individual]:
-    """Mutate in place, and return the individual, as DEAP's operators do."""
-    individual.become(operator(space, individual.specification, rng, share))
-    return (individual,)
-
-
-def mate(
-    first: Individual,
-    second: Individual,
-    space: SearchSpace,
-    rng: Random,
-    operator: Crossover = crossed,
-) -> tuple[Individual, Individual]:
-    """Exchange faults in place, and return both, as DEAP's operators do."""
-    one, other = operator(space, first.specification, second.specification, rng)
-    first.become(one)
-    second.become(other)
-    return first, second
 
 
 Costs: TypeAlias = Callable[[Specification], tuple[int, ...]]

@@ -1,10 +1,13 @@
 from copy import deepcopy
 from random import Random
+from typing import Any
 
 import pytest
 
+from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.search.algorithms import Breeder
 from mrsfi_runtime.search.fitness import Score
-from mrsfi_runtime.search.individuals import Individual, mate, mutate
+from mrsfi_runtime.search.individuals import Individual
 from tests.support.search import paper_space, random_pair
 
 
@@ -16,14 +19,18 @@ def evaluated_pair() -> tuple[Individual, Individual]:
     return first, second
 
 
+def operators(share: float) -> Any:
+    return Breeder(paper_space(), CampaignSettings(mutation_share=share)).toolbox(Random(2))
+
+
 @pytest.mark.parametrize("copy", [Individual.clone, deepcopy])
 def test_variation_of_copies_leaves_the_parents_untouched(copy):
     parents = evaluated_pair()
     before = [(parent.specification, parent.fitness.values) for parent in parents]
     first, second = map(copy, parents)
 
-    mate(first, second, paper_space(), Random(2))
-    mutate(first, paper_space(), Random(2), share=1.0)
+    operators(1.0).mate(first, second)
+    operators(1.0).mutate(first)
 
     assert [(parent.specification, parent.fitness.values) for parent in parents] == before
     assert [parent.number for parent in parents] == [0, 1]
@@ -34,7 +41,7 @@ def test_variation_of_copies_leaves_the_parents_untouched(copy):
 def test_a_changed_individual_loses_its_fitness_and_number():
     first, second = evaluated_pair()
 
-    mate(first, second, paper_space(), Random(2))
+    operators(1.0).mate(first, second)
 
     assert not first.is_evaluated
     assert not second.is_evaluated
@@ -45,8 +52,8 @@ def test_an_individual_that_variation_left_as_it_was_keeps_its_fitness():
     first, _ = evaluated_pair()
     twin = first.clone()
 
-    mate(first, twin, paper_space(), Random(2))
-    mutate(first, paper_space(), Random(2), share=0.0)
+    operators(0.0).mate(first, twin)
+    operators(0.0).mutate(first)
 
     assert first.fitness.values == twin.fitness.values == (3.0,)
     assert first.number == twin.number == 0
