@@ -36,9 +36,8 @@ from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record import encoding
-from mrsfi_runtime.record.flights import RecordedFlight
 from mrsfi_runtime.record.settings import COVERING, following
-from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
 from mrsfi_runtime.search.space import SearchSpace
 
 N_SEEDS = 5

@@ -19,12 +19,13 @@ from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
 from mrsfi_runtime.record import database, encoding
-from mrsfi_runtime.record.flights import RecordedFlight
 from mrsfi_runtime.record.folder import CampaignFolder
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.settings import CampaignSettings
 
 T = TypeVar("T")
+
+_OUTCOME = (*encoding.COUNTS, "digest")
 
 _BATCH = 2000  # evaluations whose texts are held at once
 _FEW = 256  # generations that are: the state of a random generator is a long text
@@ -77,6 +78,38 @@ class FailedEvaluation:
     generation: int
     specification: Specification
     traceback: str
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedFlight:
+    """What came of a specification with a mission seed.
+
+    If the mission's own code failed, ``outcome`` is ``None``, and ``traceback`` what it raised.
+    """
+
+    mission_seed: int
+    specification: Specification
+    outcome: Outcome | None
+    traceback: str = ""
+
+    def row(self) -> tuple[int, str, str]:
+        """Return it as it is stored: mission seed, specification, what came of it."""
+        outcome = self.outcome
+        found = self.traceback if outcome is None else {n: getattr(outcome, n) for n in _OUTCOME}
+        text = encoding.specification_text(self.specification)
+        return int(self.mission_seed), text, encoding.canonical([found])
+
+    @classmethod
+    def from_row(cls, row: tuple[int, str, str]) -> Self:
+        """Return what such a row says; ``ValueError`` or ``TypeError`` if it makes no sense."""
+        seed, specification, text = row
+        faults, (found, *rest) = encoding.lists([specification, text])
+        known = encoding.specification(faults)
+        if isinstance(found, str) and not rest:
+            return cls(seed, known, None, found)
+        if rest or not isinstance(found, dict) or found.keys() != {*_OUTCOME}:
+            raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
+        return cls(seed, known, _outcome(found))
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
@@ -313,16 +346,15 @@ def _row(evaluation: Evaluation) -> tuple[Any, ...]:
 
 def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
     """Return what a row says of an evaluation, whose counts have names in their order."""
-    index, generation, specification_text, *rest = row
-    (specification,) = encoding.lists([specification_text])
-    flown = _flown(names, (index, generation, None, *rest))
+    flown = _flown(names, row)
+    (specification,) = encoding.lists([row[2]])
     return Evaluation(
-        index=index,
-        generation=generation,
-        specification=encoding.specification(specification),
-        outcome=flown.outcome,
-        fitness=flown.fitness,
-        fault_ticks=flown.fault_ticks,
+        flown.index,
+        flown.generation,
+        encoding.specification(specification),
+        flown.outcome,
+        flown.fitness,
+        flown.fault_ticks,
     )
 
 
@@ -367,3 +399,9 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
     number, generation, text, traceback = row
     (specification,) = encoding.lists([text])
     return FailedEvaluation(number, generation, encoding.specification(specification), traceback)
+
+
+def _outcome(content: Mapping[str, Any]) -> Outcome:
+    counts = encoding.integers([content[name] for name in encoding.COUNTS])
+    named = dict(zip(encoding.COUNTS, counts, strict=True))
+    return Outcome(**named, digest=str(content["digest"]))
