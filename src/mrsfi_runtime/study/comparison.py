@@ -109,13 +109,14 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """A number by which runs are compared; wall times are only told, and not tested."""
+    """A number by which runs are compared.
+
+    ``sign`` is 1 where more is better, -1 where less is, and 0 of what is only told, not tested.
+    """
 
     name: str
-    title: str
-    is_more_better: bool
+    sign: int
     value: Callable[[RunResult], float]
-    is_tested: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,7 +195,7 @@ def compare(algorithms: Sequence[str], runs: Sequence[RunResult]) -> Comparison:
         tests=tuple(
             test
             for criterion in criteria
-            if criterion.is_tested
+            if criterion.sign
             for test in _tests(criterion, values[criterion.name])
         ),
     )
@@ -202,39 +203,34 @@ def compare(algorithms: Sequence[str], runs: Sequence[RunResult]) -> Comparison:
 
 def _criteria(runs: Sequence[RunResult]) -> tuple[Criterion, ...]:
     """Return what can be told of the runs; a number of goals that none broke is left out."""
-    criteria = [Criterion("fitness", "best fitness", True, lambda run: run.best_fitness)]
+    criteria = [Criterion("fitness", 1, lambda run: run.best_fitness)]
     if all(run.hypervolume is not None for run in runs):
-        criteria.append(
-            Criterion("hypervolume", "hypervolume", True, lambda run: run.hypervolume or 0.0)
-        )
-    for name, words in (("at_once", "by one specification"), ("together", "by all so far")):
+        criteria.append(Criterion("hypervolume", 1, lambda run: run.hypervolume or 0.0))
+    for name in ("at_once", "together"):
         n_most = max(sum(place is not None for place in getattr(run, name)) for run in runs)
-        criteria += [_breaking(name, n_goals, words) for n_goals in range(1, n_most + 1)]
-    size = Criterion("front_size", "front size", True, lambda run: run.front_size, is_tested=False)
-    time = Criterion("seconds", "wall time (s)", False, lambda run: run.seconds, is_tested=False)
-    return (*criteria, size, time)
+        criteria += [_breaking(name, n_goals) for n_goals in range(1, n_most + 1)]
+    size = Criterion("front_size", 0, lambda run: run.front_size)
+    return (*criteria, size, Criterion("seconds", 0, lambda run: run.seconds))
 
 
-def _breaking(name: str, n_goals: int, words: str) -> Criterion:
+def _breaking(name: str, n_goals: int) -> Criterion:
     def value(run: RunResult) -> float:
         """Return a number of evaluations that can be ranked: never comes after any other."""
         place: int | None = getattr(run, name)[n_goals - 1]
         return inf if place is None else float(place)
 
-    what = f"evaluations to break {n_goals} goal{'s' if n_goals > 1 else ''} {words}"
-    return Criterion(f"{name}_{n_goals}", what, False, value)
+    return Criterion(f"{name}_{n_goals}", -1, value)
 
 
 def _tests(criterion: Criterion, values: Mapping[str, Sequence[float]]) -> list[PairTest]:
-    sign = 1.0 if criterion.is_more_better else -1.0
     pairs = list(combinations(values, 2))
     found = [
-        compare_ranks([sign * v for v in values[first]], [sign * v for v in values[second]])
-        for first, second in pairs
+        compare_ranks(*([criterion.sign * v for v in values[name]] for name in pair))
+        for pair in pairs
     ]
     return [
-        PairTest(criterion.name, first, second, ranks, adjusted)
-        for (first, second), ranks, adjusted in zip(
+        PairTest(criterion.name, *pair, ranks, adjusted)
+        for pair, ranks, adjusted in zip(
             pairs, found, holm([ranks.p_value for ranks in found]), strict=True
         )
     ]

@@ -22,11 +22,11 @@ def illustrate(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
 
 def results(comparison: Comparison) -> Figure:
     """Draw every run's best fitness and hypervolume, with median and quartiles."""
-    shown = [m for m in comparison.criteria if m.name in ("fitness", "hypervolume")]
+    titles = {"fitness": "Best fitness", "hypervolume": "Hypervolume"}
+    shown = [m for m in comparison.criteria if m.name in titles]
     with drawing((5.2 * len(shown), 1.7 + 0.55 * len(comparison.algorithms))) as figure:
         for number, criterion in enumerate(shown):
-            title = criterion.title.capitalize()
-            axes = figure.add_subplot(1, len(shown), number + 1, title=title)
+            axes = figure.add_subplot(1, len(shown), number + 1, title=titles[criterion.name])
             _draw_runs(axes, comparison, criterion)
             axes.set_yticks(
                 range(len(comparison.algorithms)),
