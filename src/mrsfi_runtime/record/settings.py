@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, Self
 
 from mrsfi_runtime.errors import UsageError, expected
-from mrsfi_runtime.model.faults import COSTS
+from mrsfi_runtime.model.faults import COSTS, Specification
 
 _LARGEST_SEED = 2**63 - 1
 
@@ -240,6 +240,10 @@ class CampaignSettings:
         values = self.as_json().values()
         named = (value for value in values if isinstance(value, str) and ":" in value)
         return sorted({value.partition(":")[0] for value in named})
+
+    def costs(self, specification: Specification, duration: int) -> tuple[int, ...]:
+        """Return what a specification is to have little of; nothing as a rule."""
+        return () if self.minimise is None else (COSTS[self.minimise](specification, duration),)
 
     @property
     def mission_seeds(self) -> tuple[int, ...]:

@@ -29,7 +29,6 @@ from mrsfi_runtime.search.individuals import (
     SELECTIONS,
     Criticality,
     Individual,
-    costs_of,
     foremost,
     lent_to_deap,
     uniform,
@@ -203,10 +202,11 @@ def nsga2(space: SearchSpace, settings: CampaignSettings) -> Algorithm:
     ----------
     Deb et al., *A fast and elitist multiobjective genetic algorithm: NSGA-II*, 2002.
     """
-    breeder, costs = Breeder(space, settings), costs_of(space, settings)
+    breeder = Breeder(space, settings)
 
     def objectives(individual: Individual) -> Criticality:
-        return Criticality(individual.score.goals, costs(individual.specification))
+        costs = settings.costs(individual.specification, space.duration)
+        return Criticality(individual.score.goals, costs)
 
     def breed(parents: Sequence[Individual]) -> list[Individual]:
         n_padding = -len(parents) % 4  # the tournament takes four at a time

@@ -111,18 +111,13 @@ FITNESS_FUNCTIONS: Mapping[str, FitnessFunction] = MappingProxyType(
 class Judge:
     """Scores outcomes as a campaign's settings say."""
 
-    def __init__(
-        self,
-        settings: CampaignSettings,
-        mission: Mission,
-        fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
-    ) -> None:
+    def __init__(self, settings: CampaignSettings, mission: Mission) -> None:
         goals = settings.goals or mission.goal_ids
         self.n_goals = len(goals)
         self._goals = tuple(mission.goal_ids.index(goal) for goal in goals)
         self._duration = mission.duration
         self._measure = settings.violations
-        self._fitness = chosen(settings, "fitness", fitness_functions)
+        self._fitness = chosen(settings, "fitness", FITNESS_FUNCTIONS)
 
     def score(self, outcome: Outcome) -> Score:
         """Return the fitness and the goal vector of one outcome."""

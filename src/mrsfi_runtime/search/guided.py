@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.search.individuals import Criticality, Individual, costs_of, foremost
+from mrsfi_runtime.search.individuals import Criticality, Individual, foremost
 from mrsfi_runtime.search.loop import Algorithm, GenerationalLoop
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import first_size, random_specification
@@ -67,7 +67,7 @@ class _Guide:
         self._space = space
         self._n_faults = settings.faults
         self._new_size = partial(first_size, settings, rng)
-        self._costs = costs_of(space, settings)
+        self._costs = partial(settings.costs, duration=space.duration)
         self._minimises = settings.minimise is not None
         self._size = settings.population
         self._rng = rng

@@ -22,10 +22,8 @@ from typing import Any, Self, TypeAlias
 from deap import base, tools
 
 from mrsfi_runtime.errors import EvaluationError
-from mrsfi_runtime.model.faults import COSTS, Specification, TimedFault
-from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.model.faults import Specification, TimedFault
 from mrsfi_runtime.search.fitness import Score
-from mrsfi_runtime.search.space import SearchSpace
 
 
 class Criticality(base.Fitness):  # type: ignore[misc]  # DEAP has no types
@@ -85,18 +83,6 @@ class Individual(list[TimedFault]):
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         return self.clone()
-
-
-Costs: TypeAlias = Callable[[Specification], tuple[int, ...]]
-"""Of what a specification is to have few, beside many violations; of nothing as a rule."""
-
-
-def costs_of(space: SearchSpace, settings: CampaignSettings) -> Costs:
-    """Return what tells the costs that settings want to be minimised."""
-    if settings.minimise is None:
-        return lambda _: ()
-    cost = COSTS[settings.minimise]
-    return lambda specification: (cost(specification, space.duration),)
 
 
 def foremost(

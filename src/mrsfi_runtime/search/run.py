@@ -27,7 +27,6 @@ from mrsfi_runtime.record.store import CampaignStore, Evaluation, FailedEvaluati
 from mrsfi_runtime.search.algorithms import ALGORITHMS, begin_search
 from mrsfi_runtime.search.fitness import (
     FITNESS_FUNCTIONS,
-    FitnessFunction,
     Judge,
     Score,
     averaged,
@@ -67,7 +66,6 @@ class CampaignProgress:
 def require_settings(
     settings: CampaignSettings,
     mission: Mission,
-    fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
 ) -> None:
     """Refuse settings that name what does not exist."""
@@ -76,7 +74,7 @@ def require_settings(
         "selection": SELECTIONS,
         "crossover_operator": CROSSOVERS,
         "mutation_operator": MUTATIONS,
-        "fitness": fitness_functions,
+        "fitness": FITNESS_FUNCTIONS,
     }
     for key, table in tables.items():
         chosen(settings, key, table)
@@ -92,7 +90,7 @@ def require_settings(
             raise UsageError(f"{settings.where('goals')}: found '{goal}'; {known}")
 
 
-def run_campaign(  # noqa: PLR0913 - five of them have a default
+def run_campaign(  # noqa: PLR0913 - four of them have a default
     settings: CampaignSettings,
     mission: Mission,
     pool: FaultPool,
@@ -101,7 +99,6 @@ def run_campaign(  # noqa: PLR0913 - five of them have a default
     on_generation: Callable[[CampaignProgress], None] = lambda _: None,
     *,
     replicas: Sequence[EvaluateMany] = (),
-    fitness_functions: Mapping[str, FitnessFunction] = FITNESS_FUNCTIONS,
     algorithms: Mapping[str, AlgorithmFactory] = ALGORITHMS,
     clock: Callable[[], float] = monotonic,
 ) -> None:
@@ -114,9 +111,9 @@ def run_campaign(  # noqa: PLR0913 - five of them have a default
     if len(replicas) != settings.replications - 1:
         raise ValueError(f"found {len(replicas)} replicas; expected {settings.replications - 1}")
     with importing(CampaignFolder(store.path.parent).generated):
-        require_settings(settings, mission, fitness_functions, algorithms)
+        require_settings(settings, mission, algorithms)
         algorithm = begin_search(SearchSpace.of(mission, pool), settings, algorithms)
-        judge = Judge(settings, mission, fitness_functions)
+        judge = Judge(settings, mission)
     record = ResumableRecord(store, settings.source, clock)
     evaluators = (evaluate_many, *replicas)
     assessment = _Assessment(settings, mission.duration, judge, evaluators, record)

@@ -1,8 +1,10 @@
 import random
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, repeat
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -144,19 +146,16 @@ def test_large_populations_are_recorded_in_chunks():
     assert sizes == [100, 100, 30]
 
 
-def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too():
+def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too(monkeypatch):
     fitness = chain(map(float, range(15)), repeat(float("nan")))
-    recorder = MemoryRecorder()
+    broken = SimpleNamespace(fitness=lambda _: next(fitness))
+    monkeypatch.setitem(sys.modules, "broken_late", broken)
+    run = Run(CampaignSettings(fitness="broken_late:fitness"))
+
     with pytest.raises(EvaluationError, match="expected a finite number"):
-        run_campaign(
-            CampaignSettings(fitness="broken"),
-            paper_mission(),
-            pool_of(),
-            evaluate_stand_in,
-            recorder,
-            fitness_functions={"broken": lambda _: next(fitness)},
-        )
-    assert [evaluation.fitness[0] for evaluation in recorder.kept] == list(range(15))
+        run.start()
+
+    assert [each.fitness[0] for each in run.recorder.kept] == list(range(15))
 
 
 def test_a_result_too_few_is_noticed():
