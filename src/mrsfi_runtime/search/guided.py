@@ -110,7 +110,10 @@ class _Guide:
                     kept = _MEMORY * self._credit[step]
                     self._credit[step] = kept + (1.0 - _MEMORY) * is_better
         ranked = sorted([*offspring, *population], key=_fitness, reverse=True)  # new ones first
-        return self._fittest(*self._twins_apart(ranked))
+        first, twins = self._twins_apart(ranked)
+        if self._minimises:
+            first = foremost(first, min(self._size, len(first)), self._aims)
+        return [*first, *twins][: self._size]
 
     def _twins_apart(
         self, ranked: Sequence[Individual]
@@ -129,11 +132,6 @@ class _Guide:
         if self._minimises:
             return self._front.get(self._aims(individual).wvalues) is individual
         return individual.score.fitness > parent_fitness
-
-    def _fittest(self, first: list[Individual], twins: list[Individual]) -> list[Individual]:
-        if self._minimises:
-            first = foremost(first, min(self._size, len(first)), self._aims)
-        return [*first, *twins][: self._size]
 
     def _aims(self, individual: Individual) -> Criticality:
         """Return what the front is over."""

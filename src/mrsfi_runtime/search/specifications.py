@@ -25,24 +25,10 @@ def first_size(settings: CampaignSettings, rng: Random) -> int:
 def random_specification(space: SearchSpace, n_faults: int, rng: Random) -> Specification:
     """Draw timed faults from the pool, no two conflicting ones overlapping.
 
-    Each fault is drawn with replacement, its window among those that earlier ones leave
-    free; it keeps the pool's values.
-
-    Parameters
-    ----------
-    n_faults
-        Wanted number of timed faults, >= 1.
-
-    Returns
-    -------
-    Specification
-        ``n_faults`` timed faults in the order of ``space.ordered``. Fewer only if the
-        mission is too short: every window is then one tick and no fault has a free tick.
-
-    Notes
-    -----
-    The paper's lists always hold 20. When no fault has a free tick left, a window drawn
-    earlier is cut short.
+    Each fault is drawn with replacement, its window among those that earlier ones leave free; it
+    keeps the pool's values. The paper's lists always hold 20; so that there are as many as wanted,
+    at least one, a window drawn earlier is cut short when no fault has a free tick left. Fewer come
+    only if the mission is too short: every window is then one tick.
     """
     placed: list[TimedFault] = []
     candidates = list(space.candidates)

@@ -31,17 +31,10 @@ Block: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
 def mutated(
     space: SearchSpace, specification: Specification, rng: Random, share: float = 0.5
 ) -> Specification:
-    """Draw start, finish and values of some timed faults anew.
+    """Draw start, finish and values of timed faults anew, each with a chance of ``share``.
 
-    Parameters
-    ----------
-    share
-        Chance of each timed fault to be drawn anew, 0 … 1.
-
-    Notes
-    -----
-    The paper names no chance per fault; one half is ours. A new window is drawn among
-    those that the other faults leave free, new values within the bounds of the model.
+    The paper names no chance per fault; one half is ours. A new window is drawn among those that
+    the other faults leave free, new values within the bounds of the model.
     """
     faults = list(specification)
     for place, timed in enumerate(faults):
@@ -80,8 +73,6 @@ def crossed(
     comes nearest to it is exchanged. Both stay as they are only if there is no exchange
     that the restriction, the half and the sizes allow.
 
-    Notes
-    -----
     Faults that clash across the two specifications can only change sides together. They
     form blocks, and every exchange that keeps the restriction consists of whole blocks,
     so blocks that add up to an allowed exchange are found if there are any.
