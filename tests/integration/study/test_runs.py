@@ -1,9 +1,11 @@
-"""Runs of a comparison fly their own copies of what their code imports, and take no others."""
+"""Runs of a comparison: their own copies of what their code imports, and how long they take."""
 
 import pytest
 
 import mrsfi
+from mrsfi import comparing
 from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.record.store import CampaignStore
 from tests.support.edited import edited
 from tests.support.tree import ROOT
 
@@ -36,3 +38,17 @@ def test_a_module_that_was_edited_since_is_refused_and_named(tmp_path, monkeypat
         with pytest.raises(RecordError, match=rf"found a run with other imported/{module}.py: "):
             mission.compare([algorithm], 1, 2, **settings)
         (tmp_path / f"{module}.py").write_text(text, encoding="utf-8")
+
+
+def test_a_run_notes_how_long_it_has_taken(tmp_path, monkeypatch):
+    monkeypatch.setattr(comparing, "_NOTED", 0.0)
+    mission = mrsfi.load(ROOT / "models" / MISSION, ROOT / "generated" / MISSION)
+
+    found = mission.compare(
+        ["random"], 1, 40, out=tmp_path / "compared", engine="reference", workers=1
+    )
+
+    with CampaignStore.open(found.folder / "runs" / "random-1") as store:
+        noted = store.kept("seconds", float)
+    assert noted is not None
+    assert 0.0 < noted < found.runs[0].seconds
