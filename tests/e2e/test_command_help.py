@@ -159,8 +159,11 @@ WRONG = [
         "algorithm 'paper', which knows fitness alone; expected algorithm 'nsga2' or",
     ),
     (("compare", MISSION, "--algorithms", "paper,magic"), "found 'magic'"),
-    (("compare", MISSION, "--algorithms", "paper,paper"), "expected different names"),
-    (("compare", MISSION, "--algorithms", "paper,"), "expected different names"),
+    (
+        ("compare", MISSION, "--algorithms", "paper,paper"),
+        "expected a list of different ones of paper, eaSimple",
+    ),
+    (("compare", MISSION, "--algorithms", "paper,"), "option algorithm: found ''; expected a name"),
     (("compare", MISSION, "--seeds", "0"), "--seeds"),
     (("compare", MISSION, "--evaluations", "0"), "--evaluations"),
     (("compare", MISSION, "--case", "z"), "found no campaign file 'z'"),

@@ -21,7 +21,7 @@ from mrsfi_runtime.cli.options import (
     worker_options,
 )
 from mrsfi_runtime.engine.settings import AUTO
-from mrsfi_runtime.errors import TransportError, UsageError
+from mrsfi_runtime.errors import TransportError
 from mrsfi_runtime.record.manifest import BOTH
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def command(  # noqa: PLR0913 - one for each option
 
     flown_by = engine.settings(default=AUTO)
     workers.require_sense(flown_by)
-    names = _names(algorithms)
+    names = [name.strip() for name in algorithms.split(",")]
     loaded = mrsfi.load(mission, generated)
     folder = ComparisonFolder(out or default_folder(loaded.name, case))
     told = _Progress(folder, len(names) * seeds)
@@ -163,15 +163,6 @@ class _Progress:
             f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
             f"{run.seconds:.1f} s  left {left // 60}:{left % 60:02d}"
         )
-
-
-def _names(algorithms: str) -> list[str]:
-    names = [name.strip() for name in algorithms.split(",")]
-    if not all(names) or len(set(names)) < len(names):
-        raise UsageError(
-            f"--algorithms: found '{algorithms}'; expected different names with commas"
-        )
-    return names
 
 
 def _tell_fewer(comparison: "Comparison", n_evaluations: int) -> None:
