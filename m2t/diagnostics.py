@@ -175,6 +175,19 @@ class Place(Protocol):
         """Name of the element, such as ``robots 'r1'``."""
 
 
+@dataclass(frozen=True, slots=True)
+class FileLine:
+    """The place of what is wrong with a file as a whole."""
+
+    path: Path
+    line: int
+
+    @property
+    def description(self) -> str:
+        """Name of the file."""
+        return self.path.name
+
+
 class Report:
     """Collects the diagnostics of one validation; ``n_errors`` of them stop loading.
 
@@ -198,26 +211,16 @@ class Report:
     def add(self, element: Any, constraint: str, finding: str) -> None:
         """Add a defect of an object or a place; ``finding`` goes on where its name ends."""
         place = self.place(element)
-        severity = CONSTRAINTS[constraint].severity
-        name = place.description
-        found = Diagnostic(place.path, place.line, name, constraint, severity, f"{name} {finding}")
-        self._add((place, constraint, finding), found)
-
-    def add_file(self, path: Path, line: int, defect: Defect) -> None:
-        """Add a defect of a whole file."""
-        message = f"{path.name} {defect.finding}"
-        severity = CONSTRAINTS[defect.constraint].severity
-        found = Diagnostic(path, line, path.name, defect.constraint, severity, message)
-        self._add((path, line, defect), found)
-
-    def _add(self, key: tuple[object, ...], found: Diagnostic) -> None:
+        key = (place, constraint, finding)
         if key in self._found:  # of what several classes inherit, say
             return
+        severity, name = CONSTRAINTS[constraint].severity, place.description
+        found = Diagnostic(place.path, place.line, name, constraint, severity, f"{name} {finding}")
         self._found[key] = found
-        is_error = found.severity == "error"
+        is_error = severity == "error"
         self.n_errors += is_error
-        self.n_unsound += is_error and found.constraint != "UniqueReference"
-        self.n_dangling += found.constraint == "ResolvedReference"
+        self.n_unsound += is_error and constraint != "UniqueReference"
+        self.n_dangling += constraint == "ResolvedReference"
 
     def require_no_errors(self) -> None:
         """Raise a ``ModelError`` with all errors found so far, one a line, if there are any."""

@@ -186,9 +186,6 @@ def _ids(outlines: Sequence[Outline]) -> str:
     return " ".join(ids[:_SHOWN_IDS]) + (" ..." if len(ids) > _SHOWN_IDS else "")
 
 
-Signature: TypeAlias = tuple[object, ...]
-"""What an element says but for IDs that only one of the models has."""
-
 _SOME_ID = "•"
 
 
@@ -255,8 +252,8 @@ def _children(outline: Outline) -> Iterator[Outline]:
         yield from children
 
 
-def _signature(outline: Outline, own: Mapping[str, Outline]) -> Signature:
-    """Return what an element says; ``own`` are the IDs that only its model has."""
+def _signature(outline: Outline, own: Mapping[str, Outline]) -> tuple[object, ...]:
+    """Return what an element says but for ``own``, the IDs that only its model has."""
     values = tuple(
         (name, None if value is None else _hidden(value, own))
         for name, value in outline.values.items()

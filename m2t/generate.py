@@ -13,7 +13,7 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any
 
 from m2t.emit import GenerationPlan, plan_files
 from m2t.environment import remark, template_environment
@@ -31,11 +31,7 @@ from m2t.visitors import (
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.files import changing
 
-Visitor: TypeAlias = Callable[[LoadedModels], Mapping[str, Any]]
-"""Computes what a template needs, free of metamodel objects."""
-
-
-VISITORS: Mapping[str, Visitor] = MappingProxyType(
+VISITORS: Mapping[str, Callable[[LoadedModels], Mapping[str, Any]]] = MappingProxyType(
     {
         "mission_loader.py": mission_loader.visit,
         "fault_loader.py": fault_loader.visit,
@@ -46,7 +42,10 @@ VISITORS: Mapping[str, Visitor] = MappingProxyType(
         "collective_intelligence.py": collective_intelligence.visit,
     }
 )
-"""The visitor of each generated file, whose template has the name of the file."""
+"""The visitor of each generated file, whose template has the name of the file.
+
+It computes what the template needs, free of metamodel objects.
+"""
 
 
 def generate(models: Path, target: Path, *, force: bool = False) -> GenerationPlan:

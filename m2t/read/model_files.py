@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from m2t.diagnostics import Defect, Report, shown
+from m2t.diagnostics import FileLine, Report, shown
 from m2t.read.nodes import MAX_BYTES, MAX_ELEMENTS, XMI, XSI, Node, Spelling, at, follow, read_xml
 
 MAX_FILES = 1_000
@@ -122,15 +122,11 @@ class ModelFiles:
         self._n_elements += xml.n_elements
         is_large = self._n_bytes > MAX_BYTES or self._n_elements > MAX_ELEMENTS
         if is_large or len(self._files) >= MAX_FILES:
-            self._report.add_file(
-                path,
-                1,
-                Defect(
-                    "FileSize",
-                    f"is one file too many: all files of a model have at most {MAX_FILES:,} files, "
-                    f"{MAX_BYTES:,} bytes and {MAX_ELEMENTS:,} elements; model less",
-                ),
+            finding = (
+                f"is one file too many: all files of a model have at most {MAX_FILES:,} files, "
+                f"{MAX_BYTES:,} bytes and {MAX_ELEMENTS:,} elements; model less"
             )
+            self._report.add(FileLine(path, 1), "FileSize", finding)
             return None
         file = ModelFile(path, xml.spelling, self._roots(xml.root), owners=owners)
         self._by_name[path] = file

@@ -16,10 +16,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any
 from xml.parsers import expat
 
-from m2t.diagnostics import Defect, Report, shown
+from m2t.diagnostics import Defect, FileLine, Report, shown
 
 XMI = "http://www.omg.org/XMI"
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
@@ -32,8 +32,6 @@ MAX_DEPTH = 100
 
 _INDEX = re.compile(r"[0-9]{1,9}", re.ASCII)
 _SHOWN_TAG = 60
-
-_NO_PREFIXES: Mapping[str, str] = MappingProxyType({})
 
 
 @dataclass(slots=True, eq=False)
@@ -87,15 +85,13 @@ class Node:
             yield from child.walk()
 
 
-Children: TypeAlias = Callable[[Node, str], Sequence[Node]]
-"""Gives the elements of a tag directly below a node."""
-
-
-def follow(node: Node | None, path: str, below: Children = Node.tagged) -> Node | None:
+def follow(
+    node: Node | None, path: str, below: Callable[[Node, str], Sequence[Node]] = Node.tagged
+) -> Node | None:
     """Return the node that a path of Eclipse leads to; ``None`` if it leads nowhere.
 
-    The path has steps such as ``@goals.0/@messages.1``; ``below`` gives the elements of a tag that
-    a step chooses from.
+    The path has steps such as ``@goals.0/@messages.1``; ``below`` gives the elements of a tag,
+    directly below a node, that a step chooses from.
     """
     for step in path.split("/") if path.strip("/") else ():
         name, dot, index = step.removeprefix("@").partition(".")
@@ -135,7 +131,7 @@ class XmlFile:
         self._path = path
         self._encoding = ""
         self._open: list[Node] = []
-        self._prefixes: Mapping[str, str] = _NO_PREFIXES
+        self._prefixes: Mapping[str, str] = MappingProxyType({})
         self._parser = expat.ParserCreate(namespace_separator=" ")
         self._parser.buffer_text = True
         self._parser.XmlDeclHandler = self._declaration
@@ -215,22 +211,14 @@ def read_xml(path: Path, report: Report) -> XmlFile | None:
     try:
         xml.parse(_content(path))
     except Defect as defect:
-        report.add_file(path, xml.line, defect)
+        report.add(FileLine(path, xml.line), defect.constraint, defect.finding)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        report.add_file(
-            path,
-            error.lineno,
-            Defect("WellFormedXml", f"is not well-formed XML: {reason}; correct it at this line"),
-        )
+        finding = f"is not well-formed XML: {reason}; correct it at this line"
+        report.add(FileLine(path, error.lineno), "WellFormedXml", finding)
     except (LookupError, ValueError) as error:
-        report.add_file(
-            path,
-            1,
-            Defect(
-                "WellFormedXml", f"has an encoding that cannot be read: {error}; save it as UTF-8"
-            ),
-        )
+        finding = f"has an encoding that cannot be read: {error}; save it as UTF-8"
+        report.add(FileLine(path, 1), "WellFormedXml", finding)
     else:
         return xml
     return None

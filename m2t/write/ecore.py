@@ -15,7 +15,6 @@ from m2t.write.xmi import attribute, document, element_lines
 from mrsfi_runtime.errors import ModelError
 
 _WIDTH = 80
-_NO_HREFS: Mapping[Any, str] = MappingProxyType({})
 
 _ATTRIBUTES: Mapping[str, object] = MappingProxyType(
     {
@@ -55,7 +54,7 @@ _GENERIC = ("eTypeParameters", "eGenericSuperTypes", "eGenericExceptions", "cont
 
 
 def dumps_metamodel(
-    package: Any, encoding: str = "UTF-8", *, hrefs: Mapping[Any, str] = _NO_HREFS
+    package: Any, encoding: str = "UTF-8", *, hrefs: Mapping[Any, str] = MappingProxyType({})
 ) -> bytes:
     """Return a metamodel as the bytes of an ``.ecore`` file, with LF line ends.
 

@@ -17,8 +17,6 @@ from m2t.read.nodes import XMI, XSI, Spelling
 from mrsfi_runtime.errors import ModelError
 from mrsfi_runtime.files import write_atomically as write_atomically  # noqa: PLC0414 - for scripts
 
-_NOTHING: Mapping[Any, str] = MappingProxyType({})
-
 _ATTRIBUTE_ESCAPES = str.maketrans(
     {"&": "&amp;", "<": "&lt;", '"': "&quot;", "\t": "&#x9;", "\n": "&#xA;", "\r": "&#xD;"}
 )
@@ -30,8 +28,8 @@ def dumps(
     root: Any,
     encoding: str = "ASCII",
     *,
-    hrefs: Mapping[Any, str] = _NOTHING,
-    xmi_ids: Mapping[Any, str] = _NOTHING,
+    hrefs: Mapping[Any, str] = MappingProxyType({}),
+    xmi_ids: Mapping[Any, str] = MappingProxyType({}),
 ) -> bytes:
     """Return a model as the bytes of an XMI file, with LF line ends.
 
@@ -48,8 +46,8 @@ def dumps_file(
     roots: Sequence[Any],
     spelling: Spelling,
     *,
-    hrefs: Mapping[Any, str] = _NOTHING,
-    xmi_ids: Mapping[Any, str] = _NOTHING,
+    hrefs: Mapping[Any, str] = MappingProxyType({}),
+    xmi_ids: Mapping[Any, str] = MappingProxyType({}),
 ) -> bytes:
     """Return a file with any number of roots as ``dumps`` does; several stand in ``xmi:XMI``."""
     writer = _Writer(roots, hrefs, xmi_ids, spelling.schema_location)
