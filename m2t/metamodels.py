@@ -72,11 +72,6 @@ def load_metamodels() -> Metamodels:
     return _kept(metamodel_folder())
 
 
-@cache
-def _kept(folder: Path) -> Metamodels:
-    return read_metamodels(folder)
-
-
 def forget_metamodels() -> None:
     """Have the metamodels read anew, because their files have changed."""
     _kept.cache_clear()
@@ -93,6 +88,9 @@ def read_metamodels(folder: Path) -> Metamodels:
     types = read_fault_types(faults, reader.report)
     reader.report.require_no_errors()
     return Metamodels(mission, faults, types)
+
+
+_kept = cache(read_metamodels)
 
 
 def meaning(fault_type: Any) -> FaultType:

@@ -134,25 +134,22 @@ class PublishedReader:
         self._by_xmi_id: dict[str, Node] = {}
         self._by_id: dict[str, list[Node]] = {}
         for node in root.walk():
-            self._remember(node)
+            if "ID" in node.attributes:
+                self._by_id.setdefault(node.attributes["ID"], []).append(node)
+            if (identity := node.xmi_id) is None:
+                continue
+            first = self._by_xmi_id.setdefault(identity, node)
+            if first is not node:
+                finding = (
+                    f"has xmi:id {shown(identity)}, as has an element in line {first.line}; "
+                    "expected different ones, because references use them; change one"
+                )
+                report.add(node, "UniqueId", finding)
 
     @property
     def n_xmi_ids(self) -> int:
         """Number of elements with an xmi:id."""
         return len(self._by_xmi_id)
-
-    def _remember(self, node: Node) -> None:
-        if "ID" in node.attributes:
-            self._by_id.setdefault(node.attributes["ID"], []).append(node)
-        identity = node.xmi_id
-        first = node if identity is None else self._by_xmi_id.setdefault(identity, node)
-        if identity is not None and first is not node:
-            self._report.add(
-                node,
-                "UniqueId",
-                f"has xmi:id {shown(identity)}, as has an element in line {first.line}; expected "
-                "different ones, because references use them; change one",
-            )
 
     def element(self, node: Node, metaclass: Any) -> Any:
         """Return an object with all that it contains; references stay open."""
