@@ -23,6 +23,8 @@ What: TypeAlias = Literal["changed", "added", "removed", "moved", "renamed", "re
 
 _SHOWN_IDS = 12
 
+_SOME_ID = "•"
+
 
 @dataclass(frozen=True, slots=True)
 class Change:
@@ -184,9 +186,6 @@ def _reordered(outline: Outline, name: str, old: str, new: str) -> Change:
 def _ids(outlines: Sequence[Outline]) -> str:
     ids = [outline.identity for outline in outlines]
     return " ".join(ids[:_SHOWN_IDS]) + (" ..." if len(ids) > _SHOWN_IDS else "")
-
-
-_SOME_ID = "•"
 
 
 def renamed(olds: Sequence[Outline], news: Sequence[Outline]) -> dict[Outline, Outline]:

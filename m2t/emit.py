@@ -23,6 +23,11 @@ from m2t.protected_regions import (
 from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
 from mrsfi_runtime.model.semantics import SEMANTICS
 
+MANIFEST = "manifest.json"
+SCHEMA = 1
+GENERATOR = "1"
+"""Version of visitors and templates together; raised when generated text changes."""
+
 
 @dataclass(frozen=True, slots=True)
 class GenerationPlan:
@@ -121,13 +126,6 @@ def _require_no_code(file: GeneratedFile, records: tuple[FileRecord, ...]) -> No
             f"{file.name}: is no longer generated but holds hand-written code; "
             "move the code elsewhere and delete the file"
         )
-
-
-MANIFEST = "manifest.json"
-
-SCHEMA = 1
-GENERATOR = "1"
-"""Version of visitors and templates together; raised when generated text changes."""
 
 
 def dumps(sources: Mapping[str, str], files: Mapping[str, FileRecord]) -> str:

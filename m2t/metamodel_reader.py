@@ -21,6 +21,11 @@ from m2t.metamodel_contract import CONTRACT, MEANING, SUPERTYPES, Need, Needs, n
 from m2t.read.nodes import ECORE, XMI, XSI, Node, read_root
 from mrsfi_runtime.errors import ModelError
 
+_TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))
+_STORED: Mapping[str, bool] = MappingProxyType(
+    {"volatile": False, "transient": False, "derived": False, "changeable": True}
+)
+
 
 class _Values(NamedTuple):
     """What the values of a type look like, in words and as a pattern."""
@@ -248,12 +253,6 @@ class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
 
 def _held(known: Needs, holding: str) -> list[str]:
     return [name for name, need in known.items() if need.holding == holding]
-
-
-_TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))
-_STORED: Mapping[str, bool] = MappingProxyType(
-    {"volatile": False, "transient": False, "derived": False, "changeable": True}
-)
 
 
 def _check_package(package: Any, root_class: str, report: Report) -> None:

@@ -34,40 +34,6 @@ _MODULE_NAMES = _BODY_NAMES | _HELPERS | _PACKAGE_NAMES
 
 _OBJECT_NAMES = frozenset({"dyn_inst", "listeners"})
 
-
-def python_name(name: str) -> str:
-    """Return the name of a feature in Python: a keyword gets an underscore at its end."""
-    return f"{name}_" if keyword.iskeyword(name) or name == "self" else name
-
-
-def global_name(element: Any) -> str:
-    """Return the name of a class, an enumeration or a package, which becomes a global name."""
-    name = str(element.name)
-    if name in _MODULE_NAMES or keyword.iskeyword(name):
-        raise reserved(f"'{name}'")
-    return name
-
-
-def reserved(what: str) -> ModelError:
-    """Return the error that says that a name is taken."""
-    return ModelError(f"{what} is a name that Python or another element uses; rename it")
-
-
-def require_feature_names(metaclass: Any, names: list[str]) -> None:
-    """Refuse features whose names collide, in Python, with each other or with something else."""
-    classifiers = {entry.name for entry in metaclass.ePackage.eClassifiers}
-    for name in names:
-        is_used = name in _BODY_NAMES | _OBJECT_NAMES | classifiers or hasattr(EObject, name)
-        if is_used or names.count(name) > 1:
-            raise reserved(f"'{name}', a feature of '{metaclass.name}',")
-
-
-def require_literal_name(enumeration: Any, name: str) -> None:
-    """Refuse a literal whose name would hide something that every enumeration has."""
-    if keyword.iskeyword(name) or hasattr(EEnum, name):
-        raise reserved(f"literal '{name}' of '{enumeration.name}'")
-
-
 _GENMODEL = "http://www.eclipse.org/emf/2002/GenModel"
 _PYTHON_TYPES: Mapping[str, str] = MappingProxyType(
     {"EString": "str", "EInt": "int", "EDouble": "float", "EBoolean": "bool"}
@@ -157,7 +123,7 @@ def package_view(package: Any) -> PackageView:
     """
     own = list(package.eClassifiers)
     for element in (package, *own):
-        global_name(element)
+        _global_name(element)
     metaclasses = _bases_first(entry for entry in own if isinstance(entry, EClass))
     enumerations = tuple(_enumeration(entry) for entry in own if isinstance(entry, EEnum))
     classes = tuple(_class(metaclass) for metaclass in metaclasses)
@@ -209,15 +175,15 @@ def _other_packages(package: Any, metaclasses: tuple[Any, ...]) -> Imports:
         if known.ePackage is package or known.ePackage.name == "ecore":
             continue
         if known.name in own:
-            raise reserved(f"'{known.name}' of package '{known.ePackage.name}', and also here,")
-        names.setdefault(f".{global_name(known.ePackage)}", set()).add(global_name(known))
+            raise _reserved(f"'{known.name}' of package '{known.ePackage.name}', and also here,")
+        names.setdefault(f".{_global_name(known.ePackage)}", set()).add(_global_name(known))
     return tuple((module, tuple(sorted(names[module]))) for module in sorted(names))
 
 
 def _class(metaclass: Any) -> ClassView:
-    parents = tuple(global_name(lineage(parent)[-1]) for parent in metaclass.eSuperTypes)
+    parents = tuple(_global_name(lineage(parent)[-1]) for parent in metaclass.eSuperTypes)
     parameters = tuple(map(_feature, slots(metaclass).values()))
-    require_feature_names(metaclass, [view.name for view in parameters])
+    _require_feature_names(metaclass, [view.name for view in parameters])
     return ClassView(
         *_annotated(metaclass),
         is_abstract=bool(metaclass.abstract),
@@ -237,16 +203,17 @@ def _enumeration(enumeration: Any) -> EnumerationView:
         LiteralView(*_annotated(entry), value=int(entry.value)) for entry in enumeration.eLiterals
     )
     for entry in literals:
-        require_literal_name(enumeration, entry.name)
+        if keyword.iskeyword(entry.name) or hasattr(EEnum, entry.name):  # every enumeration has it
+            raise _reserved(f"literal '{entry.name}' of '{enumeration.name}'")
     return EnumerationView(*_annotated(enumeration), literals=literals)
 
 
 def _feature(slot: Slot) -> FeatureView:
     name, documentation, annotations = _annotated(slot.feature)
     is_ours = slot.holds_elements or isinstance(slot.type, EEnum)
-    python_type = global_name(slot.type) if is_ours else _PYTHON_TYPES[slot.type.name]
+    python_type = _global_name(slot.type) if is_ours else _PYTHON_TYPES[slot.type.name]
     return FeatureView(
-        python_name(name),
+        _python_name(name),
         documentation,
         annotations,
         kind="EReference" if slot.holds_elements else "EAttribute",
@@ -268,7 +235,7 @@ def _value_type(slot: Slot, python_type: str) -> str:
 def _arguments(slot: Slot) -> Iterator[str]:
     """Yield what distinguishes a feature from one with all defaults."""
     feature = slot.feature
-    if python_name(slot.name) != slot.name:
+    if _python_name(slot.name) != slot.name:
         yield f'name="{slot.name}"'
     if not slot.holds_elements:
         known = _PYTHON_TYPES.get(slot.type.name)
@@ -288,7 +255,7 @@ def _arguments(slot: Slot) -> Iterator[str]:
 def _links(metaclasses: Iterable[Any]) -> Iterator[str]:
     """Yield the statements that give references their types, and features their names in models."""
     own = [
-        (slot, f"{metaclass.name}.{python_name(slot.name)}")
+        (slot, f"{metaclass.name}.{_python_name(slot.name)}")
         for metaclass in metaclasses
         for slot in _own(metaclass)
     ]
@@ -313,3 +280,30 @@ def _annotated(element: Any) -> tuple[str, str | None, tuple[tuple[str, Details]
                 continue
         others.append((annotation.source, tuple(details.items())))
     return str(element.name), documentation, tuple(others)
+
+
+def _python_name(name: str) -> str:
+    """Return the name of a feature in Python: a keyword gets an underscore at its end."""
+    return f"{name}_" if keyword.iskeyword(name) or name == "self" else name
+
+
+def _global_name(element: Any) -> str:
+    """Return the name of a class, an enumeration or a package, which becomes a global name."""
+    name = str(element.name)
+    if name in _MODULE_NAMES or keyword.iskeyword(name):
+        raise _reserved(f"'{name}'")
+    return name
+
+
+def _reserved(what: str) -> ModelError:
+    """Return the error that says that a name is taken."""
+    return ModelError(f"{what} is a name that Python or another element uses; rename it")
+
+
+def _require_feature_names(metaclass: Any, names: list[str]) -> None:
+    """Refuse features whose names collide, in Python, with each other or with something else."""
+    classifiers = {entry.name for entry in metaclass.ePackage.eClassifiers}
+    for name in names:
+        is_used = name in _BODY_NAMES | _OBJECT_NAMES | classifiers or hasattr(EObject, name)
+        if is_used or names.count(name) > 1:
+            raise _reserved(f"'{name}', a feature of '{metaclass.name}',")

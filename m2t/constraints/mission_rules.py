@@ -27,6 +27,9 @@ _LENGTHS = {
     "FixedDistanceBetweenRobots": ("fixedDistance", "tolerance"),
 }
 
+Point: TypeAlias = tuple[float, float]
+T = TypeVar("T")
+
 
 def check_mission(mission: Any, report: Report) -> None:
     """Check a mission whose structure is sound."""
@@ -279,10 +282,6 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
             f"has type {shown(entry.type)}; expected one of {', '.join(FIELD_TYPES)}; "
             "correct the type",
         )
-
-
-Point: TypeAlias = tuple[float, float]
-T = TypeVar("T")
 
 
 class Discs(Generic[T]):

@@ -25,6 +25,31 @@ from mrsfi_runtime.files import changing, whole_folder
 
 _COUNTED = ("robots", "servers", "obstacles", "goals")
 
+_CASE = """\
+# Written by `mrsfi import`. {about}
+
+[search]
+algorithm = "paper"      # paper | random | drift
+population = 20
+generations = 50
+faults = 20
+crossover = 0.7
+mutation = 0.7
+selection = "roulette"
+{fitness}
+seed = 1
+mission_seed = 1
+"""
+_ABOUT_A = "Case study A of the paper (section V-B 1): fitness function (1)."
+_FITNESS_A = """\
+fitness = "weighted"     # equation (1): 0.3 x all violations + 0.7 x distinct violated goals"""
+_ABOUT_B = """\
+Case study B of the paper (section V-B 1): fitness function (2)
+# on one collision-focused and one energy-focused goal."""
+_FITNESS_B = """\
+fitness = "focused"      # equation (2): violations of the chosen goals
+goals = [{goals}]"""
+
 
 @dataclass(frozen=True, slots=True)
 class Imported:
@@ -164,34 +189,6 @@ def _counts(mission: Any, specifications: list[Any]) -> dict[str, int]:
     counts["messages"] = sum(len(goal.messages) for goal in mission.goals)
     counts["faults"] = sum(len(root.faults) for root in specifications)
     return counts
-
-
-_CASE = """\
-# Written by `mrsfi import`. {about}
-
-[search]
-algorithm = "paper"      # paper | random | drift
-population = 20
-generations = 50
-faults = 20
-crossover = 0.7
-mutation = 0.7
-selection = "roulette"
-{fitness}
-seed = 1
-mission_seed = 1
-"""
-
-_ABOUT_A = "Case study A of the paper (section V-B 1): fitness function (1)."
-_FITNESS_A = """\
-fitness = "weighted"     # equation (1): 0.3 x all violations + 0.7 x distinct violated goals"""
-
-_ABOUT_B = """\
-Case study B of the paper (section V-B 1): fitness function (2)
-# on one collision-focused and one energy-focused goal."""
-_FITNESS_B = """\
-fitness = "focused"      # equation (2): violations of the chosen goals
-goals = [{goals}]"""
 
 
 def _campaign_files(mission: Any) -> dict[str, bytes]:

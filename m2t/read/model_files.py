@@ -28,6 +28,8 @@ ROOT_ATTRIBUTES = frozenset(
 )
 """Attributes with a namespace that may stand at the root of a file."""
 
+_PROJECT = ".project"
+
 
 @dataclass(slots=True, eq=False)
 class ModelFile:
@@ -154,9 +156,6 @@ class ModelFiles:
         for child in root.children:
             child.parent = None
         return tuple(root.children)
-
-
-_PROJECT = ".project"
 
 
 def local_path(folder: Path, address: str) -> Path | None:
