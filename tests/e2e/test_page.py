@@ -33,7 +33,7 @@ def test_an_evaluation_of_a_campaign_is_written_as_a_page(flown, tmp_path):
 
     data = data_of(tmp_path / "page.html")
     assert ["digest", printed["digest"]] in data["record"]
-    names = [fault["name"] for fault in data["shown"][0]["faults"]]
+    names = [row[0] for row in data["shown"][0]["faults"]["rows"]]
     assert len(names) == len(printed["faults"])
 
 
@@ -50,8 +50,8 @@ def test_a_campaign_has_a_page_with_flights_that_break_its_goals(found):
     )
     assert [each["title"] for each in data["shown"]] == ["g1", "g2", "g3"]
     for shown in data["shown"]:
-        assert [fault["sentence"] for fault in shown["faults"]] in told
-        n = len(shown["faults"])
+        assert [row[-1] for row in shown["faults"]["rows"]] in told
+        n = len(shown["faults"]["rows"])
         assert [each["without"] for each in shown["flight"]["flights"]] == [None, *range(n)]
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mrsfi_runtime.analysis.columns import Columns, Rows
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.measure import Measure, ticks
 from mrsfi_runtime.record.store import Evaluation
 
 _MOST_DRAWN = 10_000  # points of a cloud of which none is left out
@@ -209,6 +209,17 @@ class Pick:
             return ""
         found = f"{first / second:.3g}:1" if second else f"{first:g}:0"
         return f", far from it with {found}"
+
+    def in_words(self, measure: Measure) -> str:
+        """Return in a phrase which evaluation it is, and its violations of the ratio's goals."""
+        if self.point is None:
+            return f"nearest to {self.ratio}: none, because no specification violates these goals"
+        violations = dict(zip(self.goals, self.point.violations, strict=True))
+        found = ", ".join(f"{goal} {ticks(violations[goal])}" for goal in self.ratio.goals)
+        return (
+            f"nearest to {self.ratio}: evaluation {self.point.evaluation} with {found} "
+            f"({measure}){self.distance_in_words}"
+        )
 
 
 def parse_ratio(text: str) -> Ratio:

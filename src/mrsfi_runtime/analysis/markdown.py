@@ -13,7 +13,6 @@ from mrsfi_runtime.analysis.campaign_tables import (
     pattern_table,
     settings_table,
 )
-from mrsfi_runtime.analysis.fronts import Pick
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import Table, every, plain, to_markdown
@@ -28,7 +27,6 @@ from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import flown_by
-from mrsfi_runtime.record.measure import Measure, ticks
 from mrsfi_runtime.record.named_faults import named_faults
 
 _BELIEVED_TRUE = "believed by the collective intelligence / true in the simulation"
@@ -77,7 +75,9 @@ def report_text(
         table = harm_table(summary.harm, summary.measure)
         sections += [*_section(table, words), *_linked(captions, "harm")]
     if summary.pick is not None:
-        sections += ["## Pick by ratio", pick_in_words(summary.pick, summary.measure)]
+        picked = summary.pick.in_words(summary.measure)
+        words = f"The specification {picked}. `mrsfi replay` flies any evaluation again."
+        sections += ["## Pick by ratio", words]
     sections += ["## Mission", *_linked(captions, "mission_map")]
     return "\n\n".join(sections) + "\n"
 
@@ -105,21 +105,6 @@ def trend_in_words(trend: Trend) -> str:
         f"{rows[-1].mean:,.4g} in generation {rows[-1].generation}, {trend.slope:+.3g} per "
         f"generation: {verdict} (Kendall's tau {trend.tau:.2f}, {trend.p_in_words}). "
         f"The best specification of all generations has {max(row.best for row in rows):,.6g}."
-    )
-
-
-def pick_in_words(pick: Pick, measure: Measure) -> str:
-    """Return one sentence on the specification that comes nearest to a ratio."""
-    if pick.point is None:
-        goals = " nor ".join(pick.ratio.goals)
-        return f"No specification comes near {pick.ratio}: none violates {goals}."
-    found = ", ".join(
-        f"{goal} {ticks(count)}"
-        for goal, count in zip(pick.goals, pick.point.violations, strict=True)
-    )
-    return (
-        f"Nearest to {pick.ratio} on the front comes evaluation {pick.point.evaluation} with "
-        f"{found} ({measure}){pick.distance_in_words}; `mrsfi replay` flies it again."
     )
 
 

@@ -6,13 +6,11 @@ from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.reporting import report as write_report
 from mrsfi_runtime.analysis.campaign_tables import critical_table, front_table, harm_table
 from mrsfi_runtime.analysis.drawing import Draw
-from mrsfi_runtime.analysis.fronts import Pick
 from mrsfi_runtime.analysis.summary import Summary, as_json
 from mrsfi_runtime.analysis.weaknesses import matrix_table, said, way_table
 from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.terminal import print_table
-from mrsfi_runtime.record.measure import Measure, ticks
 
 
 def report(
@@ -50,7 +48,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     if summary.harm:
         print_table(harm_table(summary.harm, measure))
     if summary.pick is not None:
-        click.echo(_picked(campaign, summary.pick, summary.measure) + "\n")
+        click.echo(f"{summary.pick.in_words(measure)}\n")
     if summary.ways:
         click.echo(f"all ways        mrsfi weaknesses {folder.path}")
         click.echo(f"pictures        mrsfi show {folder.path}")
@@ -72,14 +70,3 @@ def _print_least(campaign: OpenCampaign, summary: Summary) -> None:
             click.echo(f"{way.number} {way.mildest.sentence}\n")
         for sentence in summary.sentences.get(way.number, ()):
             click.echo(f"{way.number} {way.goal}: {sentence}\n")
-
-
-def _picked(campaign: OpenCampaign, pick: Pick, measure: Measure) -> str:
-    if pick.point is None:
-        return f"nearest to {pick.ratio}: none, because no specification violates these goals"
-    violations = measure.by_goal(campaign.store.evaluation(pick.point.evaluation))
-    found = ", ".join(f"{goal} {ticks(violations[goal])}" for goal in pick.ratio.goals)
-    return (
-        f"nearest to {pick.ratio}: evaluation {pick.point.evaluation} with {found} "
-        f"({measure}){pick.distance_in_words}"
-    )

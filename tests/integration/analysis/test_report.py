@@ -201,7 +201,7 @@ def test_the_report_warns_that_popular_is_not_guilty(focused):
 
     assert "Popular is not guilty" in report
     assert "a rising trend" in report
-    assert "Nearest to g3:g1=2:1" in report
+    assert "The specification nearest to g3:g1=2:1: evaluation " in report
     assert "critical/10.xmi" in report
     assert "missed from" in report
 
@@ -327,7 +327,7 @@ def test_a_campaign_interrupted_before_its_first_evaluation_has_a_report(tmp_pat
     assert stems(folder / "figures", ".png") == SINGLE[:1]
     report = (folder / "report.md").read_text()
     assert "No evaluation is recorded yet" in report
-    assert "No specification comes near g3:g1=2:1" in report
+    assert "nearest to g3:g1=2:1: none, because no specification violates these goals." in report
     assert json.loads((folder / "summary.json").read_text())["best"] is None
 
 

@@ -9,13 +9,13 @@ from typing import Any
 from mrsfi_runtime.analysis.campaign_tables import (
     COUNTS,
     evaluations_table,
+    fault_table,
     goal_table,
     settings_table,
 )
 from mrsfi_runtime.analysis.markdown import trend_in_words
 from mrsfi_runtime.analysis.page.flight import (
     Flown,
-    fault_content,
     flight_content,
     mission_content,
     stride,
@@ -122,14 +122,18 @@ def told_content(
     flight, reason = None, flown
     if isinstance(flown, Flown):
         flight, reason = flight_content(mission, flown, stride(mission, n_flights)), ""
+    faults = fault_table("", told.faults, told.outcome)
     sentences = told.sentences or [""] * len(told.faults)
     return {
         "title": told.title,
         "sentence": told.sentence,
-        "faults": [
-            fault_content(fault) | {"sentence": sentence}
-            for fault, sentence in zip(told.faults, sentences, strict=True)
-        ],
+        "faults": to_page(
+            replace(
+                faults,
+                columns=(*faults.columns, "what it did"),
+                rows=[(*row, did) for row, did in zip(faults.rows, sentences, strict=True)],
+            )
+        ),
         "counts": to_page(goal_table(COUNTS, mission, told.outcome)),
         "command": shlex.join(told.command),
         "xmi": told.xmi,

@@ -9,8 +9,7 @@ function weaknessesOf(data, view) {
     data.shown.map((shown, k) => make("article", {},
       make("h3", {}, said(shown.title)),
       make("p", {}, said(shown.sentence)),
-      table(["fault", "type", "on", "values", "ticks", "what it did"], shown.faults.map((fault) =>
-        [fault.name, fault.type, fault.target, fault.values, fault.window ? `${fault.window[0]} to ${fault.window[1]}` : "never", fault.sentence])),
+      table(shown.faults.header, shown.faults.rows),
       titled(shown.counts),
       make("p", {}, "Fly it again: ", make("code", {}, said(shown.command)), " ", copying(shown.command)),
       make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(shown.xmi), make("pre", { dir: "ltr" }, shown.xmi)),
