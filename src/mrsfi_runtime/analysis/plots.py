@@ -25,6 +25,7 @@ from mrsfi_runtime.analysis.fronts import Front, FrontPoint, Harm, Pick, Ratio
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.causes.mildest import Tried
+from mrsfi_runtime.errors import counted
 from mrsfi_runtime.record.measure import Measure
 
 INK, SOFT, GRID, PAPER = "#1f2933", "#66737f", "#e3e8ec", "#ffffff"
@@ -133,14 +134,8 @@ def generation_fronts(fronts: Mapping[int, Front]) -> Figure:
         axes = _goal_axes(figure, "Pareto points of some generations", front)
         for index, (generation, front) in enumerate(fronts.items()):
             colour = AGES[round(index * (len(AGES) - 1) / max(len(fronts) - 1, 1))]
-            marker = "osD^v"[index % 5]
-            _staircase(axes, front, colour)
-            n_points = len(front.points)
-            words = f"generation {generation} ({n_points} point{'' if n_points == 1 else 's'})"
-            xs, ys = zip(*(point.violations for point in front.points), strict=True)
-            axes.scatter(
-                xs, ys, s=48, color=colour, marker=marker, ec=PAPER, lw=0.7, label=words, zorder=3
-            )
+            words = f"generation {generation} ({counted(len(front.points), 'points')})"
+            _draw_front(axes, front, words, colour, size=48, marker="osD^v"[index % 5])
         legend_below(figure, ncols=3)
     return figure
 
@@ -166,10 +161,7 @@ def whole_front(
             label=f"evaluated ({n_left_out} points not drawn)" if n_left_out else "evaluated",
             rasterized=len(points) > MANY_POINTS,
         )
-        _staircase(axes, front, BLUE)
-        xs, ys = zip(*(point.violations for point in front.points), strict=True)
-        words = f"non-dominated ({len(front.points)})"
-        axes.scatter(xs, ys, s=52, color=BLUE, ec=PAPER, lw=0.7, label=words, zorder=3)
+        _draw_front(axes, front, f"non-dominated ({len(front.points)})", BLUE, size=52)
         if pick is not None and pick.point is not None:
             _draw_pick(axes, pick, pick.ratio, pick.point)
         legend_below(figure, ncols=3)
@@ -288,12 +280,16 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
     axes.grid(visible=False, axis="y")
 
 
-def _staircase(axes: Axes, front: Front, colour: str) -> None:
-    """Draw the border of what a front dominates."""
-    corners = sorted(point.violations for point in front.points)
-    xs = [0, *(x for x, _ in corners), corners[-1][0]]
-    ys = [corners[0][1], *(y for _, y in corners), 0]
-    axes.step(xs, ys, where="pre", color=colour, lw=1.2, alpha=0.75, zorder=2)
+def _draw_front(
+    axes: Axes, front: Front, words: str, colour: str, *, size: int, marker: str = "o"
+) -> None:
+    """Draw the points of a front, and the border of what they dominate."""
+    xs, ys = zip(*sorted(point.violations for point in front.points), strict=True)
+    border = [0, *xs, xs[-1]], [ys[0], *ys, 0]
+    axes.step(*border, where="pre", color=colour, lw=1.2, alpha=0.75, zorder=2)
+    axes.scatter(
+        xs, ys, s=size, color=colour, marker=marker, ec=PAPER, lw=0.7, label=words, zorder=3
+    )
 
 
 def _draw_pick(axes: Axes, pick: Pick, ratio: Ratio, point: FrontPoint) -> None:
