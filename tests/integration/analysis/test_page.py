@@ -99,6 +99,24 @@ def test_what_the_page_holds_of_a_flight_is_the_flight_to_what_it_says(flown, ke
         assert f"positions to {flight['steps'][name] / 2:g}" in content["said"]
 
 
+def test_events_say_when_faults_and_violations_begin_and_end(flown):
+    code, faults, recording, _ = flown
+
+    events = flight_content(code.mission, Flown("", faults, recording, {}), 1)["events"]
+
+    assert events == sorted(events, key=lambda event: event[0])
+    for fault in (each for each in faults if each.window is not None):
+        words = f"{fault.name} ({fault.fault.type} on {fault.target})"
+        assert {(fault.window[0], f"{words} starts"), (fault.window[1], f"{words} ends")} <= {
+            *events
+        }
+    for k, goal in enumerate(code.mission.goals):
+        for first, last in runs(recording["is_true"][:, k]):
+            assert (first, f"{goal.id} truly violated") in events
+            is_over = (last + 1, f"{goal.id} no longer truly violated") in events
+            assert is_over is (last + 1 < code.mission.duration)
+
+
 @pytest.mark.parametrize(
     ("flags", "expected"),
     [([], []), ([0, 0], []), ([1], [(0, 0)]), ([1, 1, 0, 1], [(0, 1), (3, 3)])],
