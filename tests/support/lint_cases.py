@@ -13,13 +13,12 @@ UNIT = "(ci.robots[0].x + k) / 1600.0"
 
 
 class Case(NamedTuple):
-    """A body of a region, the line of it that is remarked upon, and what the compiler says."""
+    """A body of a region, and the line of it that is remarked upon."""
 
     name: str
     body: str
     line: int = 0
     helpers: str = ""
-    said: str = ""
 
 
 def sweep(name, expression, x=POSITIVE):
@@ -82,132 +81,6 @@ DIFFERENT = [
     Case("logarithm of a difference", "return math.log(ci.robots[0].x - ci.robots[1].x)"),
     Case("arc cosine", "return math.acos(ci.robots[0].x / 100.0)"),
 ]
-
-GENERATOR = "it has a generator expression; write a loop"
-CLASS = "it has a class; write functions, or constants in the region 'helpers'"
-WITH = "it has a `with`; leave it out: a region reads and commands `ci` alone"
-EXCEPTION = "it tells exceptions apart; write `except Exception:`, or test before instead"
-TEXT = "it makes a text; leave texts to the analysis"
-DICT = "'LIMITS' is a global dict; write a number, or a tuple of numbers"
-
-NOT_COMPILED = [
-    Case("generator", "return sum(r.x for r in ci.robots) > 0.0", said=GENERATOR),
-    Case(
-        "any",
-        "return any([r.x > 0.0 for r in ci.robots])",
-        said="'any' of Python is not known to the compiler; write a loop, or leave it out",
-    ),
-    Case(
-        "set comprehension",
-        "return len({k % 3 for k in range(9)})",
-        said="it has a set comprehension; write a loop",
-    ),
-    Case(
-        "walrus",
-        "if (t := ci.mission.tick) > 500:\n    return t\nreturn 0",
-        said="it has `:=`; assign on a line of its own",
-    ),
-    Case("with", "with open('x') as file:\n    return 1", said=WITH),
-    Case(
-        "import",
-        "import math\nreturn math.pi",
-        said="it has an import; import in the region 'imports'",
-    ),
-    Case(
-        "global",
-        "global N\nN = 2\nreturn N",
-        0,
-        "N = 1\n",
-        "it has a `global`; keep what lasts in the fields of `ci`",
-    ),
-    Case("class", "class A:\n    pass\nreturn 1", said=CLASS),
-    Case(
-        "deleted",
-        "q = [1, 2]\ndel q[0]\nreturn q[0]",
-        1,
-        said="it has a `del`; leave the name alone",
-    ),
-    Case(
-        "named exception",
-        "try:\n    t = 1\nexcept IndexError:\n    t = 2\nreturn t",
-        2,
-        said=EXCEPTION,
-    ),
-    Case(
-        "kept exception",
-        "try:\n    t = 1\nexcept Exception as e:\n    t = 2\nreturn t",
-        2,
-        said=EXCEPTION,
-    ),
-    Case(
-        "starred",
-        "a, *b = (1, 2, 3)\nreturn b[0]",
-        said="it unpacks with a star; unpack by index",
-    ),
-    Case(
-        "open",
-        "return len(open('x').read())",
-        said="'open' of Python is not known to the compiler; write a loop, or leave it out",
-    ),
-    Case(
-        "time",
-        "return time.time()",
-        said="'time.time' is not known to the compiler; write the formula, or leave it out",
-    ),
-    Case(
-        "function of math",
-        "return math.fsum([ci.robots[0].x])",
-        said="'math.fsum' is not known to the compiler; write the formula, or leave it out",
-    ),
-    Case(
-        "key of a minimum",
-        "return min([1, 2, 3], key=lambda k: -k)",
-        said="'min' takes numbers alone; write a loop",
-    ),
-    Case(
-        "list of records",
-        "q = [r for r in ci.robots]\nreturn q[0].x",
-        said="it lists records; list their indices",
-    ),
-    Case(
-        "method of a list of the state",
-        "return ci.hazards.index(3)",
-        said="a list has no 'index' when compiled; write a loop",
-    ),
-    Case("global dict", "return LIMITS['x'] > 1", 0, "LIMITS = {'x': 2}\n", DICT),
-    Case(
-        "global list",
-        "return LIMITS[0] > 1",
-        0,
-        "LIMITS = [2]\n",
-        "'LIMITS' is a global list; write a tuple of numbers",
-    ),
-    Case(
-        "unmarked",
-        "return unmarked(1)",
-        0,
-        "def unmarked(x):\n    return x\n",
-        "'unmarked' is not marked @kernel; mark it",
-    ),
-    Case("format spec", 'return len(f"{ci.robots[0].x:.2f}")', said=TEXT),
-    Case("percent", 'return len("%d" % ci.mission.tick)', said=TEXT),
-    Case("format method", 'return len("{}".format(3))', said=TEXT),
-    Case(
-        "a helper that calls itself",
-        "return helper(3)",
-        0,
-        "@kernel\ndef helper(n):\n    if n < 2:\n        return 1\n    return n * helper(n - 1)\n",
-        "'helper' does not compile with what it is called with; a function cannot call itself",
-    ),
-    Case(
-        "a helper with a list for a default",
-        "return helper(3)",
-        0,
-        "@kernel\ndef helper(n, seen=[]):\n    seen.append(n)\n    return len(seen)\n",
-        "of an empty list no type is known; keep what lasts in `ci`",
-    ),
-]
-"""What the compiler refuses, and in which words it does."""
 
 ALIKE = [
     Case("division", "return ci.robots[0].x / ci.robots[1].y"),
