@@ -16,7 +16,7 @@ from mrsfi_runtime.engine.compiled.pipeline import Checked
 from mrsfi_runtime.engine.compiled.reach import CompilationError, is_kernel
 from mrsfi_runtime.engine.compiled.regions import EFFECT, Region
 from mrsfi_runtime.engine.compiled.views import arguments_of
-from mrsfi_runtime.markers import MARKER
+from mrsfi_runtime.markers import lines_in_regions
 
 _PLACE = re.compile(r'File "([^"]+)", line (\d+)|Raised from (\S+) \((\d+)\)')
 
@@ -114,15 +114,12 @@ def _error(
     """Return an error with file, line and region; by default the first line of the region."""
     path = Path(inspect.getfile(function))
     lines, first = inspect.getsourcelines(function)
-    begins = [
-        (n, found["id"])
-        for n, text in enumerate(lines)
-        if (found := MARKER.match(text)) and found["state"]
-    ]
-    n_before, region = begins[0] if begins else (0, function.__name__)
+    regions = lines_in_regions(path.read_text(encoding="utf-8"))
+    if line is None:
+        line = next(filter(regions.get, range(first, first + len(lines))), first + 1)
+    place = f"region {regions[line]}" if line in regions else f"function {function.__name__}"
     path = directory / path.name if path.parent == directory.absolute() else path
-    where = f"{path}:{line or first + n_before + 1}: region {region}"
-    return CompilationError(f"{where} cannot be compiled: {why}")
+    return CompilationError(f"{path}:{line}: {place} cannot be compiled: {why}")
 
 
 def _why(error: Exception) -> str:
