@@ -99,7 +99,7 @@ def test_engines_open_and_close_one_after_the_other_in_one_process():
     for _ in range(3):
         with engine(SHORT) as opened:
             found.add(opened.evaluate(()).digest)
-        assert not is_running(opened.simulation_pid)
+        assert not is_running(opened.simulation.pid)
 
     assert found == {ReferenceEngine(SHORT, FLIGHT_SEED).evaluate(()).digest}
 
@@ -162,7 +162,7 @@ def killer(opened, tick, pid):
 def test_a_simulation_that_is_killed_is_told_with_tick_and_signal():
     started = time.monotonic()
     with engine(SHORT) as opened:
-        observe = killer(opened, 20, opened.simulation_pid)
+        observe = killer(opened, 20, opened.simulation.pid)
         with pytest.raises(TransportClosed, match=r"run 1, tick 2\d: .*SIGKILL"):
             opened.evaluate((), observer=observe)
         with pytest.raises(TransportError, match="run 2, before tick 0"):
@@ -175,7 +175,7 @@ def test_a_simulation_that_is_killed_is_told_with_tick_and_signal():
 def test_a_stopped_simulation_times_out():
     def observe(world, belief, verdicts):
         if world.mission.tick == 20:
-            os.kill(opened.simulation_pid, signal.SIGSTOP)
+            os.kill(opened.simulation.pid, signal.SIGSTOP)
 
     with (
         engine(SHORT) as opened,
@@ -183,7 +183,7 @@ def test_a_stopped_simulation_times_out():
     ):
         opened.evaluate((), observer=observe)
 
-    assert not is_running(opened.simulation_pid)
+    assert not is_running(opened.simulation.pid)
 
 
 def test_an_observer_that_raises_ends_its_run_only():

@@ -93,10 +93,6 @@ class Engine(Evaluator):
         specification = Gate(self.code.mission, self.code.pool).admitted(specification)
         return self._record(specification, self.seed if seed is None else seed)
 
-    def try_out(self) -> None:
-        """Fly the mission without faults, to find out whether it flies."""
-        self.evaluate(())
-
     def attempt(self, specification: Specification, seed: int | None = None) -> Evaluated:
         """Evaluate a specification; the failure of a region is a result too."""
         try:

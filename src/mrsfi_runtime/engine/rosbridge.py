@@ -66,12 +66,7 @@ class SimulationProcess:
         if "url" not in said:
             reason = said.get("error") or self._ending()
             raise TransportError(f"the simulation process did not start: {reason}")
-        self.url = said["url"]
-
-    @property
-    def pid(self) -> int:
-        """Return the number of the process."""
-        return self._process.pid
+        self.url, self.pid = said["url"], self._process.pid
 
     def last_words(self) -> str:
         """Return why the process ended, or nothing if it has not."""
@@ -117,16 +112,16 @@ class RosbridgeEngine(PlainEngine):
             raise UsageError("--side ci needs --url: the server on which the simulation is found")
         _require_seed(seed)
         self.patience = 2 * (patience.tick + patience.handshake)
-        self._simulation: SimulationProcess | None = None
+        self.simulation: SimulationProcess | None = None
         with ExitStack() as opened:
             if url is not None:  # first: it tells best what is wrong with the URL
                 self._transport = RosbridgeTransport(url, client)
                 opened.callback(self._transport.close)
             if settings.has_simulation:
-                self._simulation = SimulationProcess(code, url, client, patience)
-                opened.callback(self._simulation.close)
-            if url is None and self._simulation is not None:
-                self._transport = RosbridgeTransport(self._simulation.url, client)
+                self.simulation = SimulationProcess(code, url, client, patience)
+                opened.callback(self.simulation.close)
+            if url is None and self.simulation is not None:
+                self._transport = RosbridgeTransport(self.simulation.url, client)
                 opened.callback(self._transport.close)
             self._opened = opened.pop_all()
         is_bundled = settings.is_bundled
@@ -134,11 +129,6 @@ class RosbridgeEngine(PlainEngine):
         transport = BundlingTransport.of_ci(self._transport) if is_bundled else self._transport
         self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
         self.interface = self._lockstep.interface
-
-    @property
-    def simulation_pid(self) -> int | None:
-        """Return the number of the simulation process, if this engine started one."""
-        return None if self._simulation is None else self._simulation.pid
 
     def close(self) -> None:
         """Close the connection and end the simulation process."""
@@ -155,7 +145,7 @@ class RosbridgeEngine(PlainEngine):
                 f"{error}; does it know {GO_BUNDLE.name}? Without --bundle it need not"
             ) from error
         except TransportClosed as error:
-            last_words = self._simulation.last_words() if self._simulation else ""
+            last_words = self.simulation.last_words() if self.simulation else ""
             if not last_words:
                 raise
             raise TransportClosed(f"{error}; the simulation process ended: {last_words}") from error

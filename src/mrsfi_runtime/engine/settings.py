@@ -72,7 +72,7 @@ class EngineSettings:
         settings = self.named(code, seed, tell)
         if self.has_simulation:
             with settings.open(code, seed) as opened:
-                opened.try_out()
+                opened.evaluate(())
         return settings
 
     def open(self, code: "MissionCode", seed: int, n_threads: int = 1) -> "Engine":

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from mrsfi_runtime.engine.compiled.compiled_flight import kernel
-from mrsfi_runtime.engine.compiled.prebuilt import build
+from mrsfi_runtime.engine.compiled.machine_code import build
 
 if __name__ == "__main__":
     logging.basicConfig(format="%(message)s")

@@ -12,13 +12,14 @@ from mrsfi_runtime.engine.compiled.batch import Frame
 from mrsfi_runtime.engine.compiled.cache import forget
 from mrsfi_runtime.engine.compiled.machine_code import (
     FLIGHT,
+    Library,
     MachineCode,
     kept_code,
     kernel_key,
     key_of,
+    prebuilt_kernel,
     sources_key,
 )
-from mrsfi_runtime.engine.compiled.prebuilt import Library, prebuilt_kernel
 from mrsfi_runtime.engine.compiled.reach import Reached
 from mrsfi_runtime.engine.compiled.regions import ROLES, Region, own_regions
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
