@@ -94,53 +94,10 @@ def _setting(default: Any, rule: _Rule) -> Any:
 class CampaignSettings:
     """What a campaign searches with; defaults are those of the paper's case studies.
 
-    Attributes
-    ----------
-    algorithm
-        One of ``ALGORITHM_NAMES``, or ``module:function``, as are the other functions below.
-    population
-        Number of individuals.
-    generations
-        Number of generations after the first, which is generation 0.
-    faults
-        Timed faults of an individual, as far as the mission has room for them; with ``minimise``
-        the most that one may have.
-    crossover, mutation
-        Chance of a pair to exchange faults, and of an individual to mutate.
-    mutation_share
-        Chance of each fault of a mutating individual to be drawn anew. The paper has none.
-    selection
-        One of ``SELECTIONS``.
-    crossover_operator, mutation_operator
-        One of ``CROSSOVERS`` and of ``MUTATIONS``.
-    offspring
-        How many ``eaMuPlusLambda``, ``eaMuCommaLambda`` breed in a generation; none means
-        ``population``, and twice that for ``eaMuCommaLambda``.
-    fitness
-        One of ``FITNESS_FUNCTIONS``.
-    violations
-        Which count of an outcome fitness and front look at, one of ``VIOLATIONS``: ``missed``
-        counts, for goals missed, the ticks from the one on at which that was certain.
-    minimise
-        One of ``COSTS``, of which a front is to have few beside many violations.
-    replications
-        Over how many mission seeds, from ``mission_seed`` on, fitness and goal vector are
-        averaged.
-    goals
-        IDs of the goals that ``focused`` and the Pareto front look at; none means all.
-    seed, mission_seed
-        Seeds of the search and of the mission.
-    evaluations
-        Number of evaluations after which the run ends, exactly, in place of
-        ``generations``: how controls are given as many as another run had.
-    until
-        Bound of what is not found, 0 … 1, at which ``cover`` ends for all goals, if not before.
-    max_failures
-        Number of failed evaluations that ends the run.
-    source
-        Where the settings come from, for messages.
-    options
-        Names of those that were given beside it.
+    Functions are named by ``ALGORITHM_NAMES``, ``SELECTIONS``, ``CROSSOVERS``, ``MUTATIONS`` and
+    ``FITNESS_FUNCTIONS``, or are a team's own, ``module:function``. Of ``VIOLATIONS``, fitness and
+    front look at one: ``missed`` counts, for goals missed, the ticks from the one on at which that
+    was certain.
 
     References
     ----------
@@ -149,36 +106,42 @@ class CampaignSettings:
 
     algorithm: str = _setting("paper", _NAME)
     population: int = _setting(20, _whole(1))
-    generations: int = _setting(50, _whole(0))
+    generations: int = _setting(50, _whole(0))  # after the first, which is generation 0
+    # Of an individual, as far as the mission has room; with ``minimise`` the most that one may have
     faults: int = _setting(20, _whole(1))
-    crossover: float = _setting(0.7, _CHANCE)
-    mutation: float = _setting(0.7, _CHANCE)
-    mutation_share: float = _setting(0.5, _CHANCE)
+    crossover: float = _setting(0.7, _CHANCE)  # of a pair to exchange faults
+    mutation: float = _setting(0.7, _CHANCE)  # of an individual to mutate
+    mutation_share: float = _setting(0.5, _CHANCE)  # of each of its faults; the paper has none
     selection: str = _setting("roulette", _NAME)
     crossover_operator: str = _setting("exchange", _NAME)
     mutation_operator: str = _setting("redraw", _NAME)
+    # What ``eaMuPlusLambda`` and ``eaMuCommaLambda`` breed in a generation; none means
+    # ``population``, and twice that for ``eaMuCommaLambda``
     offspring: int | None = _setting(None, _whole(1))
     fitness: str = _setting("weighted", _NAME)
     violations: str = _setting("believed", _one_of(VIOLATIONS))
+    # Of which a front is to have few beside many violations
     minimise: str | None = _setting(None, _one_of(COSTS))
+    # Mission seeds, from ``mission_seed`` on, over which fitness and goal vector are averaged
     replications: int = _setting(1, _whole(1, 1000))
+    # IDs of those that ``focused`` and the Pareto front look at; none means all
     goals: tuple[str, ...] = _setting((), _GOALS)
-    seed: int = _setting(1, _SEED)
+    seed: int = _setting(1, _SEED)  # of the search
     mission_seed: int = _setting(1, _SEED)
+    # After exactly so many the run ends, in place of ``generations``: so controls are given as
+    # many as another run had
     evaluations: int | None = _setting(None, _whole(1))
+    # Bound of what is not found at which ``cover`` ends for all goals, if not before
     until: float | None = _setting(None, _CHANCE)
-    max_failures: int = _setting(10, _whole(1))
-    source: str = field(default="settings", compare=False)
-    options: frozenset[str] = field(default=frozenset(), compare=False)
+    max_failures: int = _setting(10, _whole(1))  # failed evaluations that end the run
+    source: str = field(default="settings", compare=False)  # where they come from, for messages
+    options: frozenset[str] = field(default=frozenset(), compare=False)  # what was given beside it
 
     @classmethod
     def load(cls, path: Path, **overrides: object) -> Self:
         """Read a campaign file; what is given by keyword and not ``None`` replaces its values.
 
-        Raises
-        ------
-        UsageError
-            If the file cannot be read, has an unknown key, or a value of a wrong kind.
+        It is a ``UsageError`` if it cannot be read, has an unknown key, or a value of a wrong kind.
         """
         try:
             text = path.read_text(encoding="utf-8")
