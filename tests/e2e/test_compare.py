@@ -73,6 +73,8 @@ def test_what_is_finished_is_not_repeated_when_algorithms_and_seeds_are_added(pl
     out = ("--out", "runs/c")
     mrsfi(*SMALL, "--seeds", "1", "--algorithms", "random", *out, cwd=place)
     before = contents(place / "runs" / "c" / "runs")
+    with (place / "models" / MISSION / "case_b.toml").open("a") as file:
+        file.write("# of which nothing depends\n")
 
     done = mrsfi(*SMALL, "--seeds", "2", "--algorithms", "drift,random", *out, cwd=place)
 
