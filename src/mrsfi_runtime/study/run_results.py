@@ -9,7 +9,6 @@ from moocore import hypervolume
 from mrsfi_runtime.analysis.fronts import non_dominated, score
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.encoding import object_from_text
-from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import Evaluation
 
@@ -78,7 +77,6 @@ def measure_run(
     """Return what a search found; its evaluations, in order, are gone through once."""
     columns = [mission.goal_ids.index(goal) for goal in settings.goals or mission.goal_ids]
     best = [mission.duration] * len(columns)
-    measure = Measure.of(settings, mission)
     most = settings.faults * (mission.duration if settings.minimise == "fault_ticks" else 1)
     if settings.minimise is not None:
         best.append(most - 1)
@@ -90,7 +88,7 @@ def measure_run(
     vectors: set[tuple[int, ...]] = set()
     for n_evaluations, one in enumerate(evaluations, 1):
         found: tuple[int, ...] = getattr(one.outcome, settings.violations)
-        spared = () if settings.minimise is None else (most - measure.cost(one),)
+        spared = (most - cost for cost in settings.costs(one.specification, mission.duration))
         vectors.add((*(found[column] for column in columns), *spared))
         if not improvements or score(one) > improvements[-1][1]:
             improvements.append((n_evaluations, score(one)))
