@@ -164,13 +164,6 @@ def _flown(place: CampaignFolder, evaluator: Evaluator, source: str) -> RunResul
                 store.keep(_SECONDS, repr(spent + noted - began))
 
         search(campaign, evaluator, note)
-        result = measure_run(
-            store.settings,
-            campaign.mission,
-            store.evaluations(),
-            n_failures=store.n_failures,
-            seconds=spent + monotonic() - began,
-            digest=store.digest(),
-        )
+        result = measure_run(store, campaign.mission, spent + monotonic() - began)
         store.keep(_RESULT, canonical(result.as_json()))
     return result

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,13 +22,11 @@ from mrsfi_runtime.record.settings import (
 )
 
 if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
-
     from m2t.diagnostics import Diagnostic
     from mrsfi.campaign import Campaign
     from mrsfi.flight import Flight
     from mrsfi.regressions import Checked
-    from mrsfi_runtime.engine.flights import Evaluated, Evaluator
+    from mrsfi_runtime.engine.flights import Evaluated
     from mrsfi_runtime.generated_code import MissionCode
     from mrsfi_runtime.model.mission import Mission as Model
     from mrsfi_runtime.search.run import CampaignProgress
@@ -367,13 +365,14 @@ class Mission:
         runs = [replace(one, seed=1 + seed) for seed in range(n_seeds) for one in settings]
         seed = runs[0].mission_seed
         flown_by = asked.tried(self.code, seed, tell)
-
-        def evaluating(code: "MissionCode") -> "AbstractContextManager[Evaluator]":
-            def reached(they: str) -> None:
-                on_reached(f"{flown_by.words}, {they}")
-
-            return evaluator(code, seed, flown_by, who, tell, reached)
-
+        evaluating = partial(
+            evaluator,
+            seed=seed,
+            engine=flown_by,
+            workers=who,
+            tell=tell,
+            on_reached=lambda they: on_reached(f"{flown_by.words}, {they}"),
+        )
         return compared(path, self.folders, runs, case, asked, evaluating, progress)
 
     def check(

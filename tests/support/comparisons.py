@@ -7,20 +7,15 @@ from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.comparison import Comparison, compare
 from mrsfi_runtime.study.folder import ComparisonFolder
 from mrsfi_runtime.study.run_results import RunResult, measure_run
-from tests.support.campaigns import generations_of_evaluations
+from tests.support.campaigns import generations_of_evaluations, store_of
 from tests.support.search import paper_mission
 
 
 def result(algorithm: str, seed: int) -> RunResult:
     evaluations = [one for members in generations_of_evaluations(4, 10, seed) for one in members]
-    return measure_run(
-        CampaignSettings(algorithm=algorithm, seed=seed, goals=("g1", "g3")),
-        paper_mission(),
-        evaluations,
-        n_failures=0,
-        seconds=0.5,
-        digest=f"{seed:064x}",
-    )
+    settings = CampaignSettings(algorithm=algorithm, seed=seed, goals=("g1", "g3"))
+    with store_of(evaluations, settings) as store:
+        return measure_run(store, paper_mission(), 0.5)
 
 
 def run_result(algorithm: str, seed: int, **found: Any) -> RunResult:

@@ -1,6 +1,6 @@
 """What one search found, in the numbers by which searches are compared."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Self
 
@@ -9,8 +9,7 @@ from moocore import hypervolume
 from mrsfi_runtime.analysis.fronts import non_dominated, score
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.encoding import object_from_text
-from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import Evaluation
+from mrsfi_runtime.record.store import CampaignStore
 
 MOST_OBJECTIVES = 7
 """Of a hypervolume that is computed; its cost grows exponentially with their number."""
@@ -65,16 +64,9 @@ def _frozen(value: Any) -> Any:
     return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
-def measure_run(
-    settings: CampaignSettings,
-    mission: Mission,
-    evaluations: Iterable[Evaluation],
-    *,
-    n_failures: int,
-    seconds: float,
-    digest: str,
-) -> RunResult:
+def measure_run(store: CampaignStore, mission: Mission, seconds: float) -> RunResult:
     """Return what a search found; its evaluations, in order, are gone through once."""
+    settings = store.settings
     columns = [mission.goal_ids.index(goal) for goal in settings.goals or mission.goal_ids]
     best = [mission.duration] * len(columns)
     most = settings.faults * (mission.duration if settings.minimise == "fault_ticks" else 1)
@@ -86,7 +78,7 @@ def measure_run(
     together: list[int] = []
     broken: set[int] = set()
     vectors: set[tuple[int, ...]] = set()
-    for n_evaluations, one in enumerate(evaluations, 1):
+    for n_evaluations, one in enumerate(store.evaluations(), 1):
         found: tuple[int, ...] = getattr(one.outcome, settings.violations)
         spared = (most - cost for cost in settings.costs(one.specification, mission.duration))
         vectors.add((*(found[column] for column in columns), *spared))
@@ -101,14 +93,14 @@ def measure_run(
         algorithm=settings.algorithm,
         seed=settings.seed,
         n_evaluations=n_evaluations,
-        n_failures=n_failures,
+        n_failures=store.n_failures,
         improvements=tuple(improvements),
         at_once=_filled(at_once, len(mission.goals)),
         together=_filled(together, len(mission.goals)),
         hypervolume=front_volume(front, best),
         front_size=len(front),
         seconds=seconds,
-        digest=digest,
+        digest=store.digest(),
     )
 
 

@@ -8,11 +8,10 @@ from hypothesis import strategies as st
 
 from mrsfi_runtime.analysis.fronts import non_dominated
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.encoding import canonical
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.run_results import RunResult, front_volume, measure_run
-from tests.support.campaigns import evaluation
+from tests.support.campaigns import evaluation, store_of
 from tests.support.search import paper_mission
 
 SIX = (0, 0, 0, 0, 0, 0)
@@ -20,18 +19,12 @@ SIX = (0, 0, 0, 0, 0, 0)
 
 def measured(
     believed: Sequence[tuple[int, ...]],
-    waters: Mission | None = None,
     goals: tuple[str, ...] = (),
     counts: str = "believed",
 ) -> RunResult:
-    return measure_run(
-        CampaignSettings(seed=3, goals=goals, violations=counts),
-        waters or paper_mission(),
-        [evaluation(index, found) for index, found in enumerate(believed)],
-        n_failures=2,
-        seconds=1.5,
-        digest="d",
-    )
+    settings = CampaignSettings(seed=3, goals=goals, violations=counts)
+    with store_of([evaluation(*each) for each in enumerate(believed)], settings) as store:
+        return measure_run(store, paper_mission(), 1.5)
 
 
 def test_each_improvement_of_the_fitness_is_kept_with_its_place():
@@ -108,7 +101,8 @@ def test_what_is_minimised_is_one_objective_more_of_the_hypervolume(minimise, mo
     waters = replace(paper_mission(), duration=9)
     settings = CampaignSettings(goals=("g1",), faults=4, minimise=minimise, algorithm="nsga2")
 
-    run = measure_run(settings, waters, found, n_failures=0, seconds=1.0, digest="d")
+    with store_of(found, settings) as store:
+        run = measure_run(store, waters, 1.0)
 
     reached = 5 * most + (10 - 5) * (most + 1 - many)  # vectors of (0 … 9, 1 … most)
     assert run.hypervolume == pytest.approx(reached / (10 * most))
