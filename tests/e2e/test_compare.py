@@ -169,6 +169,7 @@ def test_a_run_is_the_campaign_of_its_seed_with_the_replications_of_its_file(pla
     campaign = mrsfi_json(*random, *FEW, cwd=place)
     kept = place / "runs" / f"compare-{MISSION}-b" / "runs" / "random-2"
     run = found["runs"][1]
+    assert found["settings"]["replications"] == 2
     assert run["digest"] == campaign["digest"]
     assert run["best_fitness"] == campaign["best"]["fitness"]
     assert run["front_size"] == len(campaign["front"]["points"])
@@ -176,24 +177,21 @@ def test_a_run_is_the_campaign_of_its_seed_with_the_replications_of_its_file(pla
     mrsfi("replay", kept, "--all", cwd=place)
 
 
-def test_a_comparison_of_an_earlier_mrsfi_is_refused(place):
-    runs = place / "runs" / "old" / "runs"
-    runs.mkdir(parents=True)
-    (runs.parent / "campaign.lock").touch()
-    (runs / "paper-1.json").write_text("{}")
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        (["campaign.sqlite"], "runs/other: found something there already"),
+        (["campaign.lock", "runs/paper-1.json"], "runs/other: found a comparison of an earlier"),
+    ],
+)
+def test_a_folder_of_something_else_is_refused(files, message, place):
+    other = place / "runs" / "other"
+    (other / "runs").mkdir(parents=True)
+    for name in files:
+        (other / name).touch()
+    before = contents(other)
 
-    done = mrsfi(*SMALL, "--seeds", "1", "--out", runs.parent, cwd=place, expected=9)
+    done = mrsfi(*SMALL, "--seeds", "1", "--out", other, cwd=place, expected=9)
 
-    assert "runs/old: found a comparison of an earlier mrsfi" in done.stderr
-    assert [file.name for file in runs.iterdir()] == ["paper-1.json"]
-
-
-def test_a_folder_of_something_else_is_refused(place):
-    campaign = place / "runs" / "campaign"
-    campaign.mkdir(parents=True)
-    (campaign / "campaign.sqlite").write_bytes(b"")
-
-    done = mrsfi(*SMALL, "--seeds", "1", "--out", campaign, cwd=place, expected=9)
-
-    assert "found something there already" in done.stderr
-    assert [file.name for file in campaign.iterdir()] == ["campaign.sqlite"]
+    assert message in done.stderr
+    assert contents(other) == before
