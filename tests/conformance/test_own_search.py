@@ -9,8 +9,10 @@ import pytest
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.run import EvaluateMany, run_campaign
-from tests.support.search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
+from tests.support.campaigns import content, store_of
+from tests.support.search import evaluate_stand_in, paper_mission, pool_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "own_search"
 
@@ -21,19 +23,19 @@ def settings(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) ->
     return CampaignSettings.load(EXAMPLE / f"{request.param}.toml", evaluations=95)
 
 
-def run(settings: CampaignSettings, recorder: MemoryRecorder, evaluate: EvaluateMany) -> None:
+def run(settings: CampaignSettings, store: CampaignStore, evaluate: EvaluateMany) -> None:
     run_campaign(
         settings,
         paper_mission(),
         pool_of(),
         evaluate,
-        recorder,
+        store,
         replicas=[evaluate_stand_in] * (settings.replications - 1),
     )
 
 
 def test_it_goes_on_after_a_cut_as_if_there_had_been_none(settings):
-    whole, cut = MemoryRecorder(), MemoryRecorder()
+    whole, cut = store_of(settings=settings), store_of(settings=settings)
     run(settings, whole, evaluate_stand_in)
     flown: list[Specification] = []
 
@@ -48,6 +50,7 @@ def test_it_goes_on_after_a_cut_as_if_there_had_been_none(settings):
     n_before = cut.n_evaluations
     run(settings, cut, evaluate_stand_in)
 
-    assert 40 <= n_before < 95 == len(whole.kept)
-    assert whole.generations[-1].statistics["max"] >= whole.generations[0].statistics["max"]
-    assert cut == whole
+    assert 40 <= n_before < 95 == whole.n_evaluations
+    first, *_, last = whole.generations()
+    assert last.statistics["max"] >= first.statistics["max"]
+    assert content(cut) == content(whole)

@@ -1,6 +1,7 @@
 """Synthetic campaigns: evaluations of the paper's mission as a search would leave them."""
 
 import sqlite3
+import weakref
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from random import Random
@@ -13,10 +14,10 @@ from mrsfi_runtime.record import database, encoding
 from mrsfi_runtime.record.manifest import Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
-from mrsfi_runtime.record.store import CampaignStore, Evaluation, Generation
+from mrsfi_runtime.record.store import CampaignStore, Evaluation, FailedEvaluation, Generation
 from tests.support.search import PAPER_FAULTS
 
-_IN_MEMORY = Path("in memory")
+_IN_MEMORY = Path("in memory", "campaign.sqlite")
 SETTINGS = CampaignSettings(seed=7)
 
 
@@ -120,18 +121,28 @@ def statistics(members: Iterable[Evaluation]) -> dict[str, float]:
 
 
 def store_of(
-    evaluations: Iterable[Evaluation], settings: CampaignSettings = SETTINGS
+    evaluations: Iterable[Evaluation] = (),
+    settings: CampaignSettings = SETTINGS,
+    kind: type[CampaignStore] = CampaignStore,
 ) -> CampaignStore:
-    """Return the store of a campaign that is in no file."""
-    connection = sqlite3.connect(":memory:", isolation_level=None)
+    """Return the store of a campaign that is in no file; it is closed with its last user."""
+    connection = sqlite3.connect(":memory:", isolation_level=None, check_same_thread=False)
     meta = {
         "settings": encoding.canonical(settings.as_json()),
         "manifest": encoding.canonical(Manifest().as_json()),
     }
     database.fill(_IN_MEMORY, connection, meta)
-    store = CampaignStore(_IN_MEMORY, connection)
+    store = kind(_IN_MEMORY, connection)
+    weakref.finalize(store, connection.close)
     store.append(evaluations)
     return store
+
+
+def content(
+    store: CampaignStore,
+) -> tuple[list[Evaluation], tuple[FailedEvaluation, ...], list[Generation]]:
+    """Return all that a search has recorded."""
+    return [*store.evaluations()], store.failures(), [*store.generations()]
 
 
 def columns_of(

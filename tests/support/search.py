@@ -1,14 +1,12 @@
 """The paper's mission and fault pool, and a stand-in evaluation."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import replace
 from random import Random
 
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.record.store import Evaluation, FailedEvaluation, Generation
 from mrsfi_runtime.search.space import SearchSpace
 from mrsfi_runtime.search.specifications import random_specification
 from tests.support.world import paper_code
@@ -51,50 +49,3 @@ def stand_in_outcome(specification: Specification) -> Outcome:
 
 def evaluate_stand_in(specifications: Sequence[Specification]) -> list[Outcome]:
     return [stand_in_outcome(specification) for specification in specifications]
-
-
-@dataclass
-class MemoryRecorder:
-    """Keeps a campaign in memory under the rules of ``CampaignStore``."""
-
-    kept: list[Evaluation] = field(default_factory=list)
-    failed: list[FailedEvaluation] = field(default_factory=list)
-    generations: list[Generation] = field(default_factory=list)
-    n_appends: int = field(default=0, compare=False)
-    path: Path = field(default=Path("in memory", "campaign.sqlite"), compare=False)
-
-    @property
-    def n_evaluations(self) -> int:
-        return len(self.kept)
-
-    def next_indexes(self) -> tuple[int, int, int]:
-        next_failure = self.failed[-1].number + 1 if self.failed else 0
-        return len(self.kept), next_failure, len(self.generations)
-
-    def evaluations(self, first: int = 0, n_most: int | None = None) -> Sequence[Evaluation]:
-        return self.kept[first:][:n_most]
-
-    def failures(self) -> Sequence[FailedEvaluation]:
-        return self.failed
-
-    def generation(self, index: int) -> Generation | None:
-        return self.generations[index] if index < len(self.generations) else None
-
-    def append(
-        self,
-        evaluations: Sequence[Evaluation],
-        failures: Sequence[FailedEvaluation],
-        generations: Sequence[Generation],
-    ) -> None:
-        for evaluation in evaluations:
-            if evaluation.index != len(self.kept):
-                message = f"found {evaluation.index}; expected {len(self.kept)}"
-                raise ValueError(message)
-            self.kept.append(evaluation)
-        self.failed.extend(failures)
-        for generation in generations:
-            if generation.index != len(self.generations):
-                message = f"found {generation.index}; expected {len(self.generations)}"
-                raise ValueError(message)
-            self.generations.append(generation)
-        self.n_appends += 1

@@ -6,9 +6,11 @@ import pytest
 
 from mrsfi_runtime.errors import MrsfiError, SpecificationError, UsageError
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.run import require_settings, run_campaign
 from mrsfi_runtime.search.user_functions import chosen
-from tests.support.search import MemoryRecorder, evaluate_stand_in, paper_mission, pool_of
+from tests.support.campaigns import store_of
+from tests.support.search import evaluate_stand_in, paper_mission, pool_of
 
 MODULE = """
 NUMBER = 7
@@ -66,38 +68,37 @@ def campaign(**search: object) -> CampaignSettings:
     return CampaignSettings.parse("\n".join(["[search]", "generations = 2", *lines]), "case.toml")
 
 
-def run(settings: CampaignSettings) -> MemoryRecorder:
-    recorder = MemoryRecorder()
-    run_campaign(settings, paper_mission(), pool_of(), evaluate_stand_in, recorder)
-    return recorder
+def run(settings: CampaignSettings) -> CampaignStore:
+    store = store_of(settings=settings)
+    run_campaign(settings, paper_mission(), pool_of(), evaluate_stand_in, store)
+    return store
 
 
 @pytest.mark.usefixtures("own")
 def test_a_fitness_function_of_the_user_judges():
-    recorder = run(campaign(fitness="own_functions:first_goal"))
+    store = run(campaign(fitness="own_functions:first_goal"))
 
-    assert recorder.kept
-    assert all(e.fitness == (float(e.outcome.believed[0]),) for e in recorder.kept)
+    assert store.n_evaluations
+    assert all(e.fitness == (float(e.outcome.believed[0]),) for e in store.evaluations())
 
 
 @pytest.mark.usefixtures("own")
 def test_operators_of_the_user_vary():
-    recorder = run(
+    store = run(
         campaign(
             mutation_operator="own_functions:kept", crossover_operator="own_functions:unchanged"
         )
     )
 
-    assert len(recorder.kept) == 20
+    assert store.n_evaluations == 20
 
 
 @pytest.mark.usefixtures("own")
 def test_a_selection_of_the_user_selects():
-    recorder = run(campaign(selection="own_functions:worst_first", crossover=0.0, mutation=0.0))
+    store = run(campaign(selection="own_functions:worst_first", crossover=0.0, mutation=0.0))
 
-    assert {g.statistics["max"] for g in recorder.generations[1:]} == {
-        recorder.generations[0].statistics["min"]
-    }
+    first, *later = store.generations()
+    assert {g.statistics["max"] for g in later} == {first.statistics["min"]}
 
 
 @pytest.mark.usefixtures("own")

@@ -13,10 +13,11 @@ from mrsfi_runtime.errors import EvaluationError, RecordError, UsageError
 from mrsfi_runtime.model.faults import Specification, fault_ticks
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.store import CampaignStore
 from mrsfi_runtime.search.algorithms import ALGORITHMS
 from mrsfi_runtime.search.run import CampaignProgress, EvaluateMany, run_campaign
+from tests.support.campaigns import content, store_of
 from tests.support.search import (
-    MemoryRecorder,
     evaluate_stand_in,
     outcome_of,
     paper_mission,
@@ -37,7 +38,7 @@ class Run:
     evaluate_many: EvaluateMany = evaluate_stand_in
 
     def __post_init__(self) -> None:
-        self.recorder = MemoryRecorder()
+        self.store = store_of(settings=self.settings)
         self.progress: list[CampaignProgress] = []
 
     def start(self) -> None:
@@ -46,7 +47,7 @@ class Run:
             paper_mission(),
             pool_of(),
             self.evaluate_many,
-            self.recorder,
+            self.store,
             self.progress.append,
         )
 
@@ -57,7 +58,7 @@ def test_a_run_of_the_papers_size_is_recorded_whole(algorithm):
 
     run.start()
 
-    evaluations, generations = run.recorder.kept, run.recorder.generations
+    evaluations, _, generations = content(run.store)
     assert [generation.index for generation in generations] == list(range(51))
     assert sum(g.statistics["n_evaluations"] for g in generations) == len(evaluations)
     for evaluation in evaluations:
@@ -79,7 +80,7 @@ def test_progress_follows_the_record():
     run.start()
 
     n_evaluations, best, expected = 0, 0.0, []
-    for generation in run.recorder.generations:
+    for generation in run.store.generations():
         n_evaluations += int(generation.statistics["n_evaluations"])
         best = max(best, generation.statistics["max"])
         mean = generation.statistics["mean"]
@@ -99,20 +100,20 @@ def test_a_failed_evaluation_is_recorded_and_the_run_goes_on():
 
     run.start()
 
-    recorder = run.recorder
-    assert len(recorder.generations) == 4
-    assert recorder.failed
-    assert run.progress[-1].n_failures == len(recorder.failed)
-    assert all(failure.traceback == "Traceback: odd start" for failure in recorder.failed)
-    n_asked = sum(g.statistics["n_evaluations"] for g in recorder.generations)
-    assert n_asked == len(recorder.kept) + len(recorder.failed)
-    first = recorder.generations[0]
+    evaluations, failures, generations = content(run.store)
+    assert len(generations) == 4
+    assert failures
+    assert run.progress[-1].n_failures == len(failures)
+    assert all(failure.traceback == "Traceback: odd start" for failure in failures)
+    n_asked = sum(g.statistics["n_evaluations"] for g in generations)
+    assert n_asked == len(evaluations) + len(failures)
+    first = generations[0]
     assert first.statistics["min"] == 0.0
     assert first.population == tuple(
-        range(20 - sum(failure.generation == 0 for failure in recorder.failed))
+        range(20 - sum(failure.generation == 0 for failure in failures))
     )
-    for generation in recorder.generations[1:]:
-        assert all(0 <= index < len(recorder.kept) for index in generation.population)
+    for generation in generations[1:]:
+        assert all(0 <= index < len(evaluations) for index in generation.population)
 
 
 def test_too_many_failures_end_the_run_with_the_last_reason_and_again_without_evaluating():
@@ -130,8 +131,7 @@ def test_too_many_failures_end_the_run_with_the_last_reason_and_again_without_ev
             run.start()
         run.evaluate_many = Cut(0)
 
-    assert len(run.recorder.failed) == 20
-    assert run.recorder.generations == []
+    assert (run.store.n_failures, run.store.n_generations) == (20, 0)
 
 
 def test_large_populations_are_recorded_in_chunks():
@@ -155,7 +155,7 @@ def test_a_fitness_that_is_not_finite_late_in_a_run_ends_it_too(monkeypatch):
     with pytest.raises(EvaluationError, match="expected a finite number"):
         run.start()
 
-    assert [each.fitness[0] for each in run.recorder.kept] == list(range(15))
+    assert [each.fitness[0] for each in run.store.evaluations()] == list(range(15))
 
 
 def test_a_result_too_few_is_noticed():
@@ -252,19 +252,19 @@ def test_a_run_cut_anywhere_and_resumed_leaves_the_record_of_a_whole_one(
     )
     whole = Run(settings, failing_if_rare)
     whole.start()
-    n_all = len(whole.recorder.kept) + len(whole.recorder.failed)
+    n_all = whole.store.n_evaluations + whole.store.n_failures
 
     for n_before in (0, 1, 19, 20, 21, 50, n_all - 1, n_all):
         run = Run(settings, Cut(n_before))
         with suppress(KeyboardInterrupt):
             run.start()
-        assert len(run.recorder.kept) + len(run.recorder.failed) == n_before
-        n_closed = len(run.recorder.generations)
+        assert run.store.n_evaluations + run.store.n_failures == n_before
+        n_closed = run.store.n_generations
         run.progress.clear()
         run.evaluate_many = Cut(n_all)
         run.start()
 
-        assert run.recorder == whole.recorder
+        assert content(run.store) == content(whole.store)
         assert run.evaluate_many.n_evaluated == n_all - n_before
         assert run.progress == whole.progress[n_closed:]
 
@@ -286,19 +286,18 @@ def test_replications_average_over_mission_seeds_and_resume(algorithm):
         algorithm=algorithm, generations=3, replications=3, max_failures=1000
     )
     replicas = (on_another_seed, evaluate_stand_in)
-    mission, pool, whole = paper_mission(), pool_of(), MemoryRecorder()
+    mission, pool, whole = paper_mission(), pool_of(), store_of(settings=settings)
     run_campaign(settings, mission, pool, failing_if_rare, whole, replicas=replicas)
-    n_all = len(whole.kept) + len(whole.failed)
-    cut = MemoryRecorder()
+    cut = store_of(settings=settings)
     with suppress(KeyboardInterrupt):
         run_campaign(settings, mission, pool, Cut(30), cut, replicas=replicas)
 
     run_campaign(settings, mission, pool, failing_if_rare, cut, replicas=replicas)
 
-    assert whole.failed
-    assert cut == whole
-    assert n_all >= 60
-    for evaluation in whole.kept:
+    assert whole.n_failures
+    assert content(cut) == content(whole)
+    assert whole.n_evaluations + whole.n_failures >= 60
+    for evaluation in whole.evaluations():
         believed = stand_in_outcome(evaluation.specification).believed
         assert evaluation.outcome.believed == believed
         mean = [(v + v // 3 + v) / 3 for v in believed]
@@ -325,9 +324,13 @@ def test_a_record_that_another_fitness_function_wrote_is_refused():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda r: r.kept.__setitem__(5, r.kept[6]), "specification 5 of the search is another"),
         (
-            lambda r: r.generations.__setitem__(1, replace(r.generations[1], random_state="[]")),
+            """UPDATE evaluation SET specification =
+            (SELECT specification FROM evaluation WHERE idx = 6) WHERE idx = 5""",
+            "specification 5 of the search is another",
+        ),
+        (
+            "UPDATE generation SET random_state = '[]' WHERE idx = 1",
             "generation 1 is another one",
         ),
     ],
@@ -335,7 +338,7 @@ def test_a_record_that_another_fitness_function_wrote_is_refused():
 def test_a_record_that_does_not_follow_from_its_settings_is_refused(change, message):
     run = Run(CampaignSettings(generations=3))
     run.start()
-    change(run.recorder)
+    run.store._connection.execute(change)
 
     with pytest.raises(RecordError, match=message):
         run.start()
@@ -345,7 +348,7 @@ def written(n_specifications: int, seconds_to_write: Callable[[int], float]) -> 
     """Return how many entries each append has, where one evaluation takes a second."""
     now, sizes = 0.0, []
 
-    class Slow(MemoryRecorder):
+    class Slow(CampaignStore):
         def append(self, *entries: Any) -> None:
             nonlocal now
             sizes.append(sum(map(len, entries)))
@@ -359,7 +362,9 @@ def written(n_specifications: int, seconds_to_write: Callable[[int], float]) -> 
             yield stand_in_outcome(specification)
 
     settings = CampaignSettings(population=n_specifications, generations=0)
-    run_campaign(settings, paper_mission(), pool_of(), one_a_second, Slow(), clock=lambda: now)
+    store = store_of(settings=settings, kind=Slow)
+    sizes.clear()  # of its beginning, without anything
+    run_campaign(settings, paper_mission(), pool_of(), one_a_second, store, clock=lambda: now)
     return sizes
 
 
