@@ -238,8 +238,8 @@ FAR = "def far(state: State) -> bool:\n    return state.robots[0].far > 1.0"
                 ("for s in ci.sensors:\n        s.on = 1\n    return True", "s.on", "SensorState"),
                 ("return [r for r in ci.robots if r.on] == []", "r.on", "RobotState"),
                 (
-                    "q = [r.x for r in ci.robots]\n    return q == [r.z for r in ci.robots]",
-                    "r.z",
+                    "q = [r.x for r in ci.robots]\n    return q == [r.on for r in ci.robots]",
+                    "r.on",
                     "RobotState",
                 ),
                 ("return ci.robot[0].x > 0.0", "ci.robot", "State"),
