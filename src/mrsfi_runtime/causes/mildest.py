@@ -55,23 +55,25 @@ class Mildest:
     """The mildest form that was found of a weakness, and the seeds with which it was sought.
 
     ``sentence`` says from what on the goal breaks, and the strongest form tried that did not break
-    it. ``n_flights`` leaves out those without faults and those that are recorded; one that serves
-    several weaknesses counts for the first of them.
+    it, ``off`` of each fault how far its values are off. ``n_flights`` leaves out those without
+    faults and those that are recorded; one that serves several weaknesses counts for the first.
     """
 
     weakness: Weakness
     sentence: str
     n_flights: int
+    off: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Return it as plain values, those of the weakness among them."""
-        more = {"sentence": self.sentence, "flights": self.n_flights}
+        more = {"sentence": self.sentence, "flights": self.n_flights, "off": list(self.off)}
         return self.weakness.as_json() | more
 
     @classmethod
     def from_json(cls, row: Mapping[str, Any]) -> Self:
         """Return that of plain values; errors as of a weakness."""
-        return cls(Weakness.from_json(row), str(row["sentence"]), int(row["flights"]))
+        weakness, off = Weakness.from_json(row), tuple(map(str, row.get("off", ())))
+        return cls(weakness, str(row["sentence"]), int(row["flights"]), off)
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,7 +266,9 @@ def _mildest(deviation: Deviation, known: Known, weakness: Weakness, flown: _Flo
         n_seeds=len(flown.broken),
     )
     tried = flown.tried(column, faults)
-    return Mildest(least, _sentence(deviation, least, tried), flown.n_flown - before)
+    off = (deviation.in_words(each) if deviation.share(each) else "" for each in least.witness)
+    sentence = _sentence(deviation, least, tried)
+    return Mildest(least, sentence, flown.n_flown - before, tuple(off))
 
 
 def _sentence(deviation: Deviation, weakness: Weakness, tried: dict[Specification, bool]) -> str:

@@ -216,10 +216,10 @@ class Weakness:
 
     ``witness`` is a form that does: of those that break the most goals and measures for which its
     faults are minimal, the one at work for the most ticks; under it the goal is broken from tick
-    ``since`` on, if that is known, and ``is_masked`` if the collective intelligence does not
-    believe it. ``n_tried`` forms of just these faults were flown, of which ``n_broken`` broke it.
-    In ``n_held`` of the ``n_seeds`` that were looked at, the witness breaks it and no part of the
-    witness does.
+    ``since`` on, if that is known, and believed to be from ``noticed`` on, or ``is_masked`` if the
+    collective intelligence never believes it. ``n_tried`` forms of just these faults were flown, of
+    which ``n_broken`` broke it. In ``n_held`` of the ``n_seeds`` that were looked at, the witness
+    breaks it and no part of the witness does.
     """
 
     column: Column
@@ -231,6 +231,7 @@ class Weakness:
     n_held: int = 1
     n_seeds: int = 1
     since: int | None = None
+    noticed: int | None = None
 
     @property
     def share(self) -> float:
@@ -252,6 +253,7 @@ class Weakness:
             "share": self.share,
             "tried": self.n_tried,
             "since": self.since,
+            "noticed": self.noticed,
             "seeds": {"held": self.n_held, "of": self.n_seeds},
             "masked": self.is_masked,
             "label": self.label,
@@ -271,7 +273,7 @@ class Weakness:
             bool(row["masked"]),
             int(seeds["held"]),
             int(seeds["of"]),
-            None if (since := row.get("since")) is None else int(since),
+            *(None if row.get(key) is None else int(row[key]) for key in ("since", "noticed")),
         )
 
 
@@ -302,10 +304,17 @@ def in_seeds(
 
 
 def dated(yardstick: Yardstick, found: Sequence[Weakness], record: Record) -> tuple[Weakness, ...]:
-    """Return weaknesses with the tick since which each breaks its goal; each witness is flown."""
+    """Return weaknesses with the ticks since which goals break and are seen to; all are flown."""
     witnesses = dict.fromkeys(each.witness for each in found)
     since = {each: yardstick.since(record(each)) for each in witnesses}
-    return tuple(replace(each, since=since[each.witness].get(each.column)) for each in found)
+    return tuple(
+        replace(
+            each,
+            since=since[each.witness].get(each.column),
+            noticed=since[each.witness].get(each.column._replace(kind=MEASURES[0])),
+        )
+        for each in found
+    )
 
 
 def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstick:

@@ -1,0 +1,267 @@
+"""What a campaign says of each goal in sentences: does it break, by what, and who sees it.
+
+Names come before identifiers. A goal *fails* if its purpose is certainly not met, is *violated* if
+it breaks in truth, and has a *false alarm* if it breaks only in what the collective intelligence
+believes.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from types import MappingProxyType
+
+from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.harvest import Harvest
+from mrsfi_runtime.causes.ways import Way, least
+from mrsfi_runtime.causes.weakness import MEASURES, Weakness
+from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
+from mrsfi_runtime.model.faults import Fault, FaultPool
+from mrsfi_runtime.model.mission import Goal, Mission
+from mrsfi_runtime.model.targets import Target, touched
+from mrsfi_runtime.record.measure import counted
+from mrsfi_runtime.record.named_faults import NamedFault, named_faults
+
+
+class State(IntEnum):
+    """What may become of a goal, the gravest first."""
+
+    FAILS = 0
+    VIOLATED = 1
+    BROKEN_ANYWAY = 2
+    FALSE_ALARM = 3
+    HOLDS = 4
+
+
+_STATES = dict(
+    zip(reversed(MEASURES), (State.FAILS, State.VIOLATED, State.FALSE_ALARM), strict=True)
+)
+_WORDS: Mapping[State, str] = MappingProxyType(
+    {
+        State.FAILS: "fails",
+        State.VIOLATED: "is violated",
+        State.BROKEN_ANYWAY: "is violated without any fault",
+        State.FALSE_ALARM: "holds, with a false alarm",
+        State.HOLDS: "holds",
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class GoalVerdict:
+    """What is known of a goal: its state, the way that is told of, and how many others there are.
+
+    ``cause`` says what does it, ``noticed`` how the CI notices, ``sure`` in how
+    many mission seeds and forms, ``unknown`` how seldom it may break otherwise; each is empty where
+    there is nothing to say.
+    """
+
+    goal: str
+    name: str
+    state: State
+    way: Way | None
+    n_others: int
+    cause: str
+    noticed: str
+    sure: str
+    unknown: str
+
+    @property
+    def sentence(self) -> str:
+        """All but how sure it is, in one sentence."""
+        told = f"{self.name} {self.goal} {_WORDS[self.state]}"
+        if self.cause:
+            told += f" if {self.cause}"
+        return f"{told}; {self.noticed}" if self.noticed else told
+
+
+def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:
+    """Return what is known of each goal of a mission, the gravest first."""
+    ways = known.ways
+    told = {way.goal: way for way in least(ways)}
+    found = (
+        _verdict(mission, pool, known, goal, told.get(goal.id), ways) for goal in mission.goals
+    )
+    return tuple(sorted(found, key=lambda each: (each.state, -_n_unnoticed(each))))
+
+
+def _n_unnoticed(verdict: GoalVerdict) -> int:
+    return int(verdict.way is not None and verdict.way.is_unseen)
+
+
+def _verdict(
+    mission: Mission,
+    pool: FaultPool,
+    known: Harvest,
+    goal: Goal,
+    way: Way | None,
+    ways: Sequence[Way],
+) -> GoalVerdict:
+    unknown = max(known.known.bound(Column(goal.id, measure)) for measure in MEASURES)
+    state = State.HOLDS if way is None else _STATES[way.shown.column.kind]
+    if state in {State.FALSE_ALARM, State.HOLDS} and _is_broken_anyway(known, goal.id):
+        state = State.BROKEN_ANYWAY
+    shown = None if way is None else way.shown
+    return GoalVerdict(
+        goal=goal.id,
+        name=name_of(mission, goal),
+        state=state,
+        way=way,
+        n_others=sum(each.goal == goal.id for each in ways) - (way is not None),
+        cause="" if way is None else cause_in_words(mission, pool, way),
+        noticed="" if shown is None else noticed(shown),
+        sure=""
+        if shown is None
+        else f"{shown.n_held} of {shown.n_seeds} mission seeds, {100 * shown.share:.0f} % of forms",
+        unknown=f"{100 * unknown:.1f} %",
+    )
+
+
+def _is_broken_anyway(known: Harvest, goal: str) -> bool:
+    """Return whether the flight without faults breaks a goal in truth."""
+    yardstick = known.yardstick
+    return yardstick is not None and any(
+        most > 0 and column.goal == goal and column.kind != MEASURES[0]
+        for column, most in zip(yardstick.columns, yardstick.most, strict=True)
+    )
+
+
+def name_of(mission: Mission, goal: Goal) -> str:
+    """Return what a goal is called; where several are called so, with its robots."""
+    name = goal.name or goal.id
+    if sum(each.name == goal.name for each in mission.goals) < 2 or not goal.name:
+        return name
+    robots = (mission.robots[mission.robot_index[each]] for each in goal.members)
+    return f"{name} · {', '.join(robot.name or robot.id for robot in robots)}"
+
+
+def noticed(weakness: Weakness) -> str:
+    """Say how the collective intelligence notices that a goal is broken."""
+    if weakness.column.kind == MEASURES[0]:
+        return "nothing is truly broken"
+    if weakness.is_masked:
+        return "the CI never notices"
+    if weakness.noticed is None or weakness.since is None:
+        return "the CI notices"
+    late = weakness.noticed - weakness.since
+    if late == 0:
+        return "the CI notices at once"
+    return f"the CI notices {counted(abs(late), 'ticks')} {'late' if late > 0 else 'ahead'}"
+
+
+def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
+    """Say what has to happen for a way to break its goal."""
+    faults = named_faults(mission, pool, way.shown.witness)
+    off = way.mildest.off if way.is_mildest and way.mildest else ()
+    told = zip(faults, off or [""] * len(faults), strict=True)
+    return " and ".join(f"{deed(mission, fault, apart)}" for fault, apart in told)
+
+
+def deed(mission: Mission, fault: NamedFault, off: str = "") -> str:
+    """Say what a fault does and for how long; ``off`` says how far a fixed value is off."""
+    subject, s = _subject(mission, fault.fault)
+    is_ = "is" if s else "are"
+    kind, values = fault.fault.kind, fault.timed.values
+    units = [UNITS.get(parameter.range, "") for parameter in kind.parameters]
+    words = [f"{value:.4g} {unit}".rstrip() for value, unit in zip(values, units, strict=True)]
+    first = words[0] if words else ""
+    done = {
+        Mode.DELAY: f"come{s} {first} late",
+        Mode.BLOCK: f"{is_} held back",
+        Mode.RANDOM: f"{is_} reported at random",
+        Mode.ZERO: f"{is_} reported as 0",
+        Mode.FIXED: f"stick{s} {off or f'at {first}' * (not kind.is_place)}".rstrip(),
+        Mode.INCREMENT: f"{is_} reported {first} too high",
+        Mode.DECREMENT: f"{is_} reported {first} too low",
+        Mode.INCREMENT_PERCENT: f"{is_} reported {first} too high",
+        Mode.DECREMENT_PERCENT: f"{is_} reported {first} too low",
+        Mode.STOP: f"{is_} stopped",
+        Mode.START: f"{is_} set going",
+        Mode.DEACTIVATE: f"{is_} switched off",
+        Mode.ACTIVATE: f"{is_} switched on",
+        Mode.OWN: f"suffer{s} from {kind.name}",
+    }[kind.mode]
+    begin, end = fault.window or (0, -1)
+    return f"{subject} {done} for {counted(end - begin + 1, 'ticks')}"
+
+
+def _subject(mission: Mission, fault: Fault) -> tuple[str, str]:
+    """Return what a fault strikes, in names, and the ending of a verb that goes with it."""
+    targets = touched(mission, fault)
+    if not targets:
+        return f"{fault.kind.struck.value} {fault.target}", "s"
+    by_owner: dict[str, list[str]] = {}
+    for target in targets:
+        owner, what = _owned(mission, target)
+        by_owner.setdefault(owner, []).append(what)
+    parts = [
+        f"{owner}'s {' and '.join(filter(None, what))}" if any(what) else owner
+        for owner, what in by_owner.items()
+    ]
+    return " and ".join(parts), "s" if len(targets) == 1 else ""
+
+
+def _owned(mission: Mission, target: Target) -> tuple[str, str]:
+    """Return in names who has a property, and what it is called; nothing for a robot as a whole."""
+    affected, index = target
+    if affected is Field.OBSTACLE:
+        obstacle = mission.obstacles[index]
+        return f"obstacle {obstacle.id}", "place on the map"
+    if affected not in {*OF_SENSOR, Field.ACTIVATION}:
+        robot = mission.robots[index]
+        what = "" if affected is Field.MOTION else affected.name.lower()
+        return robot.name or robot.id, what
+    sensor, robot = mission.sensors[index], mission.robots[mission.sensor_robot[index]]
+    owned = {Field.COUNT: "samples", Field.RATE: "rate", Field.COST: "cost", Field.ACTIVATION: ""}
+    return robot.name or robot.id, f"{sensor.type} {owned[affected]}".rstrip()
+
+
+def headline(found: Sequence[GoalVerdict]) -> str:
+    """Say in a sentence how many goals break, and under how many faults."""
+    broken = [each for each in found if each.state <= State.VIOLATED]
+    goals = f"of {counted(len(found), 'goals')}"
+    if not broken:
+        return f"None {goals} breaks in any form that was tried"
+    is_failing = all(each.state is State.FAILS for each in broken)
+    verb = ("fail" if is_failing else "break") + "s" * (len(broken) == 1)
+    alone = [each for each in broken if each.way is not None and len(each.way.faults) == 1]
+    if len(alone) == len(broken):
+        by = "under one single fault" if len(broken) == 1 else "each under one single fault"
+    elif alone:
+        by = f"{_number(len(alone))} of them under one single fault"
+    else:
+        by = "under several faults together"
+    return f"{_number(len(broken)).capitalize()} {goals} {verb}, {by}"
+
+
+def facts(
+    mission: Mission, pool: FaultPool, found: Sequence[GoalVerdict], ways: Sequence[Way]
+) -> Iterator[str]:
+    """Yield what stands out, in sentences: who is never noticed, what is worth protecting first."""
+    unseen = [each.name for each in found if each.way is not None and each.way.is_unseen]
+    if unseen:
+        yield f"{_number(len(unseen)).capitalize()} unseen by the CI: {', '.join(unseen)}"
+    alarms = [each.name for each in found if each.state is State.FALSE_ALARM]
+    if alarms:
+        yield f"{_number(len(alarms)).capitalize()} held, with false alarms: {', '.join(alarms)}"
+    struck: defaultdict[str, dict[str, set[str]]] = defaultdict(
+        lambda: {"goals": set(), "by": set()}
+    )
+    for way in ways:
+        if len(way.faults) == 1 and way.shown.column.kind != MEASURES[0]:
+            subject, _ = _subject(mission, pool[way.faults[0]])
+            struck[subject]["goals"].add(way.goal)
+            struck[subject]["by"].add(way.faults[0])
+    if struck:
+        subject, most = max(struck.items(), key=lambda each: len(each[1]["goals"]))
+        n_goals = len(most["goals"])
+        if n_goals > 1:
+            by = ", ".join(sorted(most["by"]))
+            yield f"Protect first: {subject} ({by}), which alone breaks {_number(n_goals)} goals"
+
+
+_NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+
+
+def _number(n: int) -> str:
+    return _NUMBERS[n] if n < len(_NUMBERS) else str(n)
