@@ -9,6 +9,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -87,9 +88,9 @@ def write_report(
                 )
             show(summary)
             with writing(folder, "page"):
-                page = campaign_page(
-                    summary, mission, pool, store, [content for *_, content in flown]
-                )
+                told = [content for *_, content in flown]
+                next_of = partial(_next, layout, summary)
+                page = campaign_page(summary, mission, pool, store, told, next_of)
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
             with writing(folder, "figures"):
@@ -131,6 +132,17 @@ def _command(layout: CampaignFolder, summary: Summary, way: Way) -> Sequence[str
     seed = str(summary.settings.mission_seed)
     path = str(_witness(layout, way))
     return ("mrsfi", "simulate", summary.place, "--faults", path, "--seed", seed)
+
+
+def _next(layout: CampaignFolder, summary: Summary, way: Way) -> dict[str, Sequence[str]]:
+    """Return what to do next about a way to break a goal: commands, by what they do."""
+    run, number = str(layout.path), str(way.number)
+    return {
+        "See it": ("mrsfi", "show", run, number),
+        "Fly it yourself": (*_command(layout, summary, way), "--html", f"weakness-{number}.html"),
+        "Keep it as a test": ("mrsfi", "keep", run, "--weakness", number),
+        "After the fix": ("mrsfi", "check", summary.place),
+    }
 
 
 def _witness(layout: CampaignFolder, way: Way) -> Path:

@@ -15,11 +15,11 @@ from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.causes.weakness import MEASURES, Weakness
+from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Goal, Mission
-from mrsfi_runtime.model.targets import Target, touched
-from mrsfi_runtime.record.measure import counted
+from mrsfi_runtime.model.targets import Target, robots_of, touched
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
 
@@ -41,7 +41,7 @@ _WORDS: Mapping[State, str] = MappingProxyType(
         State.FAILS: "fails",
         State.VIOLATED: "is violated",
         State.BROKEN_ANYWAY: "is violated without any fault",
-        State.FALSE_ALARM: "holds, with a false alarm",
+        State.FALSE_ALARM: "is only believed broken",
         State.HOLDS: "holds",
     }
 )
@@ -63,13 +63,18 @@ class GoalVerdict:
     n_others: int
     cause: str
     noticed: str
-    sure: str
+    sure: tuple[str, ...]
     unknown: str
+
+    @property
+    def words(self) -> str:
+        """The state."""
+        return _WORDS[self.state]
 
     @property
     def sentence(self) -> str:
         """All but how sure it is, in one sentence."""
-        told = f"{self.name} {self.goal} {_WORDS[self.state]}"
+        told = f"{self.name} {self.goal} {self.words}"
         if self.cause:
             told += f" if {self.cause}"
         return f"{told}; {self.noticed}" if self.noticed else told
@@ -110,10 +115,8 @@ def _verdict(
         n_others=sum(each.goal == goal.id for each in ways) - (way is not None),
         cause="" if way is None else cause_in_words(mission, pool, way),
         noticed="" if shown is None else noticed(shown),
-        sure=""
-        if shown is None
-        else f"{shown.n_held} of {shown.n_seeds} mission seeds, {100 * shown.share:.0f} % of forms",
-        unknown=f"{100 * unknown:.1f} %",
+        sure=() if shown is None else sure(shown),
+        unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
     )
 
 
@@ -135,10 +138,18 @@ def name_of(mission: Mission, goal: Goal) -> str:
     return f"{name} · {', '.join(robot.name or robot.id for robot in robots)}"
 
 
+def sure(weakness: Weakness) -> tuple[str, str]:
+    """Say in how many mission seeds a weakness holds, and in how many of its forms."""
+    return (
+        f"{weakness.n_held}/{weakness.n_seeds} seeds",
+        f"{100 * weakness.share:.0f} % of forms",
+    )
+
+
 def noticed(weakness: Weakness) -> str:
     """Say how the collective intelligence notices that a goal is broken."""
     if weakness.column.kind == MEASURES[0]:
-        return "nothing is truly broken"
+        return "a false alarm of the CI"
     if weakness.is_masked:
         return "the CI never notices"
     if weakness.noticed is None or weakness.since is None:
@@ -213,7 +224,43 @@ def _owned(mission: Mission, target: Target) -> tuple[str, str]:
         return robot.name or robot.id, what
     sensor, robot = mission.sensors[index], mission.robots[mission.sensor_robot[index]]
     owned = {Field.COUNT: "samples", Field.RATE: "rate", Field.COST: "cost", Field.ACTIVATION: ""}
-    return robot.name or robot.id, f"{sensor.type} {owned[affected]}".rstrip()
+    return robot.name or robot.id, f"{sensor.type.lower()} {owned[affected]}".rstrip()
+
+
+_SHORT: Mapping[Mode, str] = MappingProxyType(
+    {
+        Mode.DELAY: "late",
+        Mode.BLOCK: "lost",
+        Mode.RANDOM: "random",
+        Mode.ZERO: "zero",
+        Mode.FIXED: "stuck",
+        Mode.INCREMENT: "too high",
+        Mode.DECREMENT: "too low",
+        Mode.INCREMENT_PERCENT: "too high",
+        Mode.DECREMENT_PERCENT: "too low",
+        Mode.STOP: "stopped",
+        Mode.START: "set going",
+        Mode.DEACTIVATE: "off",
+        Mode.ACTIVATE: "on",
+    }
+)
+
+
+def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
+    """Return whom a fault strikes, by place and in names, and in two or three words what it does.
+
+    Robots come in the mission's order, then what is of none.
+    """
+    targets = touched(mission, fault)
+    does = _SHORT.get(fault.kind.mode, fault.kind.name)
+    robots = sorted(robots_of(mission, targets))
+    what = " ".join(dict.fromkeys(_owned(mission, each)[1] for each in targets)) or fault.target
+    if not targets or targets[0][0] in {Field.MOTION, Field.OBSTACLE}:
+        what = fault.target if targets[:1] and targets[0][0] is Field.OBSTACLE else ""
+    if not robots:
+        return (len(mission.robots), "map"), f"{what} {does}".strip()
+    robot = mission.robots[robots[0]]
+    return (robots[0], f"{robot.name} {robot.id}".strip()), f"{what} {does}".strip()
 
 
 def headline(found: Sequence[GoalVerdict]) -> str:

@@ -1,7 +1,7 @@
 """What the page shows of a campaign, or of one flight, as plain values."""
 
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
@@ -14,6 +14,7 @@ from mrsfi_runtime.analysis.campaign_tables import (
     settings_table,
 )
 from mrsfi_runtime.analysis.markdown import trend_in_words
+from mrsfi_runtime.analysis.page.first_screen import first_screen
 from mrsfi_runtime.analysis.page.flight import (
     Flown,
     flight_content,
@@ -22,7 +23,7 @@ from mrsfi_runtime.analysis.page.flight import (
 )
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import every, to_page
-from mrsfi_runtime.analysis.weaknesses import goal_in_words, matrix_table, said
+from mrsfi_runtime.analysis.weaknesses import goal_in_words
 from mrsfi_runtime.causes.cause_set import without
 from mrsfi_runtime.causes.chain import chain
 from mrsfi_runtime.causes.sentence import sentence
@@ -75,18 +76,21 @@ def campaign_page(
     pool: FaultPool,
     store: CampaignStore,
     shown: Sequence[dict[str, Any]],
+    next_of: Callable[[Way], Mapping[str, Sequence[str]]],
 ) -> dict[str, Any]:
-    """Return what the page shows of a campaign, and of the ways in which goals break."""
+    """Return what the page shows of a campaign, and of the ways in which goals break.
+
+    ``next_of`` says what to do next about one of them, as for ``first_screen``.
+    """
     step = every(summary.n_evaluations, MOST_LISTED)
     listed = f"One in {step} is listed." if step > 1 else "All are listed."
     evaluations = to_page(evaluations_table(listed, store.flown(step), summary.measure))
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.mission}",
         "mission": mission_content(mission),
-        "heading": "What breaks which goal",
+        "first": first_screen(summary, mission, pool, next_of),
+        "heading": "The least that breaks each goal, as it was flown",
         "shown": list(shown),
-        "matrix": _matrix(summary, mission, pool),
-        "none": "Nobody looked for what breaks which goal, or nothing does; see the evaluations.",
         "search": {"said": trend_in_words(summary.trend), "charts": list(_charts(summary))},
         "evaluations": {
             **evaluations,
@@ -109,7 +113,8 @@ def flown_of(
         verdicts = tuple(each for each in linked.verdicts if each.goal == way.goal)
         said.append(sentence(fault, replace(linked, verdicts=verdicts)))
         others[place] = twin
-    return Flown(goal_in_words(mission, way.goal), faults, flight, others), tuple(said)
+    title, since = goal_in_words(mission, way.goal), way.shown.since or 0
+    return Flown(title, faults, flight, others, way.goal, since), tuple(said)
 
 
 def told_content(
@@ -140,14 +145,6 @@ def told_content(
         "flight": flight,
         "no_flight": reason,
     }
-
-
-def _matrix(summary: Summary, mission: Mission, pool: FaultPool) -> dict[str, Any] | None:
-    """Return which fault breaks which goal, as a table; ``None`` if none is known to."""
-    if summary.harvest is None or not summary.ways:
-        return None
-    sentence = said(mission.goal_ids, summary.ways, summary.harvest.n_flights)
-    return {"said": sentence, **to_page(matrix_table(mission, pool, summary.ways))}
 
 
 def _charts(summary: Summary) -> Iterable[dict[str, Any]]:

@@ -13,7 +13,7 @@ from importlib.resources import files
 from typing import Any
 
 _STYLES = ("uPlot.css", "page.css")
-_SCRIPTS = ("uPlot.js", "build.js", "flight.js", "page.js")
+_SCRIPTS = ("uPlot.js", "build.js", "flight.js", "screen.js", "page.js")
 _UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&\u2028\u2029"}
 
 

@@ -15,6 +15,7 @@ from mrsfi_runtime.analysis.story import Story, judged, seen, story_of, windows
 from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
+from mrsfi_runtime.model.targets import robots_of, touched
 from mrsfi_runtime.record.named_faults import NamedFault
 
 MOST_VALUES = 6_000_000
@@ -26,12 +27,17 @@ _DIGITS = 6  # of the largest value of a series
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """A flight, and those without one of its faults, by its place."""
+    """A flight, and those without one of its faults, by its place.
+
+    It is about a ``goal``, if about one, and shown from tick ``first`` on.
+    """
 
     title: str
     faults: Sequence[NamedFault]
     recording: Recording
     others: dict[int, Recording]
+    goal: str = ""
+    first: int = 0
 
 
 def mission_content(mission: Mission) -> dict[str, Any]:
@@ -53,7 +59,8 @@ def mission_content(mission: Mission) -> dict[str, Any]:
             for each in mission.obstacles
         ],
         "goals": [
-            {"id": goal.id, "name": goal.name, "task": goal.task.name} for goal in mission.goals
+            {"id": goal.id, "name": goal.name, "label": goal.name or goal.task.name}
+            for goal in mission.goals
         ],
         "discs": [
             {"goal": disc.goal.id, "x": disc.x, "y": disc.y, "radius": disc.radius}
@@ -84,6 +91,9 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
     flights = [(None, flown.recording), *flown.others.items()]
     return {
         "title": flown.title,
+        "goal": flown.goal,
+        "first": flown.first,
+        "robots": sorted({each for fault in flown.faults for each in _struck(mission, fault)}),
         "window": seen(mission, story.true),
         "faults": [fault_content(fault) for fault in flown.faults],
         "flights": [
@@ -95,6 +105,11 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
         "events": sorted(_events(story), key=lambda event: event[0]),
         "said": _resolution(steps, stride),
     }
+
+
+def _struck(mission: Mission, fault: NamedFault) -> frozenset[int]:
+    """Return the places of the robots that a fault strikes."""
+    return robots_of(mission, touched(mission, fault.fault))
 
 
 def stride(mission: Mission, n_flights: int) -> int:

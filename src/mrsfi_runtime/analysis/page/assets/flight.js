@@ -1,6 +1,6 @@
 // One flight: map, controls, timeline and charts on the same ticks.
 
-const palette = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9", "#8f6bd1", "#7f7f7f"];
+const palette = ["#1b6ca8", "#d9622b", "#2a8c6a", "#8a5aa8", "#b8902a", "#c2476f", "#3a8fb7", "#5b6b2f"]; // as in the figures
 
 const believedTrail = 50; // ticks: what random positions would draw otherwise hides the mission
 
@@ -40,16 +40,22 @@ class FlightView {
     this.tick = 0;
     this.speed = 4;
     this.playing = false;
-    this.zoom = 1;
-    this.shift = [0, 0];
-    this.whole = false;
-    this.element = make("section", { id: "flight", "aria-labelledby": "flight-title" });
+    this.follows = false;
+    this.resetMap();
+    this.element = make("div", { id: "flight" });
+    this.details = make("section", { id: "numbers-of-the-flight" });
     document.addEventListener("keydown", (event) => this.onKey(event));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.show(this.data));
     addEventListener("resize", () => { if (this.flight) this.resize(); });
   }
 
+  resetMap() {
+    this.zoom = 1;
+    this.shift = [0, 0];
+  }
+
   async show(data, without) {
+    if (data !== this.data) this.tick = data.first;
     this.data = data;
     const flights = data.flights.map((each) => new Flight(each, this.mission));
     this.flight = await flights[0].load();
@@ -70,35 +76,39 @@ class FlightView {
       on: { input: () => this.seek(Number(this.slider.value)) } });
     this.play = button("Play", "play or pause (space)", () => this.toggle(), { id: "play" });
     this.now = make("output", { id: "now" });
+    this.event = make("p", { class: "note", id: "event", role: "status" });
     this.hover = make("p", { class: "note", id: "hover" }, "Point at a robot, a sample or an obstacle for its numbers.");
     this.numbers = make("div");
     const speeds = make("select", { "aria-label": "ticks a frame", id: "speed", on: { change: (event) => { this.speed = Number(event.target.value); } } },
-      [1, 2, 4, 8, 16, 64].map((n) => make("option", { value: n, selected: n === this.speed }, `${n} ticks a frame`)));
+      [0.25, 0.5, 1, 2, 4, 8, 16].map((n) => make("option", { value: n, selected: n === this.speed }, `× ${n}`)));
+    this.following = button("Follow", "follow the robots that matter, or show the whole area (f)", () => this.follow(), { id: "follow", "aria-pressed": String(this.follows) });
     this.timeline = make("div", { class: "timeline" });
     this.charts = make("div", { class: "side" });
     this.element.replaceChildren(
-      make("h2", { id: "flight-title" }, "The flight: ", said(data.title)),
-      make("div", { class: "side" },
-        make("div", {}, this.canvas, this.hover,
-          make("div", { class: "controls" },
-            button("+", "zoom in", () => this.zoomBy(1.5)), button("−", "zoom out", () => this.zoomBy(1 / 1.5)),
-            button("Whole mission area", "show the whole mission area", () => { this.whole = !this.whole; this.zoom = 1; this.shift = [0, 0]; this.draw(); }))),
-        make("div", {}, this.numbers)),
+      make("div", { class: "map" }, this.canvas, make("div", { class: "zoom" }, this.following, button("+", "zoom in", () => this.zoomBy(1.5)), button("−", "zoom out", () => this.zoomBy(1 / 1.5)))),
+      this.hover, this.timeline,
       make("div", { class: "controls" },
-        this.play, button("Previous event", "previous event (p)", () => this.jump(-1), { id: "previous" }), button("−1", "one tick back (←)", () => this.seek(this.tick - 1)),
+        this.play, button("‹ event", "previous event (p)", () => this.jump(-1), { id: "previous" }), button("−1", "one tick back (←)", () => this.seek(this.tick - 1)),
         this.slider, button("+1", "one tick on (→)", () => this.seek(this.tick + 1), { id: "step" }),
-        button("Next event", "next event (n)", () => this.jump(1), { id: "next" }), speeds, this.now),
-      make("p", { class: "note", id: "event", role: "status" }),
-      make("p", { class: "note" },
-        make("span", { class: "key fault" }), "fault active (click: the flight without it, pale)",
-        make("span", { class: "key believed" }), "goal believed violated", make("span", { class: "key true" }), "truly violated",
-        " · a black line: from then on certain to be missed. On the map: discs and solid trails are true, dashed ones ",
-        `believed (trails of the last ${believedTrail} ticks), joined where they differ; dots are samples that counted.`),
-      this.timeline, this.charts, make("p", { class: "note", id: "resolution" }, data.said));
+        button("event ›", "next event (n)", () => this.jump(1), { id: "next" }), speeds, this.now),
+      this.event);
+    this.details.replaceChildren(
+      make("h2", {}, "The flight in numbers"),
+      make("p", { class: "note" }, "Discs and solid trails are true, dashed ones believed ",
+        `(trails of the last ${believedTrail} ticks), joined where they differ; dots are samples that counted. `,
+        "A black line in the timeline: from then on certain to be missed. Click a fault for the flight without it, drawn pale."),
+      this.numbers, this.charts, make("p", { class: "note", id: "resolution" }, data.said));
     this.canvas.addEventListener("pointermove", (event) => this.onPointer(event));
     this.canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoomBy(event.deltaY < 0 ? 1.2 : 1 / 1.2); }, { passive: false });
     this.buildTimeline();
     this.buildCharts();
+  }
+
+  follow() {
+    this.follows = !this.follows;
+    this.following.setAttribute("aria-pressed", String(this.follows));
+    this.resetMap();
+    this.draw();
   }
 
   buildTimeline() {
@@ -121,14 +131,20 @@ class FlightView {
       const title = `${fault.name} ${fault.type} on ${fault.target}${fault.values ? ` with ${fault.values}` : ""}`;
       return make("div", { class: "row" }, label, track(...(fault.window ? [bar("fault", ...fault.window, title)] : [])));
     });
-    const goals = this.mission.goals.map((goal, k) => {
+    const concerned = this.mission.goals.map((goal, k) => [goal, k]).filter(([goal, k]) => {
+      const judged = this.flight.goals[k];
+      return goal.id === this.data.goal || judged.missed !== null || judged.believed.length || judged.true.length;
+    });
+    const goals = concerned.sort(([a], [b]) => (b.id === this.data.goal) - (a.id === this.data.goal)).map(([goal, k]) => {
       const judged = this.flight.goals[k];
       const bars = ["believed", "true"].flatMap((kind) => judged[kind].map(([first, last]) => bar(kind, first, last, `${goal.id} ${kind} violated, ticks ${first} to ${last}`)));
       if (judged.missed !== null) bars.push(bar("missed", judged.missed, judged.missed, `${goal.id} certain to be missed from tick ${judged.missed}`));
-      return make("div", { class: "row" }, make("span", { title: goal.name }, said(`${goal.id} ${goal.task}`)), track(...bars));
+      return make("div", { class: "row" }, make("span", { title: goal.name }, said(`${goal.label} ${goal.id}`)), track(...bars));
     });
     this.cursor = make("div", { class: "cursor" });
-    this.timeline.replaceChildren(...faults, ...goals, this.cursor);
+    this.timeline.replaceChildren(...faults, ...goals, this.cursor, make("p", { class: "note keys" },
+      make("span", { class: "key fault" }), "fault at work", make("span", { class: "key believed" }), "believed violated", make("span", { class: "key true" }), "truly violated",
+      make("span", { class: "key missed" }), "certain to be missed"));
   }
 
   buildCharts() {
@@ -150,16 +166,25 @@ class FlightView {
   resize() {
     const ratio = devicePixelRatio || 1, width = this.canvas.clientWidth || 600;
     this.canvas.width = width * ratio;
-    this.canvas.height = Math.round(width * 0.75 * ratio);
+    this.canvas.height = Math.round(width * 0.46 * ratio);
     for (const plot of this.plots) plot.setSize({ width: Math.max(240, plot.root.parentElement.clientWidth - 8), height: 190 });
     this.draw();
   }
 
   // Where a point of the mission is on the canvas; y grows upwards in the mission.
   project(x, y) {
-    const [cx, cy, half] = this.whole ? [this.mission.area[0], this.mission.area[1], this.mission.area[2] * 1.05] : this.data.window;
+    const [cx, cy, half] = this.follows ? this.concerned() : this.data.window;
     const scale = (Math.min(this.canvas.width, this.canvas.height) / 2 / half) * this.zoom;
     return [this.canvas.width / 2 + (x - cx + this.shift[0]) * scale, this.canvas.height / 2 - (y - cy + this.shift[1]) * scale, scale];
+  }
+
+  // The square around the robots that faults touch, where they are and are believed to be.
+  concerned() {
+    const robots = this.data.robots.length ? this.data.robots : this.mission.robots.map((_, r) => r);
+    const xs = robots.flatMap((r) => ["x", "believed_x"].map((name) => this.flight.at(name, r, this.tick)));
+    const ys = robots.flatMap((r) => ["y", "believed_y"].map((name) => this.flight.at(name, r, this.tick)));
+    const middle = (values) => (Math.min(...values) + Math.max(...values)) / 2, reach = (values) => Math.max(...values) - Math.min(...values);
+    return [middle(xs), middle(ys), Math.max(reach(xs), reach(ys)) * 0.7 + this.data.window[2] * 0.15];
   }
 
   draw() {
@@ -216,7 +241,7 @@ class FlightView {
       }
       const hit = this.touches(flight, r, x, y);
       const [px, py] = disc(x, y, mission.robot_radius, { fill: shade, least: 4, stroke: hit ? colour("fault") : null, width: 4 });
-      if (label) { label(robot.id, px, py, colour("ink")); this.spots.push([px, py, `${robot.id}: true (${number(x)}, ${number(y)}), believed (${number(bx)}, ${number(by)})${hit ? ", in collision" : ""}`]); }
+      if (label) { label(robot.name || robot.id, px, py, colour("ink")); this.spots.push([px, py, `${robot.id}: true (${number(x)}, ${number(y)}), believed (${number(bx)}, ${number(by)})${hit ? ", in collision" : ""}`]); }
     });
     context.globalAlpha = 1;
   }
@@ -230,7 +255,7 @@ class FlightView {
   tell(milliseconds) {
     const { mission, tick, flight } = this;
     this.slider.value = tick;
-    this.now.textContent = `tick ${tick} of ${mission.duration}`;
+    this.now.textContent = `tick ${Math.floor(tick)} of ${mission.duration}`;
     const tracks = this.timeline.querySelector(".track");
     if (tracks) this.cursor.style.left = `${tracks.offsetLeft + (tracks.offsetWidth * (tick + 0.5)) / mission.duration}px`;
     this.element.dataset.frame = milliseconds.toFixed(2);
@@ -250,7 +275,7 @@ class FlightView {
     if (!found) return;
     this.seek(found[0]);
     const told = this.events.filter(([tick]) => tick === found[0]).map(([, text]) => text);
-    document.getElementById("event").textContent = `tick ${found[0]}: ${told.join("; ")}`;
+    this.event.textContent = `tick ${found[0]}: ${told.join("; ")}`;
   }
 
   zoomBy(factor) {
@@ -275,7 +300,7 @@ class FlightView {
     const onButton = event.target.tagName === "BUTTON";
     const act = { " ": onButton ? null : () => this.toggle(), ArrowRight: () => this.seek(this.tick + (event.shiftKey ? 10 : 1)),
       ArrowLeft: () => this.seek(this.tick - (event.shiftKey ? 10 : 1)), Home: () => this.seek(0), End: () => this.seek(this.mission.duration - 1),
-      n: () => this.jump(1), p: () => this.jump(-1) }[event.key];
+      n: () => this.jump(1), p: () => this.jump(-1), f: () => this.follow() }[event.key];
     if (act) { event.preventDefault(); act(); }
   }
 

@@ -1,23 +1,14 @@
-// The page: what breaks which goal, then the flight, the search, the evaluations and the record.
+// The page: what breaks which goal, then what was flown, the search, the evaluations and the record.
 
-function weaknessesOf(data, view) {
-  const matrix = data.matrix;
-  return make("section", { id: "weaknesses" }, make("h2", {}, data.heading),
-    data.shown.length ? null : make("p", {}, data.none),
-    matrix ? make("p", {}, said(matrix.said)) : null,
-    matrix ? titled(matrix) : null,
-    data.shown.map((shown, k) => make("article", {},
+function flownOf(data) {
+  return make("section", { id: "flown" }, make("h2", {}, data.heading),
+    data.shown.map((shown) => make("article", {},
       make("h3", {}, said(shown.title)),
-      make("p", {}, said(shown.sentence)),
+      shown.sentence ? make("p", {}, said(shown.sentence)) : null,
       table(shown.faults.header, shown.faults.rows),
       titled(shown.counts),
-      make("p", {}, "Fly it again: ", make("code", {}, said(shown.command)), " ", copying(shown.command)),
-      make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(shown.xmi), make("pre", { dir: "ltr" }, shown.xmi)),
-      shown.flight ? make("button", { type: "button", class: "show", "aria-label": `show the flight of weakness ${k + 1}`, on: { click: async () => {
-        view.tick = 0;
-        await view.show(shown.flight);
-        view.element.scrollIntoView();
-      } } }, "Show the flight") : make("p", { class: "note" }, shown.no_flight))));
+      make("p", { class: "command" }, "Fly it again: ", make("code", {}, said(shown.command)), " ", copying(shown.command)),
+      make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(shown.xmi), make("pre", { dir: "ltr" }, shown.xmi)))));
 }
 
 function chart(place, { title, x, y, lines, points }) {
@@ -69,18 +60,24 @@ function recordOf(rows) {
 async function main() {
   const data = JSON.parse(document.getElementById("data").textContent);
   document.title = data.title;
-  const view = new FlightView(data.mission), sections = [];
-  if (data.shown) sections.push(["weaknesses", data.heading, weaknessesOf(data, view)]);
-  const first = data.flight || (data.shown || []).map((each) => each.flight).find(Boolean);
-  if (first) sections.push(["flight", "The flight", view.element]);
+  const view = new FlightView(data.mission), screen = data.first ? new Screen(data, view) : null;
+  const only = screen ? null : (data.shown || []).map((each) => each.flight).find(Boolean);
+  const sections = [];
+  if (screen) sections.push(["weaknesses", "Goals", screen.element]);
+  if (only) sections.push(["flight", "The flight", view.element]);
+  if (screen || only) sections.push(["numbers-of-the-flight", "The flight in numbers", view.details]);
+  if (data.shown) sections.push(["flown", data.heading, flownOf(data)]);
   if (data.search) sections.push(["search", "The search", searchOf(data.search)]);
   if (data.evaluations) sections.push(["evaluations", "The evaluations", evaluationsOf(data.evaluations)]);
   sections.push(["record", "The record", recordOf(data.record)]);
+  const links = sections.map(([id, label]) => make("li", {}, make("a", { href: `#${id}` }, label)));
   document.body.append(
-    make("header", {}, make("h1", {}, said(data.title)),
-      make("nav", { "aria-label": "sections" }, make("ul", {}, sections.map(([id, label]) => make("li", {}, make("a", { href: `#${id}` }, label)))))),
-    make("main", {}, sections.map(([, , element]) => element)));
-  if (first) await view.show(first);
+    make("header", {}, screen ? screen.header() : make("h1", {}, said(data.title))),
+    make("main", {}, sections.map(([, , element]) => element)),
+    make("footer", { class: "note" }, make("nav", { "aria-label": "sections" }, make("ul", {}, links)),
+      "Keys: space plays · ← → tick, with shift ten · n, p event · f follows · Home, End. CI: collective intelligence."));
+  if (only) await view.show(only);
+  if (screen) await screen.followLink();
   document.documentElement.dataset.ready = "true";
 }
 

@@ -1,0 +1,89 @@
+// The first screen: what breaks which goal, by what least cause, seen by whom; beside it the flight.
+
+const states = { fails: "×", "is violated": "!", "is violated without any fault": "!", "is only believed broken": "?", holds: "✓" };
+
+class Screen {
+  constructor(data, view) {
+    Object.assign(this, data.first);
+    this.shown = data.shown;
+    this.view = view;
+    this.panel = make("div", { id: "panel", "aria-live": "polite" });
+    this.next = make("div", { id: "next" });
+    this.buttons = new Map();
+    this.element = make("div", { id: "weaknesses", class: "screen" },
+      make("div", { class: "left" }, this.goalsOf(), this.matrix ? this.matrixOf() : null),
+      make("div", { class: "right" }, this.panel, view.element, this.next));
+    addEventListener("hashchange", () => this.followLink());
+  }
+
+  header() {
+    return make("div", { class: "head" },
+      make("div", {}, make("h1", {}, said(this.headline)), make("p", { class: "note" }, said(this.about))),
+      make("ul", {}, this.facts.map((fact) => make("li", {}, said(fact)))));
+  }
+
+  goalsOf() {
+    const heads = ["", "Goal and its least cause", "CI notices", "How sure", "Otherwise"];
+    return make("table", { id: "goals" },
+      make("thead", {}, make("tr", {}, heads.map((each) => make("th", { scope: "col" }, each || make("span", { class: "hidden" }, "state"))))),
+      make("tbody", {}, this.goals.map((goal) => {
+        const chosen = goal.number ? this.choosing(goal.number, said(goal.name)) : make("b", {}, said(goal.name));
+        const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
+          make("td", { class: "state", title: goal.state }, states[goal.state]),
+          make("td", {}, make("div", { class: "flowing" }, chosen, " ", make("small", {}, said(goal.id)), " ", make("b", { class: "verdict" }, goal.state), goal.cause ? [" if ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
+          make("td", {}, goal.noticed), make("td", {}, goal.sure.map((each) => make("div", {}, each))),
+          make("td", {}, make("div", {}, goal.others), make("div", { class: "soft" }, goal.unknown)));
+        if (goal.number) row.addEventListener("click", () => this.choose(goal.number));
+        return row;
+      })));
+  }
+
+  choosing(number, label, more) {
+    const button = make("button", { type: "button", ...more, on: { click: (event) => { event.stopPropagation(); this.choose(number); } } }, label);
+    this.buttons.set(number, [...(this.buttons.get(number) || []), button]);
+    return button;
+  }
+
+  matrixOf() {
+    const { owners, faults, rows, note } = this.matrix;
+    const cell = (each, row) => {
+      if (!each) return make("td", { class: "none" });
+      const bar = make("span", { class: `share ${each.kind}${each.unseen ? " unseen" : ""}` });
+      bar.style.height = `${Math.max(12, 100 * each.share)}%`;
+      return make("td", {}, this.choosing(each.number, [bar, each.joint ? "+" : ""], { class: "cell", title: each.said, "aria-label": `${row.name}: ${each.said}` }));
+    };
+    return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
+      make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), "broken, unseen", make("span", { class: "key share" }), "broken, seen",
+        make("span", { class: "key share believed" }), "false alarm · height: share of forms · + jointly"),
+      make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
+        make("thead", {},
+          make("tr", {}, make("th"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, said(owner.name)))),
+          make("tr", {}, make("th"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, said(fault.label)))))),
+        make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), " ", make("small", {}, said(row.id))), row.cells.map((each) => cell(each, row))))))),
+      make("p", { class: "note" }, said(note)));
+  }
+
+  async choose(number, keep) {
+    const way = this.ways.find((each) => each.number === number);
+    for (const [key, buttons] of this.buttons) buttons.forEach((each) => each.setAttribute("aria-pressed", String(key === number)));
+    for (const row of this.element.querySelectorAll("#goals tbody tr")) row.classList.toggle("chosen", row.dataset.goal === way.goal);
+    if (!keep) history.replaceState(null, "", `#weakness-${number}`);
+    const shown = way.shown === null ? null : this.shown[way.shown];
+    const why = shown && shown.flight ? "" : shown ? shown.no_flight : "Its flight is not on this page: the first command draws it.";
+    this.panel.replaceChildren(make("h2", { id: "flight-title" }, said(way.name), " ", make("small", {}, said(`${way.goal} · weakness ${number}`))),
+      make("p", {}, said(`${way.said}.`)), make("p", { class: "note" }, said(`${way.sure}. ${why}`)));
+    this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map(([what, command]) => make("div", { class: "command" }, make("span", {}, what), make("code", {}, said(command)), copying(command))));
+    const flight = shown ? shown.flight : null;
+    this.view.element.hidden = this.view.details.hidden = !flight;
+    if (flight) await this.view.show(flight);
+  }
+
+  // A link such as #weakness-6 shows a weakness; anything else is a section of the page.
+  async followLink() {
+    const number = Number((/^#weakness-(\d+)$/.exec(location.hash) || [])[1]);
+    const first = this.goals.find((each) => each.number);
+    if (this.ways.some((each) => each.number === number)) await this.choose(number, true);
+    else if (first && !this.panel.hasChildNodes()) await this.choose(first.number, true);
+    else if (!first) this.view.element.hidden = this.view.details.hidden = true;
+  }
+}

@@ -1,0 +1,144 @@
+"""What the page shows first: a sentence a goal, which fault breaks which, and what to do next."""
+
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+from mrsfi_runtime.analysis.summary import Summary
+from mrsfi_runtime.analysis.verdicts import (
+    GoalVerdict,
+    State,
+    cause_in_words,
+    facts,
+    headline,
+    name_of,
+    noticed,
+    owner_of,
+    verdicts,
+)
+from mrsfi_runtime.analysis.weaknesses import harmless, verdict
+from mrsfi_runtime.causes.ways import Way, least
+from mrsfi_runtime.errors import counted
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Mission
+
+
+def first_screen(
+    summary: Summary,
+    mission: Mission,
+    pool: FaultPool,
+    next_of: Callable[[Way], Mapping[str, Sequence[str]]],
+) -> dict[str, Any] | None:
+    """Return what is shown of a campaign; ``None`` where nobody looked for what breaks goals.
+
+    ``next_of`` says what to do next about a way to break a goal: commands by what they do.
+    """
+    known = summary.harvest
+    if known is None:
+        return None
+    told = least(summary.ways)
+    places = {way.number: place for place, way in enumerate(told)}
+    found = verdicts(mission, pool, known)
+    shown = {way.number: way for way in (*summary.ways, *told)}
+    guilty = {fault for way in summary.ways for fault in way.faults}
+    n_flights = summary.n_evaluations + known.n_flights
+    about = (
+        f"Campaign {summary.folder.name} on mission {summary.mission}",
+        counted(len(mission.robots), "robots"),
+        f"{len(guilty)} of {counted(len(pool), 'faults')} break a goal",
+        counted(n_flights, "flights"),
+    )
+    return {
+        "headline": headline(found),
+        "about": " · ".join(about),
+        "facts": [*facts(mission, pool, found, summary.ways)],
+        "goals": [_goal(each) for each in found],
+        "ways": [
+            {
+                "number": way.number,
+                "goal": way.goal,
+                "name": _name(mission, way),
+                "said": f"{_name(mission, way)} breaks if {cause_in_words(mission, pool, way)}; "
+                f"{noticed(way.shown)}",
+                "sure": verdict(way),
+                "shown": places.get(way.number),
+                "next": [(what, shlex.join(words)) for what, words in next_of(way).items()],
+            }
+            for way in shown.values()
+        ],
+        "matrix": _matrix(summary, mission, pool, found) if summary.ways else None,
+    }
+
+
+def _goal(each: GoalVerdict) -> dict[str, Any]:
+    way = each.way
+    return {
+        "id": each.goal,
+        "name": each.name,
+        "state": each.words,
+        "grave": each.state <= State.VIOLATED,
+        "cause": each.cause,
+        "by": "" if way is None else " and ".join(way.faults),
+        "noticed": each.noticed.removeprefix("the CI notices ").removeprefix("the CI ")
+        if each.state is not State.FALSE_ALARM
+        else "false alarm",
+        "sure": each.sure,
+        "others": f"{counted(each.n_others, 'ways')} more" if each.n_others else "",
+        "unknown": each.unknown,
+        "number": None if way is None else way.number,
+    }
+
+
+def _name(mission: Mission, way: Way) -> str:
+    return name_of(mission, mission.goals[mission.goal_ids.index(way.goal)])
+
+
+def _matrix(
+    summary: Summary, mission: Mission, pool: FaultPool, found: Sequence[GoalVerdict]
+) -> dict[str, Any]:
+    """Return which fault breaks which goal: goals by faults, these by whom they strike."""
+    guilty = {fault for way in summary.ways for fault in way.faults}
+    owned = [(*owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
+    owned.sort(key=lambda each: each[0])
+    cells: dict[tuple[str, str], Way] = {}
+    for way in summary.ways:
+        for fault in way.faults:
+            known = cells.setdefault((way.goal, fault), way)
+            if len(way.faults) < len(known.faults):
+                cells[way.goal, fault] = way
+    return {
+        "owners": [
+            {"name": name, "n": sum(1 for _ in some)}
+            for (_, name), some in groupby(owned, key=lambda each: each[0])
+        ],
+        "faults": [
+            {"label": f"{what} {fault.id}", "title": f"{fault.id}: {fault.type} of {fault.target}"}
+            for _, what, fault in owned
+        ],
+        "rows": [
+            {
+                "id": each.goal,
+                "name": each.name,
+                "cells": [
+                    _cell(mission, pool, cells.get((each.goal, fault.id))) for *_, fault in owned
+                ],
+            }
+            for each in found
+        ],
+        "note": f"{harmless(pool, summary.ways)}.",
+    }
+
+
+def _cell(mission: Mission, pool: FaultPool, way: Way | None) -> dict[str, Any] | None:
+    if way is None:
+        return None
+    shown = way.shown
+    return {
+        "number": way.number,
+        "kind": shown.column.kind,
+        "unseen": way.is_unseen,
+        "share": shown.share,
+        "joint": len(way.faults) > 1,
+        "said": f"if {cause_in_words(mission, pool, way)}; {noticed(shown)}",
+    }
