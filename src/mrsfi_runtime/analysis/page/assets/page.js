@@ -7,7 +7,7 @@ function flownOf(data) {
       shown.sentence ? make("p", {}, said(shown.sentence)) : null,
       table(shown.faults.header, shown.faults.rows),
       titled(shown.counts),
-      make("p", { class: "command" }, "Fly it again: ", make("code", {}, said(shown.command)), " ", copying(shown.command)),
+      make("div", { class: "command" }, make("span", {}, "Fly it again"), make("code", {}, said(shown.command)), copying(shown.command)),
       make("details", {}, make("summary", {}, "The fault specification as XMI"), copying(shown.xmi), make("pre", { dir: "ltr" }, shown.xmi)))));
 }
 
@@ -15,7 +15,7 @@ function chart(place, { title, x, y, lines, points }) {
   const ink = colour("ink"), grid = colour("grid");
   const series = lines.map(([label, shade, , dash]) => ({ label, stroke: shade, width: points ? 0 : 1.6, dash, points: { show: Boolean(points), size: 6, fill: shade } }));
   const axis = (label) => ({ label, stroke: ink, grid: { stroke: grid } });
-  return new uPlot({ title, width: Math.max(260, Math.min(560, document.body.clientWidth - 40)), height: 260, scales: { x: { time: false } }, legend: { live: false },
+  return new uPlot({ title, width: Math.max(240, Math.min(560, document.body.clientWidth - 40)), height: 260, scales: { x: { time: false } }, legend: { live: false },
     axes: [axis(x), { ...axis(y), size: 64 }], series: [{ label: x }, ...series] }, [lines.xs, ...lines.map(([, , values]) => values)], place);
 }
 
