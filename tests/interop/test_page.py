@@ -15,6 +15,7 @@ from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.engine.recording import Recording
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.generated_code import load_code
+from mrsfi_runtime.model.fault_types import Struck
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.outcome import TOLD
 from mrsfi_runtime.record.named_faults import named_faults
@@ -105,8 +106,10 @@ def first(campaign: Path) -> tuple[dict[str, Any], Recording]:
 
 
 def test_positions_at_some_ticks_are_those_of_the_engine(chromium, campaign, first):
-    _, recording = first
+    told, recording = first
     with opened(chromium, campaign / "report.html") as page:
+        page.shown.evaluate("number => { location.hash = `#weakness-${number}`; }", told["number"])
+        page.shown.wait_for_selector(f"#panel:has-text('weakness {told['number']}')")
         for tick in TICKS:
             page.seek(tick)
             assert page.now() == tick
@@ -121,7 +124,7 @@ def test_positions_at_some_ticks_are_those_of_the_engine(chromium, campaign, fir
 def test_counts_are_those_of_the_flight(chromium, campaign, first):
     told, recording = first
     with opened(chromium, campaign / "report.html") as page:
-        article = page.shown.locator("#weaknesses article").first
+        article = page.shown.locator("#flown article").first
         assert f"({told['goal']})" in article.locator("h3").inner_text()
         rows = article.locator("table").nth(1).locator("tbody tr").all()
         cells = [row.locator("td").all_inner_texts() for row in rows]
@@ -135,6 +138,7 @@ def test_counts_are_those_of_the_flight(chromium, campaign, first):
 def test_play_slider_keys_and_clicks_do_what_they_say(chromium, campaign):
     with opened(chromium, campaign / "report.html") as page:
         shown = page.shown
+        shown.locator("body").press("Home")
         before = page.numbers()
         shown.locator("#play").click()
         for _ in range(200):
@@ -218,8 +222,17 @@ def test_a_model_of_hostile_texts_is_shown_and_does_nothing(chromium, tmp_path):
             for k, obstacle in enumerate(code.mission.obstacles)
         ),
     )
-    hostile = [replace(fault, name=HOSTILE[k % len(HOSTILE)]) for k, fault in enumerate(faults)]
-    sentences = [HOSTILE[k % len(HOSTILE)] for k in range(len(faults))]
+    renamed = dict(zip(code.mission.robot_index, HOSTILE, strict=False))
+    hostile = [
+        replace(
+            fault,
+            name=HOSTILE[k % len(HOSTILE)],
+            fault=replace(fault.fault, target=renamed.get(fault.fault.target, fault.fault.target)),
+        )
+        for k, fault in enumerate(faults)
+        if fault.fault.kind.struck is not Struck.OBSTACLE
+    ]
+    sentences = [HOSTILE[k % len(HOSTILE)] for k in range(len(hostile))]
     told = PageEntry(HOSTILE[0], HOSTILE[1], hostile, sentences, outcome, HOSTILE, HOSTILE[2])
     path = tmp_path / "hostile.html"
     page_text = document(flight_page(mission, told, recording, [(HOSTILE[3], HOSTILE[4])]))

@@ -221,3 +221,25 @@ def evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> T
         for each in flown
     )
     return Table(title, (*first, *counted, "digest"), rows)
+
+
+def short_evaluations_table(title: str, flown: Iterable[Flown], measure: Measure) -> Table:
+    """Return evaluations in ten columns: counts are over all goals; missed ones are named."""
+    rows = (
+        (
+            each.index,
+            each.generation,
+            each.fitness[0] if len(each.fitness) == 1 else " ".join(map(repr, each.fitness)),
+            len(each.outcome.applied),
+            each.fault_ticks,
+            *(sum(getattr(each.outcome, name)) for name in COUNTED[:-1]),
+            " ".join(
+                goal
+                for goal, n in zip(measure.goals, each.outcome.missed or (), strict=False)
+                if n > 0
+            ),
+        )
+        for each in flown
+    )
+    first = ("evaluation", "generation", "fitness", "faults", "fault-ticks")
+    return Table(title, (*first, *COUNTED[:-1], "goals missed"), rows)

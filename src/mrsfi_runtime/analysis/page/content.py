@@ -8,10 +8,10 @@ from typing import Any
 
 from mrsfi_runtime.analysis.campaign_tables import (
     COUNTS,
-    evaluations_table,
     fault_table,
     goal_table,
     settings_table,
+    short_evaluations_table,
 )
 from mrsfi_runtime.analysis.markdown import trend_in_words
 from mrsfi_runtime.analysis.page.first_screen import first_screen
@@ -84,7 +84,7 @@ def campaign_page(
     """
     step = every(summary.n_evaluations, MOST_LISTED)
     listed = f"One in {step} is listed." if step > 1 else "All are listed."
-    evaluations = to_page(evaluations_table(listed, store.flown(step), summary.measure))
+    evaluations = short_evaluations_table(listed, store.flown(step), summary.measure)
     return {
         "title": f"Campaign {summary.folder.name} on mission {summary.mission}",
         "mission": mission_content(mission),
@@ -92,11 +92,7 @@ def campaign_page(
         "heading": "The least that breaks each goal, as it was flown",
         "shown": list(shown),
         "search": {"said": trend_in_words(summary.trend), "charts": list(_charts(summary))},
-        "evaluations": {
-            **evaluations,
-            "header": evaluations["header"][:-1],
-            "rows": [(*row[:2], _plain(row[2]), *row[3:-1]) for row in evaluations["rows"]],
-        },
+        "evaluations": to_page(evaluations),
         "record": list(_record(summary, store)),
     }
 
@@ -194,9 +190,3 @@ def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]
     yield from ((f"version of {name}", text) for name, text in manifest.versions.items())
     yield from ((f"setting {name}", text) for name, text in settings_table(summary.settings).rows)
     yield from ((f"SHA-256 of {name}", text) for name, text in islice(manifest.sha256.items(), 100))
-
-
-def _plain(fitness: Any) -> Any:
-    """Return a fitness as a number if it is one."""
-    parts = str(fitness).split()
-    return float(parts[0]) if len(parts) == 1 else fitness

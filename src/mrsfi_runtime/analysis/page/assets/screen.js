@@ -50,7 +50,7 @@ class Screen {
       if (!each) return make("td", { class: "none" });
       const bar = make("span", { class: `share ${each.kind}${each.unseen ? " unseen" : ""}` });
       bar.style.height = `${Math.max(12, 100 * each.share)}%`;
-      return make("td", {}, this.choosing(each.number, [bar, each.joint ? "+" : ""], { class: "cell", title: each.said, "aria-label": `${row.name}: ${each.said}` }));
+      return make("td", {}, this.choosing(each.number, [bar, each.joint ? make("i", {}, "+") : null], { class: "cell", title: each.said, "aria-label": `${row.name}: ${each.said}` }));
     };
     return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
       make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), "broken, unseen", make("span", { class: "key share" }), "broken, seen",
