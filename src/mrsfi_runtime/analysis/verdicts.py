@@ -74,10 +74,22 @@ class GoalVerdict:
     @property
     def sentence(self) -> str:
         """All but how sure it is, in one sentence."""
-        told = f"{self.name} {self.goal} {self.words}"
-        if self.cause:
-            told += f" if {self.cause}"
-        return f"{told}; {self.noticed}" if self.noticed else told
+        return f"{self.name} {self.goal} {self.words}{self.because}"
+
+    @property
+    def because(self) -> str:
+        """By what it breaks, and how that is noticed, as a sentence goes on."""
+        cause = f" if {self.cause}" if self.cause else ""
+        return f"{cause}; {self.noticed}" if self.noticed else cause
+
+    @property
+    def evidence(self) -> tuple[str, ...]:
+        """The faults, how sure it is, what else breaks the goal, and what is unknown."""
+        if self.way is None:
+            return (self.unknown,)
+        number = f"weakness {self.way.number}: {' and '.join(self.way.faults)}"
+        others = (f"{counted(self.n_others, 'ways')} more",) if self.n_others else ()
+        return (number, *self.sure, *others, self.unknown)
 
 
 def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:

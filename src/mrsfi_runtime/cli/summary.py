@@ -7,10 +7,11 @@ from mrsfi.reporting import report as write_report
 from mrsfi_runtime.analysis.campaign_tables import critical_table, front_table, harm_table
 from mrsfi_runtime.analysis.drawing import Draw
 from mrsfi_runtime.analysis.summary import Summary, as_json
-from mrsfi_runtime.analysis.weaknesses import matrix_table, said, way_table
-from mrsfi_runtime.causes.ways import least
+from mrsfi_runtime.analysis.weaknesses import matrix_table
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.cli.ways import print_verdicts
+from mrsfi_runtime.errors import counted
 
 
 def report(
@@ -34,39 +35,26 @@ def report(
 
 
 def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
-    """Print what breaks goals, or the most critical specifications; and where everything is."""
-    folder, measure = campaign.folder, summary.measure
+    """Print what the search found, what breaks which goal in sentences, and what to do next."""
+    folder, known = campaign.folder.path, summary.harvest
     mission, pool = campaign.mission, campaign.pool
-    if summary.harvest is not None and summary.ways:
-        click.echo(f"{said(mission.goal_ids, summary.ways, summary.harvest.n_flights)}\n")
+    if known is not None and summary.ways:
         print_table(matrix_table(mission, pool, summary.ways))
-        _print_least(campaign, summary)
     else:
-        print_table(critical_table(measure, pool, summary.top, summary.n_distinct))
+        print_table(critical_table(summary.measure, pool, summary.top, summary.n_distinct))
     if summary.front is not None:
         print_table(front_table(summary.front))
     if summary.harm:
-        print_table(harm_table(summary.harm, measure))
+        print_table(harm_table(summary.harm, summary.measure))
     if summary.pick is not None:
-        click.echo(f"{summary.pick.in_words(measure)}\n")
-    if summary.ways:
-        click.echo(f"all ways        mrsfi weaknesses {folder.path}")
-        click.echo(f"pictures        mrsfi show {folder.path}")
-    click.echo(f"specifications  {folder.critical}")
-    click.echo(f"report          {folder.report}")
-    click.echo(f"page            {folder.page}")
-    click.echo(f"campaign        {folder.path}")
-    click.echo(f"evaluations     {summary.n_evaluations}, failed {summary.n_failures}")
-    click.echo(f"digest          {summary.digest}")
-
-
-def _print_least(campaign: OpenCampaign, summary: Summary) -> None:
-    """Print what is the least that breaks each goal, in its mildest form, and how that comes."""
-    shown = least(summary.ways)
-    title = "The least that breaks each goal, in its mildest form"
-    print_table(way_table(title, campaign.mission, campaign.pool, shown))
-    for way in shown:
-        if way.mildest is not None:
-            click.echo(f"{way.number} {way.mildest.sentence}\n")
-        for sentence in summary.sentences.get(way.number, ()):
-            click.echo(f"{way.number} {way.goal}: {sentence}\n")
+        click.echo(f"{summary.pick.in_words(summary.measure)}\n")
+    if known is not None:
+        print_verdicts(mission, pool, known)
+    failed = f", {summary.n_failures} failed" if summary.n_failures else ""
+    click.echo(f"campaign  {folder}: {counted(summary.n_evaluations, 'evaluations')}{failed}")
+    click.echo(f"digest    {summary.digest}")
+    click.echo(f"page      {campaign.folder.page}")
+    if known is None:
+        click.echo(f"next      mrsfi explain {folder} --all")
+    elif summary.ways:
+        click.echo(f"next      mrsfi show {folder}")

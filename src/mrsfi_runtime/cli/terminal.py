@@ -5,6 +5,7 @@ import sys
 
 from rich import box
 from rich.console import Console
+from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
@@ -32,11 +33,7 @@ def print_table(table: Table) -> None:
     columns as it needs. There are as many as COLUMNS says, or else the terminal, or else 100, so
     that a table is the same in every pipe and log file.
     """
-    given = os.environ.get("COLUMNS", "")
-    width = int(given) if given.isdecimal() and int(given) > 0 else None
-    console = Console(file=sys.stdout, highlight=False, width=width)
-    if width is None and not console.is_terminal:
-        console.width = _WIDTH
+    console = _console()
     grid, needed = _laid_out(console, table)
     if needed > console.width:
         grid, needed = _laid_out(console, table.narrow or table, is_tight=True)
@@ -44,6 +41,24 @@ def print_table(table: Table) -> None:
     console.print(Text(table.title, style="bold"))
     console.print(grid)
     console.print()
+
+
+def print_words(*parts: str | tuple[str, str], indent: int = 0) -> None:
+    """Print a text to standard output, wrapped; parts may have a style, such as ``bold red``."""
+    words = Text()
+    for part in parts:
+        text, style = (part, "") if isinstance(part, str) else part
+        words.append("".join(c if c.isprintable() else ascii(c)[1:-1] for c in text), style)
+    _console().print(Padding(words, (0, 0, 0, indent), expand=False))
+
+
+def _console() -> Console:
+    given = os.environ.get("COLUMNS", "")
+    width = int(given) if given.isdecimal() and int(given) > 0 else None
+    console = Console(file=sys.stdout, highlight=False, width=width)
+    if width is None and not console.is_terminal:
+        console.width = _WIDTH
+    return console
 
 
 def _laid_out(console: Console, table: Table, *, is_tight: bool = False) -> tuple[Grid, int]:

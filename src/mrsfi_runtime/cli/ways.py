@@ -7,6 +7,7 @@ import click
 
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.weaknesses import untried
+from mrsfi_runtime.analysis.verdicts import State, facts, headline, verdicts
 from mrsfi_runtime.analysis.weaknesses import (
     harmless,
     matrix_table,
@@ -18,13 +19,27 @@ from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.cli.console import print_json
-from mrsfi_runtime.cli.terminal import print_table
+from mrsfi_runtime.cli.terminal import print_table, print_words
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 
 _MOST_UNTRIED = 10
 """Faults and pairs that are named at most, of those that were never flown."""
+
+
+def print_verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> None:
+    """Print of each goal in a sentence whether it breaks, by what, and how sure that is."""
+    found = verdicts(mission, pool, known)
+    print_words((headline(found), "bold"))
+    for fact in facts(mission, pool, found, known.ways):
+        print_words(fact)
+    click.echo()
+    for each in found:
+        state = (each.words, "bold red" if each.state <= State.VIOLATED else "bold")
+        print_words((each.name, "bold"), f" {each.goal} ", state, each.because)
+        print_words(" · ".join(each.evidence), indent=4)
+    click.echo()
 
 
 def print_all(
