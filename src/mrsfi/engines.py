@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 Tell: TypeAlias = Callable[[str], None]
 """Takes one line about how things go."""
 
+Choice: TypeAlias = Callable[[EngineRecord], EngineSettings]
+"""Says what flies a campaign again, of what it was begun with."""
+
 _N_PROCESSORS = os.cpu_count() or 1
 
 

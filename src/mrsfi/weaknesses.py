@@ -1,7 +1,7 @@
 """What breaks the goals of a mission at the least, as a campaign has found out, and files of it."""
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import combinations, islice
@@ -10,7 +10,7 @@ from time import monotonic
 from types import MappingProxyType
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly
-from mrsfi.engines import Tell, Workers, flying, silent
+from mrsfi.engines import Choice, Tell, Workers, flying, silent
 from mrsfi_runtime.analysis import fault_tree, fmea
 from mrsfi_runtime.analysis.drawing import Drawing, drawn
 from mrsfi_runtime.analysis.table import as_csv
@@ -22,11 +22,9 @@ from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known, Weakness, faults_of, in_seeds
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.recording import Record
-from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import RecordError, UsageError, counted
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.encoding import fault_texts
-from mrsfi_runtime.record.manifest import EngineRecord
 from mrsfi_runtime.record.settings import following
 from mrsfi_runtime.search.space import SearchSpace
 
@@ -95,14 +93,11 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
 @contextmanager
 def flying_again(
     run: Path,
-    engine: Callable[[EngineRecord], EngineSettings],
+    engine: Choice,
     workers: Workers,
     tell: Tell = silent,
 ) -> Iterator[tuple[FlyableCampaign, Evaluator, Engine]]:
-    """Yield a campaign, what evaluates specifications of it, and an engine of this process.
-
-    ``engine`` says what flies, of what the campaign was begun with.
-    """
+    """Yield a campaign, what evaluates specifications of it, and an engine of this process."""
     with open_to_fly(run, tell) as campaign:
         settings = engine(campaign.store.manifest.engine)
         workers.require_sense(settings)

@@ -176,24 +176,31 @@ def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
     """Say what has to happen for a way to break its goal."""
     faults = named_faults(mission, pool, way.shown.witness)
     off = way.mildest.off if way.is_mildest and way.mildest else ()
-    told = zip(faults, off or [""] * len(faults), strict=True)
-    return " and ".join(f"{deed(mission, fault, apart)}" for fault, apart in told)
+    told = zip(faults, off or [None] * len(faults), strict=True)
+    return " and ".join(deed(mission, fault, apart) for fault, apart in told)
 
 
-def deed(mission: Mission, fault: NamedFault, off: str = "") -> str:
-    """Say what a fault does and for how long; ``off`` says how far a fixed value is off."""
+def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
+    """Say what a fault does and for how long; ``off``, if known, how far a fixed value is off."""
     subject, s = _subject(mission, fault.fault)
     is_ = "is" if s else "are"
     kind, values = fault.fault.kind, fault.timed.values
     units = [UNITS.get(parameter.range, "") for parameter in kind.parameters]
     words = [f"{value:.4g} {unit}".rstrip() for value, unit in zip(values, units, strict=True)]
-    first = words[0] if words else ""
+    first = words[0].replace(" percent", " %") if words else ""
+    fixed = (
+        off
+        if off is not None
+        else f"at ({', '.join(words[:2])})"
+        if kind.is_place
+        else f"at {first}"
+    )
     done = {
         Mode.DELAY: f"come{s} {first} late",
         Mode.BLOCK: f"{is_} held back",
         Mode.RANDOM: f"{is_} reported at random",
         Mode.ZERO: f"{is_} reported as 0",
-        Mode.FIXED: f"stick{s} {off or f'at {first}' * (not kind.is_place)}".rstrip(),
+        Mode.FIXED: f"stick{s} {fixed}".rstrip(),
         Mode.INCREMENT: f"{is_} reported {first} too high",
         Mode.DECREMENT: f"{is_} reported {first} too low",
         Mode.INCREMENT_PERCENT: f"{is_} reported {first} too high",
@@ -221,7 +228,8 @@ def _subject(mission: Mission, fault: Fault) -> tuple[str, str]:
         f"{owner}'s {' and '.join(filter(None, what))}" if any(what) else owner
         for owner, what in by_owner.items()
     ]
-    return " and ".join(parts), "s" if len(targets) == 1 else ""
+    is_one = len(targets) == 1 and not parts[0].endswith("samples")
+    return " and ".join(parts), "s" if is_one else ""
 
 
 def _owned(mission: Mission, target: Target) -> tuple[str, str]:

@@ -10,6 +10,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 import click
+from click.core import ParameterSource
 
 from mrsfi.engines import Workers
 from mrsfi_runtime.cli.console import print_json, tell
@@ -17,7 +18,6 @@ from mrsfi_runtime.cli.options import (
     EngineOptions,
     engine_options,
     generated_option,
-    mission_argument,
     worker_options,
 )
 from mrsfi_runtime.engine.settings import AUTO
@@ -29,7 +29,13 @@ if TYPE_CHECKING:
     from mrsfi_runtime.study.folder import ComparisonFolder
     from mrsfi_runtime.study.run_results import RunResult
 
-_HELP = """Compare search algorithms on MISSION: several seeds, as many evaluations for each.
+_HELP = """Compare two campaigns of a mission, or search algorithms on MISSION.
+
+Two campaign folders, before and after a fix or an edit of the model: which weaknesses went, which
+came, which stayed. Each is flown once more, in the mission of the other campaign. --markdown writes
+that for a pull request, --html as a page; search options make no sense then.
+
+Of algorithms: several seeds, as many evaluations for each.
 
 Every algorithm searches with the seeds 1 to --seeds, all else as the campaign file says.
 Prints medians with quartiles, and for every two algorithms the Mann-Whitney U test, its
@@ -38,6 +44,7 @@ run of the first does better than one of the second.
 
 \b
 Examples:
+  mrsfi compare runs/uuv_sampling-a-1 runs/uuv_sampling-a-2 --markdown change.md
   mrsfi compare uuv_sampling
   mrsfi compare uuv_sampling --case b --algorithms paper,random,drift --seeds 10
   mrsfi compare uuv_sampling --seeds 5 --evaluations 200 --out runs/quick
@@ -49,8 +56,13 @@ digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
 """
 
 
+_FILE = click.Path(path_type=Path, dir_okay=False)
+_OF_RUNS = ("targets", "markdown", "html", "is_json", *EngineOptions.__slots__, *Workers.__slots__)
+
+
 @click.command(name="compare", help=_HELP)
-@mission_argument
+@click.pass_context
+@click.argument("targets", metavar="MISSION|RUN_A RUN_B", nargs=-1, required=True)
 @generated_option
 @click.option(
     "--case",
@@ -88,10 +100,16 @@ digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
     metavar="DIR",
     help="Folder of the comparison, new or to go on with [default: runs/compare-NAME-CASE].",
 )
+@click.option("--markdown", type=_FILE, metavar="FILE", help="Of two campaigns: write Markdown.")
+@click.option("--html", type=_FILE, metavar="FILE", help="Of two campaigns: write a page.")
 @click.option("--json", "is_json", is_flag=True, help="Print the comparison for a script.")
 def command(  # noqa: PLR0913 - one for each option
+    ctx: click.Context,
+    /,
     *,
-    mission: str,
+    targets: tuple[str, ...],
+    markdown: Path | None,
+    html: Path | None,
     generated: Path | None,
     case: str,
     algorithms: str,
@@ -102,7 +120,13 @@ def command(  # noqa: PLR0913 - one for each option
     out: Path | None,
     is_json: bool,
 ) -> None:
-    """Compare search algorithms on a mission."""
+    """Compare two campaigns of a mission, or search algorithms on one."""
+    if len(targets) > 1:
+        _compare_runs(ctx, targets, engine, workers, markdown, html, is_json=is_json)
+        return
+    if markdown or html:
+        raise click.UsageError("--markdown and --html need two campaigns: RUN_A RUN_B")
+    (mission,) = targets
     import mrsfi
     from mrsfi.comparing import default_folder
     from mrsfi_runtime.study.folder import ComparisonFolder
@@ -137,6 +161,49 @@ def command(  # noqa: PLR0913 - one for each option
         print_json({"folder": str(folder.path), **content})
     else:
         _print(found, folder, evaluations)
+
+
+def _compare_runs(
+    ctx: click.Context,
+    targets: tuple[str, ...],
+    engine: EngineOptions,
+    workers: Workers,
+    markdown: Path | None,
+    html: Path | None,
+    *,
+    is_json: bool,
+) -> None:
+    """Say which weaknesses went, came and stayed between two campaigns."""
+    from mrsfi.changes import change_table, changes, sentence
+    from mrsfi_runtime.analysis.page.document import document
+    from mrsfi_runtime.analysis.table import to_markdown, to_page
+    from mrsfi_runtime.cli.terminal import print_table, print_words
+    from mrsfi_runtime.files import whole_file
+
+    for name, value in ctx.params.items():
+        is_given = ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        if is_given and name not in _OF_RUNS:
+            raise click.UsageError(f"--{name} {value}: is of a search; two campaigns are not")
+    if len(targets) != 2:
+        raise click.UsageError(f"found {len(targets)} campaigns; expected two, RUN_A RUN_B")
+    before, after = map(Path, targets)
+    found = changes(before, after, engine.again, workers, tell)
+    said, table = f"{sentence(found)}.", change_table(found)
+    if markdown is not None:
+        text = f"{said}\n\nFrom {before} to {after}, each flown in the other.\n\n"
+        with whole_file(markdown) as file:
+            file.write(f"{text}{to_markdown(table)}\n".encode())
+    if html is not None:
+        page = {"title": said, "tables": [to_page(table)], "record": [*enumerate(targets, 1)]}
+        with whole_file(html) as file:
+            file.write(document(page).encode())
+    for path in filter(None, (markdown, html)):
+        tell(f"written    {path}")
+    if is_json:
+        print_json([each.as_json() for each in found])
+        return
+    print_table(table)
+    print_words((said, "bold"))
 
 
 class _Progress:

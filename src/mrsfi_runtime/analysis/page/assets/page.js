@@ -60,13 +60,14 @@ function recordOf(rows) {
 async function main() {
   const data = JSON.parse(document.getElementById("data").textContent);
   document.title = data.title;
-  const view = new FlightView(data.mission), screen = data.first ? new Screen(data, view) : null;
+  const view = data.mission ? new FlightView(data.mission) : null, screen = data.first ? new Screen(data, view) : null;
   const only = screen ? null : (data.shown || []).map((each) => each.flight).find(Boolean);
   const sections = [];
   if (screen) sections.push(["weaknesses", "Goals", screen.element]);
   if (only) sections.push(["flight", "The flight", view.element]);
   if (screen || only) sections.push(["numbers-of-the-flight", "The flight in numbers", view.details]);
   if (data.shown) sections.push(["flown", data.heading, flownOf(data)]);
+  (data.tables || []).forEach((each, k) => sections.push([`table-${k + 1}`, each.title, make("section", { id: `table-${k + 1}` }, titled(each))]));
   if (data.search) sections.push(["search", "The search", searchOf(data.search)]);
   if (data.evaluations) sections.push(["evaluations", "The evaluations", evaluationsOf(data.evaluations)]);
   sections.push(["record", "The record", recordOf(data.record)]);
