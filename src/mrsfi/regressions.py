@@ -36,7 +36,8 @@ class Checked:
     ``counts`` has what each goal that has a limit had at most, by its ID, in those seeds for which
     limits are kept, and is empty if it could not be flown, for which ``error`` says why; ``others``
     has the same of the other seeds. ``gone`` are faults of it that the pool of today does not have;
-    it carries copies of them. ``why`` says of one that came back what each fault of its cause did.
+    it carries copies of them. ``why`` says of one that came back what each fault of its cause did,
+    and ``places`` which lines of models or regions it is about.
     """
 
     regression: Regression
@@ -47,6 +48,7 @@ class Checked:
     gone: tuple[str, ...] = ()
     why: tuple[str, ...] = ()
     seconds: float = 0.0
+    places: tuple[tuple[Path, int], ...] = ()
 
     @property
     def exceeded(self) -> tuple[str, ...]:
@@ -90,14 +92,15 @@ def keep(
     limits: Mapping[str, int] | None = None,
     n_seeds: int = 1,
     engine: EngineSettings | None = None,
+    accepted: str = "",
 ) -> Regression:
     """Keep a way to break a goal beside the models of its mission, by its number from 1 on.
 
     Its files have a name after the campaign's unless one is given. What is limited is the goal, by
     the gravest measure by which it breaks: to the most over so many mission seeds, from the
     campaign's on, unless limits are given, by the IDs of goals; the engine flies the campaign's own
-    code in those seeds in which the campaign did not. What there is not, or is kept already, is a
-    ``UsageError``.
+    code in those seeds in which the campaign did not. ``accepted`` says why that is accepted. What
+    there is not, or is kept already, is a ``UsageError``.
     """
     path = campaign.folder.path
     campaign.store.require_flyable()  # counts of other rules are no limits of today's
@@ -116,6 +119,7 @@ def keep(
         way.shown.column.kind,
         following(settings.mission_seed, n_seeds),
         {way.goal: 0} if limits is None else limits,
+        accepted=accepted,
     )
     goals = campaign.mission.goal_ids
     counts = regression.counts(goals, known.outcomes[specification])  # refuses other goals
@@ -253,9 +257,16 @@ def _checked(found: Checked, code: MissionCode, settings: EngineSettings, tell: 
             )
             if found.exceeded:
                 worst = max(own, key=lambda seed: sum(own[seed].values()))
-                found = replace(found, why=_why(regression, engine, found.exceeded, worst))
+                why, models = _why(regression, engine, found.exceeded, worst), written.models
+                places = tuple(
+                    (models.mission_path, models.nodes[goal].line)
+                    for goal in models.mission.goals
+                    if goal.ID in found.exceeded
+                )
+                found = replace(found, why=why, places=places)
     except MrsfiError as error:
-        found = replace(found, error=error)
+        line = getattr(error, "line", None)  # of a region
+        found = replace(found, error=error, places=(line,) if line else ())
     return replace(found, seconds=monotonic() - began)
 
 

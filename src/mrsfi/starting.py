@@ -9,6 +9,7 @@ from m2t.generate import generate
 from m2t.importing.importer import import_published
 from m2t.metamodels import load_metamodels, metamodel_folder
 from mrsfi.folders import find_mission
+from mrsfi.versions import installed_version
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.files import whole_folder
 
@@ -73,4 +74,5 @@ def _copy(source: Path, target: Path, *patterns: str) -> None:
 def _write(template: Path, place: Path, name: str) -> None:
     place.parent.mkdir(parents=True, exist_ok=True)
     text = template.read_text(encoding="utf-8").replace("@name@", name)
+    text = text.replace("@version@", installed_version("mrsfi"))
     place.write_text(text, encoding="utf-8", newline="\n")

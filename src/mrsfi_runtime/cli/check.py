@@ -43,6 +43,7 @@ Examples:
     metavar="FILE",
     help="Write the verdicts to FILE as XML for a build server.",
 )
+@click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
 @engine_options(BOTH, CI, default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the verdicts for a script.")
 def command(
@@ -51,6 +52,7 @@ def command(
     engine: EngineOptions,
     n_seeds: int | None,
     junit: Path | None,
+    github: bool,
     is_json: bool,
 ) -> None:
     """Fly everything that is kept, and say what came back."""
@@ -75,6 +77,8 @@ def command(
         verdicts.print_as_json(found)
     else:
         verdicts.print_tables(found)
+    if github:
+        verdicts.print_annotations(found)
     every = [each for checked in found.values() for each in checked]
     failures = [each.failure for each in every if each.failure is not None]
     unknown = f"; {len(failures)} cannot be judged" if failures else ""

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -10,6 +11,9 @@ from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import EngineOptions, engine_options
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.record.manifest import BOTH, CI
+
+if TYPE_CHECKING:
+    from mrsfi_runtime.record.regressions import Regression
 
 _HELP = """Keep a weakness of CAMPAIGN, so that mrsfi check tells when it comes back.
 
@@ -27,7 +31,7 @@ Examples:
   mrsfi keep runs/uuv_sampling-a-1 --weakness 2 --name surfacing --max g2=0,g4=10
   mrsfi keep runs/uuv_sampling-a-1 --weakness 3 --seeds 5
   mrsfi keep uuv_sampling --update
-  mrsfi keep uuv_sampling --update --name surfacing
+  mrsfi keep uuv_sampling --update --name surfacing --because "the mast is lowered from v2 on"
 """
 
 
@@ -62,6 +66,9 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
     metavar="N",
     help="Limits are the most over N mission seeds; with --update, those of each so far.",
 )
+@click.option(
+    "--because", "accepted", default="", metavar="TEXT", help="Why these limits are accepted."
+)
 @click.option("--update", is_flag=True, help="Take over what is counted today of MISSION's.")
 @engine_options(BOTH, CI, default=AUTO)
 def command(
@@ -70,6 +77,7 @@ def command(
     name: str | None,
     limits: Mapping[str, int] | None,
     n_seeds: int | None,
+    accepted: str,
     update: bool,
     engine: EngineOptions,
 ) -> None:
@@ -82,18 +90,20 @@ def command(
             raise click.UsageError(
                 "--update is about all that is kept; give no weakness, no limits"
             )
-        _update(target, name, n_seeds, engine)
+        _update(target, name, n_seeds, engine, accepted)
         return
     if weakness is None:
         raise click.UsageError("--weakness N is missing: which weakness of the campaign to keep")
     with open_campaign(Path(target)) as campaign:
         flown_by = engine.settings(campaign.store.manifest.engine, AUTO)
-        regression = keep(campaign, weakness, name, limits, n_seeds or 1, flown_by)
+        regression = keep(campaign, weakness, name, limits, n_seeds or 1, flown_by, accepted)
     tell(f"kept       {regression.specification}")
     tell(f"limits     {regression.path}")
 
 
-def _update(mission: str, name: str | None, n_seeds: int | None, engine: EngineOptions) -> None:
+def _update(
+    mission: str, name: str | None, n_seeds: int | None, engine: EngineOptions, accepted: str
+) -> None:
     """Take over what is counted today, and print what changed."""
     from mrsfi.folders import find_mission
     from mrsfi.regressions import check_all, write_limits
@@ -104,19 +114,33 @@ def _update(mission: str, name: str | None, n_seeds: int | None, engine: EngineO
     if failures:
         raise failures[0]
     updated = [
-        (each.regression, replace(each.regression, mission_seeds=each.seeds, limits=each.now))
+        (
+            each.regression,
+            replace(
+                each.regression,
+                mission_seeds=each.seeds,
+                limits=each.now,
+                accepted=accepted or each.regression.accepted,
+            ),
+        )
         for each in checked
     ]
     changed = [(before, new) for before, new in updated if new != before]
     if changed:
         write_limits(folders, [new for _, new in changed])
     for before, new in changed:
-        click.echo(before.name)
-        if new.mission_seeds != before.mission_seeds:
-            n_before, n_new = len(before.mission_seeds), len(new.mission_seeds)
-            click.echo(f"  mission seeds: {n_before} → {n_new}")
-        for goal, ticks in new.limits.items():
-            if ticks != before.limits[goal]:
-                click.echo(f"  {goal}: {before.limits[goal]} → {ticks}")
+        _print_change(before, new)
     if not changed:
         click.echo("no difference")
+
+
+def _print_change(before: "Regression", new: "Regression") -> None:
+    click.echo(before.name)
+    if new.mission_seeds != before.mission_seeds:
+        n_before, n_new = len(before.mission_seeds), len(new.mission_seeds)
+        click.echo(f"  mission seeds: {n_before} → {n_new}")
+    if new.accepted != before.accepted:
+        click.echo(f"  accepted because {new.accepted}")
+    for goal, ticks in new.limits.items():
+        if ticks != before.limits[goal]:
+            click.echo(f"  {goal}: {before.limits[goal]} → {ticks}")

@@ -3,6 +3,7 @@
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from os.path import normpath
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -32,6 +33,30 @@ def print_tables(found: Mapping[str, Sequence[Checked]]) -> None:
         _print(name, checked)
 
 
+def print_annotations(found: Mapping[str, Sequence[Checked]]) -> None:
+    """Print for GitHub what came back, or cannot be judged, at the lines that it is about."""
+    for checked in found.values():
+        for each in checked:
+            told = f"{each.regression.name}: "
+            if each.exceeded:
+                told += f"{each.excess.partition(': ')[2]}. {' '.join(each.why)}"
+            elif each.failure is not None:
+                told += str(each.failure)
+            else:
+                continue
+            for path, line in each.places or ((each.regression.specification, 1),):
+                click.echo(
+                    f"::error file={_escaped(normpath(path), ':,')},line={line}::{_escaped(told)}"
+                )
+
+
+def _escaped(text: str, more: str = "") -> str:
+    """Return a text as a command to GitHub's runner holds it."""
+    for letter in ("%", "\r", "\n", *more):
+        text = text.replace(letter, f"%{ord(letter):02X}")
+    return text
+
+
 def _print(name: str, checked: Sequence[Checked]) -> None:
     judged = [each for each in checked if each.counts]
     title = f"{name}: {sum(_state(each) == _HOLDS for each in checked)} of {len(checked)} hold"
@@ -47,6 +72,8 @@ def _print(name: str, checked: Sequence[Checked]) -> None:
         if each.gone:
             gone = ", ".join(each.gone)
             click.echo(f"{each.regression.name}: not in the pool: {gone} (flown as kept)\n")
+        if each.regression.accepted:
+            click.echo(f"{each.regression.name}: accepted because {each.regression.accepted}\n")
         if each.exceeded:
             click.echo(f"{each.regression.name} came back. Found in {each.regression.found}")
             click.echo("\n".join(f"  {sentence}" for sentence in each.why) + "\n")
@@ -98,6 +125,7 @@ def _as_json(each: Checked) -> dict[str, Any]:
         "not_in_pool": list(each.gone),
         "why": list(each.why),
         "found": regression.found,
+        "accepted": regression.accepted,
     }
 
 

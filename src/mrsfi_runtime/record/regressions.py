@@ -18,7 +18,7 @@ from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import VIOLATIONS
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-_KEYS = ("found", "violations", "mission_seeds", "goals", "max")
+_KEYS = ("found", "accepted", "violations", "mission_seeds", "goals", "max")
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +27,8 @@ class Regression:
 
     ``limits`` are the most ticks of one of ``VIOLATIONS`` that goals may have, by their IDs, with
     each of the ``mission_seeds``; other goals are not looked at. ``path`` is their file, ``found``
-    says for people where it comes from and what it did, and ``defect`` why nothing of this is
-    known, if its files cannot be read.
+    says for people where it comes from and what it did, ``accepted`` why that is accepted, if so,
+    and ``defect`` why nothing of this is known, if its files cannot be read.
     """
 
     path: Path
@@ -37,6 +37,7 @@ class Regression:
     mission_seeds: tuple[int, ...]
     limits: Mapping[str, int]
     defect: MrsfiError | None = None
+    accepted: str = ""
 
     @property
     def name(self) -> str:
@@ -66,8 +67,9 @@ class Regression:
     def text(self) -> str:
         """Return what ``load`` reads."""
         limits = "".join(f"{_key(goal)} = {most}\n" for goal, most in self.limits.items())
+        accepted = f"accepted = {_quoted(self.accepted)}\n" if self.accepted else ""
         return (
-            f"found = {_quoted(self.found)}\n"
+            f"found = {_quoted(self.found)}\n{accepted}"
             f"violations = {json.dumps(self.violations)}\n"
             f"mission_seeds = {list(self.mission_seeds)}\n"
             f"goals = {len(self.limits)}\n"
@@ -97,7 +99,8 @@ class Regression:
                 f"{path}: max: found {len(limits)} limits; expected {content['goals']}, as many as "
                 "goals says; restore the file, or correct goals if that is wanted"
             )
-        return cls(path, content["found"], content["violations"], seeds, limits)
+        accepted = content.get("accepted", "")
+        return cls(path, content["found"], content["violations"], seeds, limits, None, accepted)
 
 
 def kept(models: Path) -> tuple[Regression, ...]:
@@ -147,6 +150,7 @@ def _is_count(value: Any) -> bool:
 
 _RULES: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
     "found": ("a text", lambda value: isinstance(value, str)),
+    "accepted": ("a text", lambda value: value is None or isinstance(value, str)),
     "violations": (f"one of {', '.join(VIOLATIONS)}", lambda value: value in VIOLATIONS),
     "mission_seeds": (
         "a list of whole numbers >= 0, at least one",
