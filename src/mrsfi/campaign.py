@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,20 +13,27 @@ from mrsfi import reporting
 from mrsfi.campaign_folders import open_campaign, open_to_fly
 from mrsfi.engines import Workers
 from mrsfi.explaining import evaluation_of, explained, explainer_of_campaign
-from mrsfi.flight import Flight, fly
+from mrsfi.flight import Flight, fly, frame
 from mrsfi.regressions import keep
 from mrsfi.weaknesses import harvested
+from mrsfi_runtime.analysis.campaign_tables import evaluations_table
 from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.shown import Shown
+from mrsfi_runtime.analysis.table import to_html
+from mrsfi_runtime.analysis.verdicts import verdict_table
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
+from mrsfi_runtime.causes.harvest import known_by
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.regressions import Regression
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
+from mrsfi_runtime.search.space import SearchSpace
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from mrsfi_runtime.causes.weakness import Weakness
     from mrsfi_runtime.record.settings import CampaignSettings
 
@@ -54,6 +62,14 @@ class Campaign:
 
     def __repr__(self) -> str:
         return f"<Campaign {self.folder}, {len(self)} evaluations>"
+
+    def _repr_html_(self) -> str:
+        """Return for a notebook what breaks which goal, or how much was flown."""
+        with open_campaign(self.folder) as campaign:
+            if known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store) is None:
+                return f"<p>{escape(repr(self))}: nobody looked for what breaks which goal</p>"
+            known = harvested(campaign)
+            return to_html(verdict_table(campaign.mission, campaign.pool, known))
 
     def __len__(self) -> int:
         return len(self.fitness)
@@ -90,6 +106,12 @@ class Campaign:
         """SHA-256 over all evaluations: the same for the same search on any machine."""
         with CampaignStore.open(self.folder) as store:
             return store.digest()
+
+    def to_frame(self) -> "DataFrame":
+        """Return evaluations as a frame of pandas: a row each, with what came of each goal."""
+        measure = Measure.of(self.settings, self._mission)
+        with CampaignStore.open(self.folder) as store:
+            return frame(evaluations_table("", store.flown(1), measure))
 
     def evaluation(self, index: int) -> Evaluation:
         """Return one evaluation: its specification, fitness and outcome.

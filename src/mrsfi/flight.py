@@ -1,18 +1,25 @@
 """One flight, tick by tick, as arrays."""
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mrsfi_runtime.analysis.campaign_tables import goal_table
+from mrsfi_runtime.analysis.table import Table, to_html
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Part, Recorder, Recording
-from mrsfi_runtime.errors import expected
+from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
+from mrsfi_runtime.record.named_faults import named_faults
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 Numbers: TypeAlias = NDArray[np.float64]
 
@@ -28,8 +35,8 @@ class Flight:
     ----------
     mission
         What flew.
-    specification
-        Under what.
+    specification, pool
+        Under what, of which faults.
     seed
         Mission seed.
     outcome
@@ -40,6 +47,7 @@ class Flight:
 
     mission: Mission
     specification: Specification
+    pool: FaultPool
     seed: int
     outcome: Outcome
     recording: Recording
@@ -47,6 +55,45 @@ class Flight:
     def __repr__(self) -> str:
         counts = ", ".join(f"{goal} {ticks}" for goal, ticks in self.violations("true").items())
         return f"<Flight of {self.mission.name}, seed {self.seed}, truly violated: {counts}>"
+
+    def _repr_html_(self) -> str:
+        """Return for a notebook what happened to each goal."""
+        title = (
+            f"{self.mission.name}, mission seed {self.seed}, under {len(self.specification)} faults"
+        )
+        return to_html(goal_table(title, self.mission, self.outcome))
+
+    def to_frame(self) -> "DataFrame":
+        """Return a frame of pandas: a row for each tick and robot, of what is true and believed."""
+        ticks = np.arange(len(self.true_speeds))
+        columns = {"tick": np.repeat(ticks, len(self.robots))}
+        columns["robot"] = np.tile(np.array(self.robots, object), len(ticks))
+        for side in ("true", "believed"):
+            places = getattr(self, f"{side}_positions")
+            columns |= {f"{side}_{axis}": places[..., k].ravel() for k, axis in enumerate("xyz")}
+            for name, plural in (("speed", "speeds"), ("energy", "energies")):
+                columns[f"{side}_{name}"] = getattr(self, f"{side}_{plural}").ravel()
+        return _pandas().DataFrame(columns)
+
+    def plot(self, what: str = "map") -> Any:
+        """Draw it, as in a report, and return the axes; their ``figure`` is the picture.
+
+        Parameters
+        ----------
+        what
+            ``map``, where robots flew and were believed to be, or ``timeline``, when faults were
+            at work and goals violated.
+        """
+        from mrsfi_runtime.analysis import mission_plots  # noqa: PLC0415 - brings matplotlib
+        from mrsfi_runtime.analysis.story import story_of  # noqa: PLC0415 - likewise
+
+        kinds = {"map": mission_plots.flight_map, "timeline": mission_plots.flight_timeline}
+        if what not in kinds:
+            raise UsageError(f"what: found {what!r}; {expected(what, kinds)}")
+        faults = named_faults(self.mission, self.pool, self.specification)
+        title = f"Mission {self.mission.name}, mission seed {self.seed}"
+        figure = kinds[what](story_of(title, self.mission, faults, self.recording))
+        return figure.axes[0]
 
     @property
     def robots(self) -> tuple[str, ...]:
@@ -117,7 +164,19 @@ def fly(engine: Engine, pool: FaultPool, specification: Specification, seed: int
     mission = engine.code.mission
     recorder = Recorder(initial_state(mission, seed))
     outcome = engine.evaluate(specification, seed, pool=pool, observer=recorder)
-    return Flight(mission, specification, seed, outcome, recorder.recording())
+    return Flight(mission, specification, pool, seed, outcome, recorder.recording())
+
+
+def frame(table: Table) -> "DataFrame":
+    """Return a table as a frame of pandas."""
+    return _pandas().DataFrame(list(table.rows), columns=list(table.columns))
+
+
+def _pandas() -> Any:
+    try:
+        return import_module("pandas")
+    except ModuleNotFoundError as error:
+        raise UsageError("pandas is not installed; install it: pip install pandas") from error
 
 
 def _positions(states: Part) -> Numbers:

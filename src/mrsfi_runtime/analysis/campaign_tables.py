@@ -166,6 +166,18 @@ def map_table(title: str, mission: Mission) -> Table:
     return Table(title, ("kind", "id", "name", "x", "y", "radius"), rows)
 
 
+def mission_table(name: str, mission: Mission, pool: FaultPool) -> Table:
+    """Return what a mission is made of."""
+    parts = {
+        "robots": (" ".join(filter(None, (each.id, each.name))) for each in mission.robots),
+        "goals": (" ".join(filter(None, (each.id, each.name))) for each in mission.goals),
+        "obstacles": (each.id for each in mission.obstacles),
+        "faults": (f"{each.id} {each.type}" for each in pool),
+    }
+    rows = [(what, ", ".join(some) or NONE) for what, some in parts.items()]
+    return Table(f"Mission {name}, {mission.duration} ticks", ("what", "which"), rows)
+
+
 def settings_table(settings: CampaignSettings) -> Table:
     """Return what the campaign file and the options say, by name."""
     rows = (

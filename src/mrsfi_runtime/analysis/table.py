@@ -4,6 +4,7 @@ import csv
 import io
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from html import escape
 from typing import Any, TextIO, TypeAlias
 
 from mrsfi_runtime.record.measure import NONE
@@ -62,6 +63,20 @@ def to_markdown(table: Table) -> str:
 def to_page(table: Table) -> dict[str, Any]:
     """Return a table as ``page.js`` reads it."""
     return {"title": table.title, "header": list(table.columns), "rows": list(table.rows)}
+
+
+def to_html(table: Table) -> str:
+    """Return a table with its title as HTML in which nothing of a cell becomes markup."""
+
+    def line(tag: str, cells: Sequence[Cell]) -> str:
+        return "".join(f"<{tag}>{escape(printable(in_words(cell)))}</{tag}>" for cell in cells)
+
+    rows = "".join(f"<tr>{line('td', row)}</tr>" for row in table.rows)
+    caption, head = escape(printable(table.title)), line("th", table.columns)
+    return (
+        f"<table><caption>{caption}</caption><thead><tr>{head}</tr></thead>"
+        f"<tbody>{rows}</tbody></table>"
+    )
 
 
 def as_csv(lines: Iterable[Sequence[Cell]]) -> bytes:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from types import MappingProxyType
 
+from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.causes.counts import Column
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.ways import Way, least
@@ -325,6 +326,14 @@ def facts(
         if n_goals > 1:
             by = ", ".join(sorted(most["by"]))
             yield f"Protect first: {subject} ({by}), which alone breaks {_number(n_goals)} goals"
+
+
+def verdict_table(mission: Mission, pool: FaultPool, known: Harvest) -> Table:
+    """Return a row for each goal: what becomes of it, by what, and how sure that is."""
+    found = verdicts(mission, pool, known)
+    rows = [(each.sentence, " · ".join(each.evidence)) for each in found]
+    columns = ("goal", "how sure")
+    return Table(headline(found), columns, rows, texts=columns)
 
 
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
