@@ -2,16 +2,19 @@
 
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrsfi_runtime.analysis.campaign_tables import goal_table
+from mrsfi_runtime.analysis.story import Story, story_of
 from mrsfi_runtime.analysis.table import Table, to_html
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import Part, Recorder, Recording
 from mrsfi_runtime.errors import UsageError, expected
+from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.mission import Mission
@@ -85,15 +88,23 @@ class Flight:
             at work and goals violated.
         """
         from mrsfi_runtime.analysis import mission_plots  # noqa: PLC0415 - brings matplotlib
-        from mrsfi_runtime.analysis.story import story_of  # noqa: PLC0415 - likewise
 
         kinds = {"map": mission_plots.flight_map, "timeline": mission_plots.flight_timeline}
         if what not in kinds:
             raise UsageError(f"what: found {what!r}; {expected(what, kinds)}")
+        return kinds[what](self._story()).axes[0]
+
+    def write_gif(self, path: Path | str) -> None:
+        """Write it as an animated picture, for a pull request or slides."""
+        from mrsfi_runtime.analysis.animation import flight_gif  # noqa: PLC0415 - likewise
+
+        with whole_file(Path(path)) as file:
+            file.write(flight_gif(self._story()))
+
+    def _story(self) -> Story:
         faults = named_faults(self.mission, self.pool, self.specification)
         title = f"Mission {self.mission.name}, mission seed {self.seed}"
-        figure = kinds[what](story_of(title, self.mission, faults, self.recording))
-        return figure.axes[0]
+        return story_of(title, self.mission, faults, self.recording)
 
     @property
     def robots(self) -> tuple[str, ...]:

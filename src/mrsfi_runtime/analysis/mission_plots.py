@@ -7,6 +7,7 @@ Source paper, section V, figure 5.
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from textwrap import fill
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -129,6 +130,15 @@ def flight_map(story: Story) -> Figure:
         legend_below(figure, ncols=4, handles=keys)
     _parted(figure, labels)
     return figure
+
+
+def mission_axes(story: Story) -> tuple[Figure, Axes]:
+    """Return a figure of the mission alone, around all places where robots were in a flight."""
+    with drawing((8.2, 8.2)) as figure:
+        axes = figure.add_subplot()
+        _draw_mission(axes, story.mission, _colours(story.mission))
+        _look_at(axes, seen(story.mission, story.true), fill(story.title, 70))
+    return figure, axes
 
 
 def flight_timeline(story: Story) -> Figure:

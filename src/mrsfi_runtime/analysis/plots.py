@@ -34,7 +34,7 @@ BELIEVED, TRUE = ORANGE, BLUE  # those of page/assets/page.css
 SERIES = (BLUE, ORANGE, GREEN, "#8a5aa8", "#b8902a", "#c2476f", "#3a8fb7", "#5b6b2f")
 AGES = ("#b9d3e6", "#7fb0d2", "#4189b9", "#1b5e93", "#0b2f52")  # early to late generations
 
-_STYLE: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {
     "axes.axisbelow": True,
     "axes.edgecolor": SAND,
     "axes.grid": True,
@@ -74,7 +74,7 @@ _MOST_GENERATIONS = 2000  # beyond, a point stands for several
 def rendered(figure: Figure) -> dict[str, bytes]:
     """Return a figure as PNG and as SVG, by the suffixes of their files."""
     png, svg = BytesIO(), BytesIO()
-    with rc_context(_STYLE):  # not ``savefig``, which draws twice: once for the layout
+    with rc_context(STYLE):  # not ``savefig``, which draws twice: once for the layout
         figure.dpi = _DPI
         raster: Any = FigureCanvasAgg(figure)
         raster.print_png(png, metadata={"Software": None})
@@ -238,7 +238,7 @@ def tried_map(title: str, tried: Sequence[Tried]) -> Figure:
 @contextmanager
 def drawing(size: tuple[float, float]) -> Iterator[Figure]:
     """Yield an empty figure in our style, and fix its layout for every file format."""
-    with rc_context(_STYLE):
+    with rc_context(STYLE):
         figure = Figure(figsize=size)
         yield figure
         layout = figure.get_layout_engine()

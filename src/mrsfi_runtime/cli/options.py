@@ -199,6 +199,7 @@ class FlightFiles:
     trace: Path | None = None
     mcap: Path | None = None
     html: Path | None = None
+    gif: Path | None = None
 
     @property
     def wanted(self) -> tuple[Path, ...]:
@@ -228,6 +229,7 @@ recording_options = options_as(
         _file_option("--trace", "Write belief and truth of every tick to FILE as CSV."),
         _file_option("--mcap", "Write the flight to FILE as a bag, for Foxglove or RViz."),
         _file_option("--html", "Write the flight to FILE as a page, to be played in a browser."),
+        _file_option("--gif", "Write the flight to FILE as an animated picture."),
     ),
 )
 """Gives a command the options of files of a flight; it receives them as ``files``."""

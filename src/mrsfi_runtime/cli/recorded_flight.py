@@ -97,11 +97,7 @@ def _recorder(
         finish: list[_Finish] = []
         if isinstance(engine, PlainEngine):  # others take no time
             observers.append(FlightProgress(mission.duration))
-        if files.log is not None:
-            stream = opened.enter_context(written_file(files.log))
-            observers.append(SimulationLog(mission, stream, Events(mission, faults, tallies)))
-        if files.trace is not None:
-            observers.append(TraceTable(mission, opened.enter_context(written_file(files.trace))))
+        observers += _texts(opened, files, mission, Events(mission, faults, tallies))
         if files.mcap is not None:
             from mrsfi_runtime.record.bag.writer import Bag
 
@@ -109,17 +105,28 @@ def _recorder(
             bag = Bag(mission, whole, faults, Events(mission, faults, tallies))
             observers.append(bag)
             finish.append(lambda _: bag.finish())
-        if files.html is not None:
-            whole = opened.enter_context(whole_file(files.html))
-            observer, write = _page(engine, whole, faults, subject)
-            observers.append(observer)
-            finish.append(write)
+        for path, shown in ((files.html, _page), (files.gif, _animation)):
+            if path is not None:
+                whole = opened.enter_context(whole_file(path))
+                observer, write = shown(engine, whole, faults, subject)
+                observers.append(observer)
+                finish.append(write)
 
         def observe(*tick: Any) -> None:
             for observer in observers:
                 observer(*tick)
 
         yield observe if observers else None, finish
+
+
+def _texts(
+    opened: ExitStack, files: FlightFiles, mission: Mission, events: Events
+) -> Iterator[Observer]:
+    """Yield what writes the log and the trace, as far as they are wanted."""
+    if files.log is not None:
+        yield SimulationLog(mission, opened.enter_context(written_file(files.log)), events)
+    if files.trace is not None:
+        yield TraceTable(mission, opened.enter_context(written_file(files.trace)))
 
 
 def _page(
@@ -145,5 +152,23 @@ def _page(
         }
         page = flight_page(mission, told, recorder.recording(), facts.items())
         stream.write(document(page).encode())
+
+    return recorder, write
+
+
+def _animation(
+    engine: Engine, stream: IO[bytes], faults: Sequence[NamedFault], subject: Subject
+) -> tuple[Observer, _Finish]:
+    """Return what records a flight for a picture, and what draws it; matplotlib comes with that."""
+    from mrsfi_runtime.analysis.animation import flight_gif
+    from mrsfi_runtime.analysis.story import story_of
+    from mrsfi_runtime.engine.recording import Recorder
+
+    mission = engine.code.mission
+    recorder = Recorder(initial_state(mission, engine.seed))
+
+    def write(_: Outcome) -> None:
+        story = story_of(subject.title, mission, faults, recorder.recording())
+        stream.write(flight_gif(story))
 
     return recorder, write
