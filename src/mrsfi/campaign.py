@@ -194,6 +194,12 @@ class Campaign:
             reporting.report(campaign, ratio)
             return campaign.folder.report
 
+    def pack(self, out: Path | str) -> None:
+        """Pack it into an archive that ``mrsfi check`` flies again, elsewhere."""
+        from mrsfi.packing import pack  # noqa: PLC0415 - seldom used
+
+        pack(self.folder, Path(out))
+
     def show(self, weakness: int | None = None) -> tuple[Shown, ...]:
         """Draw a weakness by its number, or the least for each goal, as ``mrsfi show`` does."""
         with open_campaign(self.folder) as campaign:

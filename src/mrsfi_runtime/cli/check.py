@@ -1,6 +1,7 @@
 """The command ``mrsfi check``: flies what is kept, and fails where a weakness came back."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -10,12 +11,19 @@ from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import LimitExceeded, UsageError
 from mrsfi_runtime.record.manifest import BOTH, CI
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from mrsfi.regressions import Checked
+
 _HELP = """Fly every kept weakness of MISSION against today's models and code.
 
 Without MISSION it goes through all of models/. Where a goal has more violations than is kept, the
 weakness came back: it says why, and ends with exit code 10. What cannot be judged any more, because
 a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error: the others
 are flown all the same, and the exit code is the lowest of such. Nothing kept is no pass either.
+
+An archive of mrsfi pack is flown again, evaluation by evaluation, and compared with its record.
 
 \b
 Examples:
@@ -27,7 +35,7 @@ Examples:
 
 
 @click.command(name="check", help=_HELP)
-@click.argument("mission", metavar="[MISSION]", required=False)
+@click.argument("mission", metavar="[MISSION|ARCHIVE]", required=False)
 @generated_option
 @click.option(
     "--seeds",
@@ -57,9 +65,14 @@ def command(
 ) -> None:
     """Fly everything that is kept, and say what came back."""
     from mrsfi.folders import find_mission
+    from mrsfi.packing import repeat
     from mrsfi.regressions import check_all, missions_with_kept
     from mrsfi_runtime.cli import verdicts
 
+    if mission is not None and mission.endswith(".zip"):
+        n_evaluations, digest = repeat(Path(mission), engine.again, tell)
+        click.echo(f"same: all {n_evaluations} evaluations, campaign digest {digest}")
+        return
     if mission is None and generated is not None:
         raise click.UsageError("--generated needs MISSION")
     settings = engine.settings(default=AUTO)
@@ -79,6 +92,11 @@ def command(
         verdicts.print_tables(found)
     if github:
         verdicts.print_annotations(found)
+    _end(found)
+
+
+def _end(found: "Mapping[str, Sequence[Checked]]") -> None:
+    """Raise what the command ends with: what came back, or else what fails first on the way."""
     every = [each for checked in found.values() for each in checked]
     failures = [each.failure for each in every if each.failure is not None]
     unknown = f"; {len(failures)} cannot be judged" if failures else ""

@@ -30,7 +30,8 @@ _COMMANDS = MappingProxyType(
         "report": "Write figures, tables and summary of a campaign anew.",
         "keep": "Keep a weakness beside the models of its mission.",
         "check": "Fly every kept weakness, and fail where one came back.",
-        "compare": "Compare search algorithms on a mission, with several seeds.",
+        "compare": "Compare two campaigns of a mission, or search algorithms on it.",
+        "pack": "Pack a campaign into one file that repeats itself elsewhere.",
         "bridge": "Run a rosbridge server for simulators and collective intelligences.",
         "import": "Make a mission folder from a model of the paper's prototype.",
         "rename": "Give elements of a mission other IDs, everywhere at once.",
@@ -66,6 +67,7 @@ Beside it:
   mrsfi keep runs/uuv_sampling-a-1 --weakness 1   keep what was found, beside the models
   mrsfi check                            did anything that is kept come back?
   mrsfi compare uuv_sampling             does a search find more than chance does?
+  mrsfi pack runs/uuv_sampling-a-1       one file that repeats itself elsewhere
   mrsfi bridge                           a rosbridge server that needs no ROS
   mrsfi import published.xmi             a model of the paper's prototype as a mission
   mrsfi rename uuv_sampling r1=scout_1   another ID, everywhere at once

@@ -1,0 +1,85 @@
+"""A campaign as one file that repeats itself elsewhere: models, code, record, and how to fly it."""
+
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from mrsfi.campaign_folders import FlyableCampaign, open_campaign, open_to_fly, require_same
+from mrsfi.engines import Choice, Tell, silent
+from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.files import whole_file
+from mrsfi_runtime.record.folder import CampaignFolder, only_writer
+
+_TOLD = "REPRODUCE.md"
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign makes the same archive
+_MOST_BYTES = 4 * 1024**3
+
+
+def pack(run: Path, out: Path) -> None:
+    """Write a campaign into an archive: its folder but for its lock, and how to fly it again."""
+    folder = CampaignFolder(run)
+    with open_campaign(run) as campaign:
+        told = _told(out, campaign.store.manifest.versions, campaign.store.digest())
+    with (
+        only_writer(folder),
+        whole_file(out) as file,
+        zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive,
+    ):
+        _put(archive, _TOLD, told.encode())
+        for path in sorted(path for path in run.rglob("*") if path.is_file()):
+            if path != folder.lock:
+                _put(archive, f"campaign/{path.relative_to(run).as_posix()}", path.read_bytes())
+
+
+def _put(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
+    info = zipfile.ZipInfo(name, _EPOCH)
+    info.compress_type = zipfile.ZIP_DEFLATED
+    archive.writestr(info, content)
+
+
+def _told(out: Path, versions: object, digest: str) -> str:
+    assert isinstance(versions, dict)
+    listed = "\n".join(f"- {name} {version}" for name, version in versions.items())
+    return (
+        f"# A campaign of mrsfi\n\nIn `campaign/` are its models, its generated code, its settings "
+        f"and every evaluation.\nIt was made with\n\n{listed}\n\nTo repeat all of it:\n\n"
+        f"    pip install mrsfi=={versions.get('mrsfi')}\n    mrsfi check {out.name}\n\n"
+        f"The digest over all evaluations is `{digest}`.\n"
+    )
+
+
+def repeat(archive: Path, engine: Choice, tell: Tell = silent) -> tuple[int, str]:
+    """Fly every evaluation of an archive again; return how many, and their digest.
+
+    A difference is a ``ReplayMismatch``; what is no archive of a campaign is a ``RecordError``.
+    """
+    with _unpacked(archive) as run, open_to_fly(run, tell) as campaign:
+        return _repeated(campaign, engine)
+
+
+def _repeated(campaign: FlyableCampaign, engine: Choice) -> tuple[int, str]:
+    store = campaign.store
+    settings = engine(store.manifest.engine)
+    seed = store.settings.mission_seed
+    with settings.named(campaign.code, seed, silent).open(campaign.code, seed) as opened:
+        for each in store.evaluations():
+            require_same(campaign.folder.path, each, opened.evaluate(each.specification))
+    return store.n_evaluations, store.digest()
+
+
+@contextmanager
+def _unpacked(archive: Path) -> Iterator[Path]:
+    """Yield the folder of a campaign in an archive, unpacked for as long as the body runs."""
+    with TemporaryDirectory() as place:
+        try:
+            with zipfile.ZipFile(archive) as opened:
+                if sum(each.file_size for each in opened.infolist()) > _MOST_BYTES:
+                    raise RecordError(f"{archive}: holds more than {_MOST_BYTES} bytes")
+                opened.extractall(place)  # which leaves the folder with no name in it
+        except (OSError, zipfile.BadZipFile) as error:
+            raise RecordError(
+                f"{archive}: is no archive of a campaign ({error}); expected one of `mrsfi pack`"
+            ) from error
+        yield Path(place) / "campaign"

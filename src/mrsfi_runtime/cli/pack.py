@@ -1,0 +1,36 @@
+"""The command ``mrsfi pack``."""
+
+from pathlib import Path
+
+import click
+
+from mrsfi_runtime.cli.console import tell
+
+_HELP = """Pack CAMPAIGN into one file that repeats itself elsewhere.
+
+It holds models, generated code, settings, every evaluation, and what it was made with; mrsfi check
+FILE flies all of it again, and ends with exit code 7 where anything differs.
+
+\b
+Examples:
+  mrsfi pack runs/uuv_sampling-a-1
+  mrsfi pack runs/uuv_sampling-a-1 --out for-the-paper.zip
+  mrsfi check for-the-paper.zip
+"""
+
+
+@click.command(name="pack", help=_HELP)
+@click.argument("run", metavar="CAMPAIGN", type=click.Path(path_type=Path))
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="The archive [default: CAMPAIGN.zip, in this folder].",
+)
+def command(run: Path, out: Path | None) -> None:
+    """Pack a campaign into one file."""
+    from mrsfi.packing import pack
+
+    path = out or Path(f"{run.resolve().name}.zip")
+    pack(run, path)
+    tell(f"written    {path}")
