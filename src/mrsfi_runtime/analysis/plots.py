@@ -17,6 +17,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -81,6 +82,15 @@ def rendered(figure: Figure) -> dict[str, bytes]:
         vector: Any = FigureCanvasSVG(figure)
         vector.print_svg(svg, metadata={"Date": None, "Creator": None})
     return {".png": png.getvalue(), ".svg": svg.getvalue()}
+
+
+def as_pdf(figure: Figure) -> bytes:
+    """Return a figure as PDF, the same each time."""
+    pdf = BytesIO()
+    with rc_context(STYLE):
+        vector: Any = FigureCanvasPdf(figure)
+        vector.print_pdf(pdf, metadata={"CreationDate": None, "Creator": None, "Producer": None})
+    return pdf.getvalue()
 
 
 def mean_fitness(trend: Trend, label: str) -> Figure:

@@ -1,0 +1,114 @@
+"""The report of a campaign for a paper: tables with booktabs, figures as PDF at column width."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from importlib import import_module
+from pathlib import Path
+
+from mrsfi_runtime.analysis.campaign_tables import critical_table, settings_table
+from mrsfi_runtime.analysis.illustrations import Illustration, illustrate
+from mrsfi_runtime.analysis.report import writing
+from mrsfi_runtime.analysis.summary import Summary, summarise
+from mrsfi_runtime.analysis.table import Cell, Table, in_words, printable
+from mrsfi_runtime.analysis.verdicts import facts, headline, verdicts
+from mrsfi_runtime.analysis.weaknesses import matrix_table, way_table
+from mrsfi_runtime.causes.ways import least
+from mrsfi_runtime.model.faults import FaultPool
+from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.record.folder import CampaignFolder
+from mrsfi_runtime.record.store import CampaignStore
+
+_HEAD = r"""\documentclass[twocolumn]{article}
+\usepackage[T1]{fontenc}
+\usepackage{booktabs,graphicx,textcomp}
+\begin{document}
+"""
+_SPECIAL = {
+    **{letter: f"\\{letter}" for letter in "&%$#_{}"},
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "–": "--",
+    "…": r"\ldots{}",
+    "·": r"\textperiodcentered{}",
+    "×": r"\texttimes{}",
+    "±": r"\textpm{}",
+    "≤": r"$\leq$",
+    "→": r"$\to$",
+}
+"""What letters become that mean something to LaTeX, or that its usual fonts lack."""
+
+
+def in_latex(text: str) -> str:
+    """Return a text in one line that LaTeX sets as it stands."""
+    return "".join(_SPECIAL.get(letter, letter) for letter in printable(text))
+
+
+def to_latex(table: Table) -> str:
+    """Return a table that floats, at most as wide as the page, with its title as caption."""
+
+    def line(cells: Sequence[Cell]) -> str:
+        return " & ".join(in_latex(in_words(cell)) for cell in cells) + r" \\"
+
+    words = {*table.words, *table.texts}
+    columns = "".join("l" if name in words else "r" for name in table.columns)
+    rows = "\n".join(map(line, table.rows))
+    return (
+        f"\\begin{{table*}}\n\\centering\n\\caption{{{in_latex(table.title)}}}\n"
+        f"\\resizebox{{\\ifdim\\width>\\textwidth\\textwidth\\else\\width\\fi}}{{!}}{{%\n"
+        f"\\begin{{tabular}}{{{columns}}}\n\\toprule\n{line(table.columns)}\n\\midrule\n{rows}\n"
+        f"\\bottomrule\n\\end{{tabular}}}}\n\\end{{table*}}"
+    )
+
+
+def write_latex(folder: Path, mission: Mission, pool: FaultPool, ratio: str | None) -> Path:
+    """Write ``report.tex`` and its figures into the folder of a campaign; return the file."""
+    layout = CampaignFolder(folder)
+    with CampaignStore.open(folder) as store:
+        summary, columns = summarise(folder, store, mission, pool, ratio)
+        shown = tuple(illustrate(summary, mission, columns, store))
+    path = folder / "report.tex"
+    with writing(folder, "report"):
+        layout.figures.mkdir(exist_ok=True)
+        for each in shown:
+            (layout.figures / f"{each.name}.pdf").write_bytes(_vector(each))
+        text = "\n\n".join((_HEAD, *_parts(summary, mission, pool, shown), "\\end{document}\n"))
+        path.write_text(text, encoding="utf-8")
+    return path
+
+
+def _vector(illustration: Illustration) -> bytes:
+    from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - matplotlib takes its time
+
+    drawing = illustration.drawing
+    module = import_module(f"{plots.__package__}.{drawing.module}")
+    return plots.as_pdf(getattr(module, drawing.function)(*drawing.arguments))
+
+
+def _parts(
+    summary: Summary, mission: Mission, pool: FaultPool, shown: Iterable[Illustration]
+) -> Iterator[str]:
+    yield f"\\section*{{Campaign {in_latex(summary.folder.name)} on {in_latex(summary.mission)}}}"
+    yield (
+        f"{summary.n_evaluations} evaluations, digest\n"
+        f"\\texttt{{{summary.digest[:32]} {summary.digest[32:]}}}."
+    )
+    if summary.harvest is not None:
+        found = verdicts(mission, pool, summary.harvest)
+        said = (headline(found), *facts(mission, pool, found, summary.ways))
+        yield "\n".join(f"{in_latex(each)}." for each in said)
+        items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in found)
+        yield f"\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
+    if summary.ways:
+        yield to_latex(matrix_table(mission, pool, summary.ways))
+        title = "The least that breaks each goal, in its mildest form"
+        yield to_latex(way_table(title, mission, pool, least(summary.ways)))
+    yield to_latex(critical_table(summary.measure, pool, summary.top, summary.n_distinct))
+    yield to_latex(settings_table(summary.settings))
+    for each in shown:
+        yield (
+            "\\begin{figure}\n\\centering\n"
+            f"\\includegraphics[width=\\columnwidth]{{figures/{each.name}.pdf}}\n"
+            f"\\caption{{{in_latex(each.table.title)}}}\n\\end{{figure}}"
+        )
