@@ -21,10 +21,12 @@ function number(value) {
   return Number.isInteger(value) ? String(value) : value.toFixed(Math.abs(value) < 1 ? 4 : 2);
 }
 
+let nTables = 0; // each of them is a landmark with a name of its own
+
 function table(header, rows, attributes) {
   const numeric = header.map((_, k) => rows.length > 0 && rows.every((row) => row[k] === null || typeof row[k] === "number"));
   const cell = (tag, value, k) => make(tag, { class: numeric[k] ? "number" : null }, tag === "th" ? said(value) : value instanceof Node ? value : number(value));
-  return make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "table" },
+  return make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": `table ${(nTables += 1)}` },
     make("table", attributes || {},
       make("thead", {}, make("tr", {}, header.map((value, k) => cell("th", value, k)))),
       make("tbody", {}, rows.map((row) => make("tr", {}, row.map((value, k) => cell("td", value, k)))))));

@@ -57,8 +57,8 @@ class Screen {
         make("span", { class: "key share believed" }), "false alarm · height: share of forms · + jointly"),
       make("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "which fault breaks which goal" }, make("table", {},
         make("thead", {},
-          make("tr", {}, make("th"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, said(owner.name)))),
-          make("tr", {}, make("th"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, said(fault.label)))))),
+          make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, said(owner.name)))),
+          make("tr", {}, make("td"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, said(fault.label)))))),
         make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), " ", make("small", {}, said(row.id))), row.cells.map((each) => cell(each, row))))))),
       make("p", { class: "note" }, said(note)));
   }
