@@ -301,7 +301,7 @@ def serve(ros: roslibpy.Ros, url: str) -> int:
     side = Side(ros, World())
     try:
         side.join()
-        print(f"uuv_sampling on MuJoCo serves at {url}; Ctrl-C ends it", flush=True)  # noqa: T201
+        print(f"uuv_sampling on MuJoCo serves at {url}; Ctrl-C ends it", flush=True)
         side.ended.wait()
     except KeyboardInterrupt:
         return 0

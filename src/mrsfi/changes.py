@@ -114,7 +114,8 @@ def changes(
 
 
 def _name(mission: Mission, way: Way) -> str:
-    return name_of(mission, mission.goals[mission.goal_ids.index(way.goal)])
+    name = name_of(mission, mission.goals[mission.goal_ids.index(way.goal)])
+    return name if name == way.goal else f"{name} {way.goal}"
 
 
 def _broken(
@@ -155,7 +156,7 @@ def sentence(found: Iterable[Change]) -> str:
 def change_table(found: Iterable[Change]) -> Table:
     """Return a row for each weakness: what became of it, of which goal, under what."""
     rows = [
-        (each.verdict, f"{each.goal} {each.way.goal}", " and ".join(each.way.faults), each.cause,
+        (each.verdict, each.goal, " and ".join(each.way.faults), each.cause,
          each.remark)
         for each in found
     ]  # fmt: skip

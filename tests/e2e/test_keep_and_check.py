@@ -216,7 +216,7 @@ def edited(kind, found, replaced):
         (lambda kept: kept[".toml"].unlink(), 2, "found no limits; expected it-weakness-2.toml"),
         (edited(".toml", "goals = 1", "goals = 2"), 2, "found 1 limits; expected 2"),
         (edited(".toml", "goals = 1", "goals = true"), 2, "goals: found True"),
-        (edited(".toml", "[max]", "[most]"), 2, "unknown key 'most'; expected found, violations"),
+        (edited(".toml", "[max]", "[most]"), 2, "unknown key 'most'; expected found, accepted"),
         (edited(".toml", "seeds = [1]", "seeds = []"), 2, "mission_seeds: found []; expected a li"),
         (
             edited(".toml", '"missed"', '"guessed"'),
@@ -315,3 +315,42 @@ def test_what_cannot_be_kept_is_refused_and_nothing_is_written(kept, words, told
 
     assert told in done.stderr
     assert sorted(regressions(kept).iterdir()) == before
+
+
+def test_what_came_back_is_told_to_github_at_the_line_of_its_goal(kept):
+    mission = kept / "models" / NAME / "mission.xmi"
+    line = 1 + next(
+        k for k, text in enumerate(mission.read_text().split("\n")) if 'ID="g1"' in text
+    )
+    worsen(kept)
+
+    done = mrsfi("check", *REFERENCE, "--github", cwd=kept, expected=10)
+
+    (told,) = [text for text in done.stdout.split("\n") if text.startswith("::")]
+    place, _, message = told.removeprefix("::error file=").partition("::")
+    assert place == f"models/{NAME}/mission.xmi,line={line}"
+    assert message.startswith("it-weakness-2: missed g1 ")
+
+
+def test_a_region_that_fails_is_told_to_github_at_its_line(kept):
+    path = kept / "generated" / NAME / COLLECTIVE
+    write_body(path, "g1.check", indented("return 1 // 0 > ci.mission.tick"))
+    (line,) = [k for k, text in enumerate(path.read_text().split("\n"), 1) if "1 // 0" in text]
+
+    done = mrsfi("check", *REFERENCE, "--github", cwd=kept, expected=6)
+
+    (told,) = [text for text in done.stdout.split("\n") if text.startswith("::")]
+    assert told.startswith(f"::error file=generated/{NAME}/{COLLECTIVE},line={line}::")
+
+
+def test_why_limits_are_accepted_is_kept_and_printed(kept):
+    because = ("--because", 'the "mast" is lowered')
+    new = mrsfi("keep", NAME, "--update", *REFERENCE, *because, cwd=kept)
+    done = mrsfi("check", *REFERENCE, cwd=kept)
+
+    assert new.stdout == 'it-weakness-2\n  accepted because the "mast" is lowered\n'
+    assert 'it-weakness-2: accepted because the "mast" is lowered' in done.stdout
+    (found,) = mrsfi_json("check", *REFERENCE, cwd=kept)[NAME]
+    assert found["accepted"] == 'the "mast" is lowered'
+    edit(limits(kept), "accepted = ", "accepted = 1 # ")
+    assert "accepted: found 1; expected a text" in mrsfi("check", cwd=kept, expected=2).stdout

@@ -1,6 +1,8 @@
 import json
+import re
 
 import pytest
+from PIL import Image
 
 from mrsfi_runtime.model.outcome import TOLD
 from tests.support.cli import edit, execute, mrsfi, mrsfi_json
@@ -107,3 +109,23 @@ def test_a_broken_campaign_ends_with_9(campaign, tmp_path):
 
     (campaign / "campaign.sqlite").write_bytes(b"not a database at all" * 100)
     assert "campaign.sqlite" in mrsfi("report", campaign, cwd=tmp_path, expected=9).stderr
+
+
+def test_a_report_for_a_paper_has_its_sentences_tables_and_figures(campaign, tmp_path):
+    mrsfi("report", campaign, "--format", "latex", cwd=tmp_path)
+
+    text = (campaign / "report.tex").read_text(encoding="utf-8")
+    assert text.count("\\begin{table*}") == text.count("\\toprule") == 2
+    figures = re.findall(r"\\includegraphics\[width=\\columnwidth\]\{(.*?)\}", text)
+    assert len(figures) >= 4
+    assert all((campaign / figure).read_bytes().startswith(b"%PDF-") for figure in figures)
+
+
+def test_a_flight_is_written_as_a_picture_that_moves(campaign, tmp_path):
+    mrsfi("replay", campaign, "--evaluation", "0", "--gif", "a.gif", cwd=tmp_path)
+
+    with Image.open(tmp_path / "a.gif") as picture:
+        assert picture.n_frames == 100
+        first = picture.convert("RGB").tobytes()
+        picture.seek(50)
+        assert picture.convert("RGB").tobytes() != first

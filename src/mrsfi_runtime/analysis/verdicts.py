@@ -75,7 +75,12 @@ class GoalVerdict:
     @property
     def sentence(self) -> str:
         """All but how sure it is, in one sentence."""
-        return f"{self.name} {self.goal} {self.words}{self.because}"
+        return f"{self.label} {self.words}{self.because}"
+
+    @property
+    def label(self) -> str:
+        """The name of the goal before its ID, which stands alone where it has no other name."""
+        return self.goal if self.name == self.goal else f"{self.name} {self.goal}"
 
     @property
     def because(self) -> str:
@@ -245,7 +250,8 @@ def _owned(mission: Mission, target: Target) -> tuple[str, str]:
         return robot.name or robot.id, what
     sensor, robot = mission.sensors[index], mission.robots[mission.sensor_robot[index]]
     owned = {Field.COUNT: "samples", Field.RATE: "rate", Field.COST: "cost", Field.ACTIVATION: ""}
-    return robot.name or robot.id, f"{sensor.type.lower()} {owned[affected]}".rstrip()
+    measured = sensor.type.lower().replace("_", " ")
+    return robot.name or robot.id, f"{measured} {owned[affected]}".rstrip()
 
 
 _SHORT: Mapping[Mode, str] = MappingProxyType(
@@ -287,9 +293,8 @@ def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
 def headline(found: Sequence[GoalVerdict]) -> str:
     """Say in a sentence how many goals break, and under how many faults."""
     broken = [each for each in found if each.state <= State.VIOLATED]
-    goals = f"of {counted(len(found), 'goals')}"
     if not broken:
-        return f"None {goals} breaks in any form that was tried"
+        return "No goal breaks in any form that was tried"
     is_failing = all(each.state is State.FAILS for each in broken)
     verb = ("fail" if is_failing else "break") + "s" * (len(broken) == 1)
     alone = [each for each in broken if each.way is not None and len(each.way.faults) == 1]
@@ -299,7 +304,9 @@ def headline(found: Sequence[GoalVerdict]) -> str:
         by = f"{_number(len(alone))} of them under one single fault"
     else:
         by = "under several faults together"
-    return f"{_number(len(broken)).capitalize()} {goals} {verb}, {by}"
+    many = f"{_number(len(broken)).capitalize()} of {_number(len(found))}"
+    told = f"All {_number(len(found))}" if len(broken) == len(found) > 2 else many
+    return f"{told} goals {verb}, {by}"
 
 
 def facts(

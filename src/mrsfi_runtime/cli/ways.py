@@ -37,7 +37,7 @@ def print_verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> None:
     click.echo()
     for each in found:
         state = (each.words, "bold red" if each.state <= State.VIOLATED else "bold")
-        print_words((each.name, "bold"), f" {each.goal} ", state, each.because)
+        print_words((each.label, "bold"), " ", state, each.because)
         print_words(" · ".join(each.evidence), indent=4)
     click.echo()
 

@@ -1,0 +1,96 @@
+"""Two campaigns of a mission, before and after an edit: what went, what came, what stayed."""
+
+import json
+
+import pytest
+
+from tests.support.cli import edit, mrsfi, mrsfi_json
+from tests.support.rendezvous import NAME
+
+COVER = ("--case", "cover.toml", "--algorithm", "cover", "--evaluations", "60")
+FAST = ("--engine", "reference", "--workers", "1")
+CLOSE = 'tolerance="3.0"'
+
+
+@pytest.fixture
+def before_and_after(small):
+    """Folder with a campaign, and one of the mission in which g1 accepts any place."""
+    (small / "cover.toml").write_text("[search]\n", encoding="utf-8")
+    mrsfi("evolve", NAME, *COVER, *FAST, "--out", "runs/before", cwd=small)
+    mission = small / "models" / NAME / "mission.xmi"
+    mission.write_text(mission.read_text().replace(CLOSE, 'tolerance="3000.0"', 1))
+    mrsfi("generate", NAME, cwd=small)
+    mrsfi("evolve", NAME, *COVER, *FAST, "--out", "runs/after", cwd=small)
+    return small
+
+
+def told(found):
+    return {(each["goal"], *each["faults"]): each["verdict"] for each in found}
+
+
+def test_what_an_edit_mends_went_what_it_breaks_came_and_the_rest_stayed(before_and_after):
+    files = ("--markdown", "change.md", "--html", "change.html")
+    there = mrsfi_json("compare", "runs/before", "runs/after", *FAST, cwd=before_and_after)
+    back = mrsfi_json("compare", "runs/after", "runs/before", *FAST, cwd=before_and_after)
+    done = mrsfi("compare", "runs/before", "runs/after", *FAST, *files, cwd=before_and_after)
+
+    gone = {("g1", "lie_a"), ("g1", "stop_a")}
+    assert {way for way, verdict in told(there).items() if verdict == "went"} == gone
+    assert {way for way, verdict in told(back).items() if verdict == "came"} == gone
+    assert {*told(there).values()} == {"went", "stayed"}
+    assert all(each["breaks_there"] for each in there if each["verdict"] == "stayed")
+    assert "Weaknesses: 2 went, none came, 4 stayed." in done.stdout
+    text = (before_and_after / "change.md").read_text(encoding="utf-8")
+    assert text.startswith("Weaknesses: 2 went, none came, 4 stayed.")
+    assert "| went | g1 | stop_a | a is stopped for 120 ticks |" in text
+    assert "2 went, none came" in (before_and_after / "change.html").read_text(encoding="utf-8")
+
+
+def test_a_weakness_whose_fault_is_gone_from_the_pool_cannot_be_flown(before_and_after):
+    faults = before_and_after / "models" / NAME / "faults.xmi"
+    edit(faults, 'ID="stop_b"', 'ID="halt_b"')
+    mrsfi("generate", NAME, cwd=before_and_after)
+    mrsfi("evolve", NAME, *COVER, *FAST, "--out", "runs/other", cwd=before_and_after)
+
+    found = mrsfi_json("compare", "runs/before", "runs/other", *FAST, cwd=before_and_after)
+
+    unknown = [each for each in found if each["verdict"] == "cannot be flown"]
+    assert {(each["goal"], *each["faults"]) for each in unknown} >= {("g2", "stop_b")}
+    assert all("stop_b" in each["remark"] or "halt_b" in each["remark"] for each in unknown)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "expected"),
+    [
+        (("runs/before", "runs/before", "--seeds", "3"), 2, "--seeds 3: is of a search"),
+        (("runs/before", "runs/before", "runs/before"), 2, "found 3 campaigns; expected two"),
+        (("runs/before", "runs/none"), 9, "runs/none"),
+        ((NAME, "--markdown", "x.md"), 2, "need two campaigns"),
+    ],
+)
+def test_what_makes_no_sense_beside_two_campaigns_is_refused(words, code, expected, small):
+    (small / "cover.toml").write_text("[search]\n", encoding="utf-8")
+    mrsfi("evolve", NAME, *COVER, *FAST, "--out", "runs/before", cwd=small)
+
+    assert expected in mrsfi("compare", *words, cwd=small, expected=code).stderr
+
+
+def test_a_packed_campaign_repeats_itself_elsewhere(small, tmp_path):
+    (small / "cover.toml").write_text("[search]\n", encoding="utf-8")
+    mrsfi("evolve", NAME, *COVER, *FAST, "--out", "runs/packed", cwd=small)
+    digest = json.loads((small / "runs/packed/summary.json").read_text())["digest"]
+    mrsfi("pack", "runs/packed", cwd=small)
+    (small / "again").mkdir()
+    mrsfi("pack", "runs/packed", "--out", "again/packed.zip", cwd=small)
+    place = tmp_path / "elsewhere"
+    place.mkdir()
+    (small / "packed.zip").rename(place / "packed.zip")
+
+    done = mrsfi("check", "packed.zip", "--engine", "reference", cwd=place)
+
+    assert done.stdout == f"same: all 60 evaluations, campaign digest {digest}\n"
+    assert (small / "again" / "packed.zip").read_bytes() == (place / "packed.zip").read_bytes()
+    (place / "packed.zip").write_bytes(b"PK nothing")
+    assert (
+        "is no archive of a campaign" in mrsfi("check", "packed.zip", cwd=place, expected=9).stderr
+    )

@@ -1,0 +1,125 @@
+"""What is said of goals, and of what faults do, in names."""
+
+from dataclasses import replace
+
+import pytest
+
+from mrsfi_runtime.analysis.verdicts import (
+    GoalVerdict,
+    State,
+    deed,
+    headline,
+    name_of,
+    noticed,
+    owner_of,
+)
+from mrsfi_runtime.causes.ways import ways
+from mrsfi_runtime.model.fault_types import Mode
+from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.record.named_faults import named_faults
+from tests.support.weaknesses import weakness
+from tests.support.world import paper_code
+
+CODE = paper_code()
+
+
+def said(fault, off=None):
+    timed = TimedFault(fault, 10, 19, CODE.pool[fault].values)
+    (named,) = named_faults(CODE.mission, CODE.pool, (timed,))
+    return deed(CODE.mission, named, off)
+
+
+@pytest.mark.parametrize(
+    ("fault", "expected"),
+    [
+        ("f1", "LEN's pressure is switched on for 10 ticks"),
+        ("f2", "JEN's position is held back for 5 ticks"),
+        ("f3", "KAL's gps position is switched off for 10 ticks"),
+        ("f4", "KAL's energy is reported 10 % too low for 10 ticks"),
+        ("f5", "KAL's depth rate is reported 2 samples per tick too low for 10 ticks"),
+        ("f8", "JEN's temperature samples come 200 ticks late for 10 ticks"),
+        ("f9", "obstacle o5's place on the map sticks at (200, -450) for 10 ticks"),
+        ("f10", "KAL's energy sticks at 150 energy units for 10 ticks"),
+        (
+            "f12",
+            "KAL's gps position rate and depth rate stick at 120 samples per tick for 10 ticks",
+        ),
+        ("f15", "KAL's energy is reported 10 % too high for 10 ticks"),
+        ("f18", "JEN's speed is reported 10 units per tick too high for 10 ticks"),
+        ("f20", "KAL's energy is reported at random for 10 ticks"),
+        ("f25", "KAL is set going for 10 ticks"),
+        ("f26", "LEN is stopped for 10 ticks"),
+        ("f30", "LEN's speed is reported as 0 for 10 ticks"),
+    ],
+)
+def test_what_a_fault_does_is_said_in_names(fault, expected):
+    assert said(fault) == expected
+
+
+def test_how_far_a_fixed_value_is_off_stands_in_the_place_of_the_value():
+    assert said("f11") == "KAL's position sticks at (1200, -800) for 10 ticks"
+    assert said("f11", "51 off") == "KAL's position sticks 51 off for 10 ticks"
+    assert said("f11", "") == "KAL's position sticks for 10 ticks"
+
+
+def test_every_mode_has_its_words():
+    fault = CODE.pool["f11"]
+    for mode in Mode:
+        kind = replace(fault.kind, mode=mode)
+        struck = replace(fault, kind=kind)
+        assert owner_of(CODE.mission, struck)[0] == (2, "KAL r3")
+        (named,) = named_faults(CODE.mission, CODE.pool, (TimedFault("f11", 1, 2, (1.0,) * 3),))
+        assert "KAL's position" in deed(CODE.mission, replace(named, fault=struck))
+
+
+def test_a_goal_whose_name_others_have_is_told_by_its_robots():
+    goals = CODE.mission.goals
+
+    assert name_of(CODE.mission, goals[0]) == "AvoidCollision"
+    assert name_of(CODE.mission, goals[3]) == "GatherSamples · JEN"
+    assert name_of(CODE.mission, replace(goals[0], name="")) == "g1"
+
+
+@pytest.mark.parametrize(
+    ("measure", "masked", "since", "seen", "expected"),
+    [
+        ("missed", False, 90, 91, "the CI notices 1 tick late"),
+        ("missed", False, 90, 30, "the CI notices 60 ticks ahead"),
+        ("true", False, 90, 90, "the CI notices at once"),
+        ("true", False, None, None, "the CI notices"),
+        ("true", True, 90, None, "the CI never notices"),
+        ("believed", False, 90, 90, "a false alarm of the CI"),
+    ],
+)
+def test_when_the_ci_notices_is_told_from_when_the_goal_breaks(
+    measure, masked, since, seen, expected
+):
+    found = replace(weakness("g1", measure, "f11", masked=masked), since=since, noticed=seen)
+
+    assert noticed(found) == expected
+
+
+def verdict(goal, state, *faults):
+    way = ways([weakness(goal, "true", *faults)])[0] if faults else None
+    return GoalVerdict(goal, goal, state, way, 0, "", "", (), "")
+
+
+HOLDS = verdict("g9", State.HOLDS)
+ALONE = verdict("g1", State.FAILS, "f1")
+JOINTLY = verdict("g2", State.FAILS, "f1", "f2")
+VIOLATED = verdict("g3", State.VIOLATED, "f3")
+
+
+@pytest.mark.parametrize(
+    ("found", "expected"),
+    [
+        ([HOLDS], "No goal breaks in any form that was tried"),
+        ([ALONE, HOLDS], "One of two goals fails, under one single fault"),
+        ([ALONE] * 3, "All three goals fail, each under one single fault"),
+        ([ALONE, JOINTLY, HOLDS], "Two of three goals fail, one of them under one single fault"),
+        ([ALONE, VIOLATED, HOLDS], "Two of three goals break, each under one single fault"),
+        ([JOINTLY, HOLDS], "One of two goals fails, under several faults together"),
+    ],
+)
+def test_the_headline_says_how_many_goals_break_and_under_how_many_faults(found, expected):
+    assert headline(found) == expected
