@@ -5,6 +5,7 @@ it breaks in truth, and has a *false alarm* if it breaks only in what the collec
 believes.
 """
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -192,6 +193,9 @@ def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     is_ = "is" if s else "are"
     kind, values = fault.fault.kind, fault.timed.values
     units = [UNITS.get(parameter.range, "") for parameter in kind.parameters]
+    units = [
+        re.sub(r"s\b", "", u, count=1) if v == 1 else u for v, u in zip(values, units, strict=True)
+    ]
     words = [f"{value:.4g} {unit}".rstrip() for value, unit in zip(values, units, strict=True)]
     first = words[0].replace(" percent", " %") if words else ""
     fixed = (

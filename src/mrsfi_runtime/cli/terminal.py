@@ -5,7 +5,6 @@ import sys
 
 from rich import box
 from rich.console import Console
-from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
@@ -49,7 +48,10 @@ def print_words(*parts: str | tuple[str, str], indent: int = 0) -> None:
     for part in parts:
         text, style = (part, "") if isinstance(part, str) else part
         words.append("".join(c if c.isprintable() else ascii(c)[1:-1] for c in text), style)
-    _console().print(Padding(words, (0, 0, 0, indent), expand=False))
+    console = _console()
+    for line in words.wrap(console, console.width - indent):
+        line.rstrip()
+        console.print(Text(" " * indent) + line)
 
 
 def _console() -> Console:
