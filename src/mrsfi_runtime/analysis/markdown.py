@@ -16,11 +16,11 @@ from mrsfi_runtime.analysis.campaign_tables import (
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import Table, every, plain, to_markdown
+from mrsfi_runtime.analysis.verdicts import facts, headline, verdicts
 from mrsfi_runtime.analysis.weaknesses import (
     broken_by,
     goal_in_words,
     matrix_table,
-    said,
     way_table,
 )
 from mrsfi_runtime.causes.ways import least
@@ -154,8 +154,11 @@ def _weaknesses(summary: Summary, mission: Mission, pool: FaultPool) -> Iterator
     """Yield what breaks which goal, if anybody looked."""
     if summary.harvest is None:
         return
-    yield "## What breaks which goal"
-    yield f"{said(mission.goal_ids, summary.ways, summary.harvest.n_flights)}."
+    found = verdicts(mission, pool, summary.harvest)
+    yield f"## {plain(headline(found))}"
+    told = [*facts(mission, pool, found, summary.ways)]
+    told += [f"{each.sentence} ({', '.join(each.evidence)})" for each in found]
+    yield "\n".join(f"- {plain(each)}." for each in told)
     if not summary.ways:
         return
     yield from _section(matrix_table(mission, pool, summary.ways), level=3)

@@ -49,6 +49,27 @@ _WORDS: Mapping[State, str] = MappingProxyType(
 )
 
 
+_DEEDS: Mapping[Mode, tuple[str, str]] = MappingProxyType(
+    {
+        Mode.DELAY: ("come{s} {first} late", "late"),
+        Mode.BLOCK: ("{is_} held back", "lost"),
+        Mode.RANDOM: ("{is_} reported at random", "random"),
+        Mode.ZERO: ("{is_} reported as 0", "zero"),
+        Mode.FIXED: ("stick{s} {fixed}", "stuck"),
+        Mode.INCREMENT: ("{is_} reported {first} too high", "too high"),
+        Mode.DECREMENT: ("{is_} reported {first} too low", "too low"),
+        Mode.INCREMENT_PERCENT: ("{is_} reported {first} too high", "too high"),
+        Mode.DECREMENT_PERCENT: ("{is_} reported {first} too low", "too low"),
+        Mode.STOP: ("{is_} stopped", "stopped"),
+        Mode.START: ("{is_} set going", "set going"),
+        Mode.DEACTIVATE: ("{is_} switched off", "off"),
+        Mode.ACTIVATE: ("{is_} switched on", "on"),
+        Mode.OWN: ("suffer{s}", ""),
+    }
+)
+"""What a fault of each mode does, as a sentence goes on, and in a word or two."""
+
+
 @dataclass(frozen=True, slots=True)
 class GoalVerdict:
     """What is known of a goal: its state, the way that is told of, and how many others there are.
@@ -190,7 +211,6 @@ def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:
 def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     """Say what a fault does and for how long; ``off``, if known, how far a fixed value is off."""
     subject, s = _subject(mission, fault.fault)
-    is_ = "is" if s else "are"
     kind, values = fault.fault.kind, fault.timed.values
     units = [UNITS.get(parameter.range, "") for parameter in kind.parameters]
     units = [
@@ -198,31 +218,13 @@ def deed(mission: Mission, fault: NamedFault, off: str | None = None) -> str:
     ]
     words = [f"{value:.4g} {unit}".rstrip() for value, unit in zip(values, units, strict=True)]
     first = words[0].replace(" percent", " %") if words else ""
-    fixed = (
-        off
-        if off is not None
-        else f"at ({', '.join(words[:2])})"
-        if kind.is_place
-        else f"at {first}"
-    )
-    done = {
-        Mode.DELAY: f"come{s} {first} late",
-        Mode.BLOCK: f"{is_} held back",
-        Mode.RANDOM: f"{is_} reported at random",
-        Mode.ZERO: f"{is_} reported as 0",
-        Mode.FIXED: f"stick{s} {fixed}".rstrip(),
-        Mode.INCREMENT: f"{is_} reported {first} too high",
-        Mode.DECREMENT: f"{is_} reported {first} too low",
-        Mode.INCREMENT_PERCENT: f"{is_} reported {first} too high",
-        Mode.DECREMENT_PERCENT: f"{is_} reported {first} too low",
-        Mode.STOP: f"{is_} stopped",
-        Mode.START: f"{is_} set going",
-        Mode.DEACTIVATE: f"{is_} switched off",
-        Mode.ACTIVATE: f"{is_} switched on",
-        Mode.OWN: f"suffer{s} from {kind.name}",
-    }[kind.mode]
+    fixed = off
+    if off is None:
+        fixed = f"at ({', '.join(words[:2])})" if kind.is_place else f"at {first}"
+    done = _DEEDS[kind.mode][0].format(s=s, is_="is" if s else "are", first=first, fixed=fixed)
     begin, end = fault.window or (0, -1)
-    return f"{subject} {done} for {counted(end - begin + 1, 'ticks')}"
+    of = f" from {kind.name}" if kind.mode is Mode.OWN else ""
+    return f"{subject} {done.rstrip()}{of} for {counted(end - begin + 1, 'ticks')}"
 
 
 def _subject(mission: Mission, fault: Fault) -> tuple[str, str]:
@@ -258,32 +260,13 @@ def _owned(mission: Mission, target: Target) -> tuple[str, str]:
     return robot.name or robot.id, f"{measured} {owned[affected]}".rstrip()
 
 
-_SHORT: Mapping[Mode, str] = MappingProxyType(
-    {
-        Mode.DELAY: "late",
-        Mode.BLOCK: "lost",
-        Mode.RANDOM: "random",
-        Mode.ZERO: "zero",
-        Mode.FIXED: "stuck",
-        Mode.INCREMENT: "too high",
-        Mode.DECREMENT: "too low",
-        Mode.INCREMENT_PERCENT: "too high",
-        Mode.DECREMENT_PERCENT: "too low",
-        Mode.STOP: "stopped",
-        Mode.START: "set going",
-        Mode.DEACTIVATE: "off",
-        Mode.ACTIVATE: "on",
-    }
-)
-
-
 def owner_of(mission: Mission, fault: Fault) -> tuple[tuple[int, str], str]:
     """Return whom a fault strikes, by place and in names, and in two or three words what it does.
 
     Robots come in the mission's order, then what is of none.
     """
     targets = touched(mission, fault)
-    does = _SHORT.get(fault.kind.mode, fault.kind.name)
+    does = _DEEDS[fault.kind.mode][1] or fault.kind.name
     robots = sorted(robots_of(mission, targets))
     what = " ".join(dict.fromkeys(_owned(mission, each)[1] for each in targets)) or fault.target
     if not targets or targets[0][0] in {Field.MOTION, Field.OBSTACLE}:

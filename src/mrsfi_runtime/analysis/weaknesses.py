@@ -14,17 +14,6 @@ from mrsfi_runtime.record.named_faults import named_faults
 _BREAKS = {"believed": "in what is believed", "true": "in truth", "missed": "for good"}
 
 
-def said(goals: Sequence[str], found: Sequence[Way], n_flights: int) -> str:
-    """Return in a sentence how many of some goals break, and how."""
-    n_goals = len({each.goal for each in found})
-    n_alone = len({each.goal for each in found if len(each.faults) == 1})
-    told, by = counted(len(goals), "goals"), counted(len(found), "ways")
-    return (
-        f"{n_goals} of {told} can be broken, {n_alone} of them by a single fault: {by}, found with "
-        f"{counted(n_flights, 'flights')}"
-    )
-
-
 def matrix_table(mission: Mission, pool: FaultPool, found: Sequence[Way]) -> Table:
     """Return a row for each fault that breaks a goal: the fault, its type, goals, what it touches.
 

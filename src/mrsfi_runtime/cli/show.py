@@ -28,12 +28,12 @@ def command(run: Path, number: int | None) -> None:
     from mrsfi.campaign_folders import open_campaign
     from mrsfi.reporting import show
     from mrsfi.weaknesses import harvested
-    from mrsfi_runtime.analysis.weaknesses import said
+    from mrsfi_runtime.cli.ways import print_verdicts
 
     with open_campaign(run) as campaign:
         found = harvested(campaign)
         if number is None:
-            click.echo(f"{said(campaign.mission.goal_ids, found.ways, found.n_flights)}\n")
+            print_verdicts(campaign.mission, campaign.pool, found)
         for each in show(campaign, number):
             click.echo(f"{each.way.number}  {each.title}")
             for line in (*each.sentences, *each.figures):

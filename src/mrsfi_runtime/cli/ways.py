@@ -12,7 +12,6 @@ from mrsfi_runtime.analysis.weaknesses import (
     harmless,
     matrix_table,
     not_found,
-    said,
     way_table,
 )
 from mrsfi_runtime.causes.harvest import Harvest
@@ -28,9 +27,12 @@ _MOST_UNTRIED = 10
 """Faults and pairs that are named at most, of those that were never flown."""
 
 
-def print_verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> None:
-    """Print of each goal in a sentence whether it breaks, by what, and how sure that is."""
-    found = verdicts(mission, pool, known)
+def print_verdicts(
+    mission: Mission, pool: FaultPool, known: Harvest, goals: Sequence[str] | None = None
+) -> None:
+    """Print of some goals in a sentence each whether they break, by what, and how sure that is."""
+    wanted = mission.goal_ids if goals is None else goals
+    found = [each for each in verdicts(mission, pool, known) if each.goal in wanted]
     print_words((headline(found), "bold"))
     for fact in facts(mission, pool, found, known.ways):
         print_words(fact)
@@ -47,7 +49,7 @@ def print_all(
 ) -> None:
     """Print ways to break goals, what was not found of these, and what was never flown."""
     mission, pool = campaign.mission, campaign.pool
-    click.echo(f"{said(goals, found, known.n_flights)}\n")
+    print_verdicts(mission, pool, known, goals)
     if found:
         print_table(matrix_table(mission, pool, found))
         print_table(way_table("How, in one of the forms that do", mission, pool, found))

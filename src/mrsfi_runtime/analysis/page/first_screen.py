@@ -62,6 +62,10 @@ def first_screen(
                 "said": f"{_name(mission, way)} breaks if {cause_in_words(mission, pool, way)}; "
                 f"{noticed(way.shown)}",
                 "sure": verdict(way),
+                "kind": way.shown.column.kind,
+                "unseen": way.is_unseen,
+                "share": way.shown.share,
+                "joint": len(way.faults) > 1,
                 "shown": places.get(way.number),
                 "next": [(what, shlex.join(words)) for what, words in next_of(way).items()],
             }
@@ -101,12 +105,8 @@ def _matrix(
     guilty = {fault for way in summary.ways for fault in way.faults}
     owned = [(*owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
     owned.sort(key=lambda each: each[0])
-    cells: dict[tuple[str, str], Way] = {}
-    for way in summary.ways:
-        for fault in way.faults:
-            known = cells.setdefault((way.goal, fault), way)
-            if len(way.faults) < len(known.faults):
-                cells[way.goal, fault] = way
+    fewest = sorted(summary.ways, key=lambda way: -len(way.faults))  # which replace the others
+    cells = {(way.goal, fault): way.number for way in fewest for fault in way.faults}
     return {
         "owners": [
             {"name": name, "n": sum(1 for _ in some)}
@@ -120,25 +120,9 @@ def _matrix(
             {
                 "id": each.goal,
                 "name": each.name,
-                "cells": [
-                    _cell(mission, pool, cells.get((each.goal, fault.id))) for *_, fault in owned
-                ],
+                "cells": [cells.get((each.goal, fault.id)) for *_, fault in owned],
             }
             for each in found
         ],
         "note": f"{harmless(pool, summary.ways)}.",
-    }
-
-
-def _cell(mission: Mission, pool: FaultPool, way: Way | None) -> dict[str, Any] | None:
-    if way is None:
-        return None
-    shown = way.shown
-    return {
-        "number": way.number,
-        "kind": shown.column.kind,
-        "unseen": way.is_unseen,
-        "share": shown.share,
-        "joint": len(way.faults) > 1,
-        "said": f"if {cause_in_words(mission, pool, way)}; {noticed(shown)}",
     }

@@ -46,11 +46,12 @@ class Screen {
 
   matrixOf() {
     const { owners, faults, rows, note } = this.matrix;
-    const cell = (each, row) => {
+    const cell = (number) => {
+      const each = this.ways.find((way) => way.number === number);
       if (!each) return make("td", { class: "none" });
       const bar = make("span", { class: `share ${each.kind}${each.unseen ? " unseen" : ""}` });
       bar.style.height = `${Math.max(12, 100 * each.share)}%`;
-      return make("td", {}, this.choosing(each.number, [bar, each.joint ? make("i", {}, "+") : null], { class: "cell", title: each.said, "aria-label": `${row.name}: ${each.said}` }));
+      return make("td", {}, this.choosing(each.number, [bar, each.joint ? make("i", {}, "+") : null], { class: "cell", title: each.said, "aria-label": each.said }));
     };
     return make("section", { id: "matrix" }, make("h2", {}, "Which fault breaks which goal"),
       make("p", { class: "note keys" }, make("span", { class: "key share unseen" }), "broken, unseen", make("span", { class: "key share" }), "broken, seen",
@@ -59,7 +60,7 @@ class Screen {
         make("thead", {},
           make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, said(owner.name)))),
           make("tr", {}, make("td"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, said(fault.label)))))),
-        make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), " ", make("small", {}, said(row.id))), row.cells.map((each) => cell(each, row))))))),
+        make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), " ", make("small", {}, said(row.id))), row.cells.map(cell)))))),
       make("p", { class: "note" }, said(note)));
   }
 
