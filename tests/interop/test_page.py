@@ -1,7 +1,10 @@
 """The page of a campaign in a real browser: Chromium, opened from disk."""
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -10,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.fleets import write_fleet
 from mrsfi_runtime.analysis.page.content import PageEntry, flight_page
 from mrsfi_runtime.analysis.page.document import document
 from mrsfi_runtime.engine.recording import Recording
@@ -20,11 +24,12 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.outcome import TOLD
 from mrsfi_runtime.record.named_faults import named_faults
 from tests.integration.analysis.test_page import HOSTILE
-from tests.support.cli import MISSION, mrsfi, workspace
+from tests.support.cli import MISSION, ROOT, mrsfi, workspace
 from tests.support.missing import skip
 from tests.support.world import paper_code, specifications
 
 try:
+    from axe_playwright_python.sync_playwright import Axe
     from playwright.sync_api import sync_playwright
 except ImportError:
     sync_playwright = None
@@ -70,7 +75,8 @@ def chromium() -> Iterator[Any]:
 @contextmanager
 def opened(chromium: Any, path: Path, **options: Any) -> Iterator[Page]:
     """Open a page from disk; afterwards it said no word, and asked for nothing but itself."""
-    context = chromium.new_context(viewport={"width": 1200, "height": 900}, **options)
+    options = {"viewport": {"width": 1200, "height": 900}} | options
+    context = chromium.new_context(**options)
     page = Page(context.new_page())
     page.shown.on("console", lambda message: page.said.append(message.text))
     page.shown.on("pageerror", lambda error: page.said.append(str(error)))
@@ -90,6 +96,26 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = workspace(tmp_path_factory.mktemp("page"))
     size = ("--population", "8", "--generations", "12", "--workers", "1")
     mrsfi("evolve", MISSION, *size, "--engine", "compiled", "--out", "runs/new", cwd=place)
+    return place / "runs" / "new"
+
+
+@pytest.fixture(scope="module", params=["paper", "warehouse", "fleet"])
+def any_campaign(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a campaign of the paper's mission, of one of 11 goals, of one of 100 robots."""
+    if request.param == "paper":
+        found: Path = request.getfixturevalue("campaign")
+        return found
+    place = tmp_path_factory.mktemp(request.param)
+    if request.param == "warehouse":
+        line = [sys.executable, ROOT / "examples" / "warehouse" / "warehouse.py", place]
+        subprocess.run(line, cwd=ROOT, env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True)
+        mrsfi("report", "runs/warehouse-script-1", cwd=place)
+        return place / "runs" / "warehouse-script-1"
+    write_fleet(place / "models" / "fleet", 100, 120, 30)
+    (place / "fleet.toml").write_text("[search]\nalgorithm = 'cover'\n", encoding="utf-8")
+    mrsfi("generate", "fleet", cwd=place)
+    size = ("--case", "fleet.toml", "--evaluations", "60", "--workers", "1", "--out", "runs/new")
+    mrsfi("evolve", "fleet", *size, cwd=place)
     return place / "runs" / "new"
 
 
@@ -247,3 +273,64 @@ def test_a_model_of_hostile_texts_is_shown_and_does_nothing(chromium, tmp_path):
         assert page.shown.title() == HOSTILE[0]
         page.seek(30)
         page.shown.locator("body").press("n")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])
+def test_the_first_screen_says_what_breaks_which_goal(
+    chromium, any_campaign, tmp_path, width, height
+):
+    found = json.loads((any_campaign / "summary.json").read_text(encoding="utf-8"))
+    broken = {
+        each["goal"] for each in found["weaknesses"]["found"] if each["measure"] != "believed"
+    }
+    size = {"width": width, "height": height}
+    with opened(chromium, any_campaign / "report.html", viewport=size) as page:
+        rows = page.shown.locator("#goals tbody tr").all()
+        bottoms = [row.bounding_box()["y"] + row.bounding_box()["height"] for row in rows]
+        grave = {row.get_attribute("data-goal") for row in rows if row.locator(".verdict").count()
+                 and "grave" in (row.get_attribute("class") or "")}  # fmt: skip
+        n_seen = sum(bottom <= height for bottom in bottoms)
+        wide = page.shown.evaluate("document.documentElement.scrollWidth")
+        page.shown.screenshot(path=_shot(tmp_path, any_campaign, width))
+
+    assert grave == broken
+    assert n_seen >= min(len(rows), len(broken) + 1)
+    assert wide <= width
+    assert (any_campaign / "report.html").stat().st_size < 3_000_000
+
+
+def _shot(place: Path, campaign: Path, width: int) -> Path:
+    """Return where a picture of a page goes: into docs/images, where that is asked for."""
+    wanted = os.environ.get("MRSFI_SCREENSHOTS")
+    mission = json.loads((campaign / "summary.json").read_text(encoding="utf-8"))["mission"]
+    return (Path(wanted) if wanted else place) / f"page_{mission}_{width}.png"
+
+
+def test_a_click_on_a_cell_shows_its_weakness_and_what_to_do_next(chromium, campaign):
+    with opened(chromium, campaign / "report.html") as page:
+        cell = page.shown.locator("#matrix .cell").last
+        cell.click()
+
+        assert cell.get_attribute("aria-pressed") == "true"
+        said = page.shown.locator("#panel").inner_text()
+        assert cell.get_attribute("title").split(" breaks if ")[1] in said
+        number = said.split("weakness ")[1].split()[0]
+        commands = page.shown.locator("#next code").all_inner_texts()
+        assert commands[0].endswith(f" {number}")
+        assert commands[0].startswith("mrsfi show ")
+        assert any(command.startswith("mrsfi keep ") for command in commands)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_page_has_a_fault_of_accessibility(chromium, any_campaign, scheme):
+    context = chromium.new_context(
+        viewport={"width": 1280, "height": 800}, bypass_csp=True, color_scheme=scheme
+    )
+    page = context.new_page()
+    page.goto((any_campaign / "report.html").as_uri())
+    page.wait_for_selector("html[data-ready=true]")
+
+    found = Axe().run(page).response["violations"]
+
+    assert [(each["id"], each["nodes"][0]["html"]) for each in found] == []
+    context.close()

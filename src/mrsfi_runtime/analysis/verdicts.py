@@ -44,7 +44,7 @@ _WORDS: Mapping[State, str] = MappingProxyType(
         State.VIOLATED: "is violated",
         State.BROKEN_ANYWAY: "is violated without any fault",
         State.FALSE_ALARM: "is only believed broken",
-        State.HOLDS: "holds",
+        State.HOLDS: "held in every flight",
     }
 )
 

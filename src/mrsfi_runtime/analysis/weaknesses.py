@@ -114,7 +114,8 @@ def verdict(way: Way) -> str:
     seen = ", unseen by the CI" if way.is_unseen else ""
     return (
         f"{' and '.join(way.faults)} {alone}, {how}{seen}; "
-        f"{100 * shown.share:.0f} % of {shown.n_tried} forms do, "
+        f"{100 * shown.share:.0f} % of {counted(shown.n_tried, 'forms')} "
+        f"{'does' if shown.n_tried == 1 else 'do'}, "
         f"this one in {shown.n_held} of {shown.n_seeds} mission seeds"
     )
 

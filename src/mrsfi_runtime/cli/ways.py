@@ -37,10 +37,14 @@ def print_verdicts(
     for fact in facts(mission, pool, found, known.ways):
         print_words(fact)
     click.echo()
-    for each in found:
+    held = [each for each in found if each.state is State.HOLDS]
+    for each in found[: len(found) - len(held)]:
         state = (each.words, "bold red" if each.state <= State.VIOLATED else "bold")
         print_words((each.label, "bold"), " ", state, each.because)
         print_words(" · ".join(each.evidence), indent=4)
+    for unknown in dict.fromkeys(each.unknown for each in held):
+        some = ", ".join(each.label for each in held if each.unknown == unknown)
+        print_words(("Held in every flight: ", "bold"), f"{some} ({unknown})")
     click.echo()
 
 

@@ -113,7 +113,7 @@ def _matrix(
             for (_, name), some in groupby(owned, key=lambda each: each[0])
         ],
         "faults": [
-            {"label": f"{what} {fault.id}", "title": f"{fault.id}: {fault.type} of {fault.target}"}
+            {"label": f"{fault.id} {what}", "title": f"{fault.id}: {fault.type} of {fault.target}"}
             for _, what, fault in owned
         ],
         "rows": [
@@ -123,6 +123,7 @@ def _matrix(
                 "cells": [cells.get((each.goal, fault.id)) for *_, fault in owned],
             }
             for each in found
+            if each.way is not None
         ],
         "note": f"{harmless(pool, summary.ways)}.",
     }

@@ -59,7 +59,7 @@ def mission_content(mission: Mission) -> dict[str, Any]:
             for each in mission.obstacles
         ],
         "goals": [
-            {"id": goal.id, "name": goal.name, "label": goal.name or goal.task.name}
+            {"id": goal.id, "name": goal.name, "label": goal.name or goal.id}
             for goal in mission.goals
         ],
         "discs": [

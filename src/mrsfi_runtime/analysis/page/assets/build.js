@@ -9,11 +9,13 @@ function make(tag, attributes, ...children) {
     if (name === "on") for (const [event, act] of Object.entries(value)) element.addEventListener(event, act);
     else if (value !== null && value !== false) element.setAttribute(name, value === true ? "" : value);
   }
-  for (const child of children.flat()) if (child !== null) element.append(child);
+  for (const child of children.flat(2)) if (child !== null) element.append(child);
   return element;
 }
 
-const said = (text) => make("bdi", { dir: "auto" }, String(text));
+const longest = 300; // letters; what is longer scrolls by itself
+
+const said = (text) => make("bdi", String(text).length > longest ? { dir: "auto", class: "long", tabindex: "0" } : { dir: "auto" }, String(text));
 
 function number(value) {
   if (value === null || value === undefined) return "–";

@@ -139,7 +139,7 @@ class FlightView {
       const judged = this.flight.goals[k];
       const bars = ["believed", "true"].flatMap((kind) => judged[kind].map(([first, last]) => bar(kind, first, last, `${goal.id} ${kind} violated, ticks ${first} to ${last}`)));
       if (judged.missed !== null) bars.push(bar("missed", judged.missed, judged.missed, `${goal.id} certain to be missed from tick ${judged.missed}`));
-      return make("div", { class: "row" }, make("span", { title: goal.name }, said(`${goal.label} ${goal.id}`)), track(...bars));
+      return make("div", { class: "row" }, make("span", { title: goal.name }, said(goal.label === goal.id ? goal.id : `${goal.label} ${goal.id}`)), track(...bars));
     });
     this.cursor = make("div", { class: "cursor" });
     this.timeline.replaceChildren(...faults, ...goals, this.cursor, make("p", { class: "note keys" },
@@ -200,7 +200,8 @@ class FlightView {
       if (stroke) { context.strokeStyle = stroke; context.setLineDash(dash.map((d) => d * ratio)); context.lineWidth = width * ratio; context.stroke(); context.setLineDash([]); }
       return [px, py];
     };
-    const label = (text, px, py, style) => { context.fillStyle = style; context.font = `${12 * ratio}px system-ui, sans-serif`; context.fillText(text.slice(0, 24), px + 8 * ratio, py - 6 * ratio); };
+    const labels = [];
+    const label = (text, px, py, style) => labels.push([text.slice(0, 24), px + 8 * ratio, py - 6 * ratio, style]);
     disc(...mission.area, { stroke: colour("soft"), width: 1.5 });
     for (const area of mission.discs) { const [px, py] = disc(area.x, area.y, area.radius, { stroke: colour("true"), dash: [3, 3] }); label(area.goal, px, py, colour("soft")); }
     mission.obstacles.forEach((obstacle) => {
@@ -214,7 +215,21 @@ class FlightView {
     for (const [at, goal, x, y] of this.data.samples) if (at <= tick) disc(x, y, 0, { fill: colour("true"), least: 1.5 });
     if (this.other) this.drawRobots(context, this.other, disc, null, 0.35);
     this.drawRobots(context, this.flight, disc, label, 1);
+    this.drawLabels(context, labels.reverse());
     this.tell(performance.now() - began);
+  }
+
+  // Labels as far as they have room, the first of them first.
+  drawLabels(context, labels) {
+    const ratio = devicePixelRatio || 1, height = 13 * ratio, taken = [];
+    context.font = `${12 * ratio}px system-ui, sans-serif`;
+    for (const [text, x, y, style] of labels) {
+      const width = context.measureText(text).width;
+      if (taken.some(([a, b, w]) => Math.abs(b - y) < height && x < a + w && a < x + width)) continue;
+      taken.push([x, y, width]);
+      context.fillStyle = style;
+      context.fillText(text, x, y);
+    }
   }
 
   drawRobots(context, flight, disc, label, alpha) {

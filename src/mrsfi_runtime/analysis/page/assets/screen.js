@@ -1,6 +1,6 @@
 // The first screen: what breaks which goal, by what least cause, seen by whom; beside it the flight.
 
-const states = { fails: "×", "is violated": "!", "is violated without any fault": "!", "is only believed broken": "?", holds: "✓" };
+const states = { fails: "×", "is violated": "!", "is violated without any fault": "!", "is only believed broken": "?", "held in every flight": "✓" };
 
 class Screen {
   constructor(data, view) {
@@ -60,7 +60,7 @@ class Screen {
         make("thead", {},
           make("tr", {}, make("td"), owners.map((owner) => make("th", { colspan: owner.n, scope: "colgroup" }, said(owner.name)))),
           make("tr", {}, make("td"), faults.map((fault) => make("th", { scope: "col", class: "turned", title: fault.title }, make("span", {}, said(fault.label)))))),
-        make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), " ", make("small", {}, said(row.id))), row.cells.map(cell)))))),
+        make("tbody", {}, rows.map((row) => make("tr", {}, make("th", { scope: "row" }, said(row.name), row.id === row.name ? null : [" ", make("small", {}, said(row.id))]), row.cells.map(cell)))))),
       make("p", { class: "note" }, said(note)));
   }
 
@@ -71,7 +71,7 @@ class Screen {
     if (!keep) history.replaceState(null, "", `#weakness-${number}`);
     const shown = way.shown === null ? null : this.shown[way.shown];
     const why = shown && shown.flight ? "" : shown ? shown.no_flight : "Its flight is not on this page: the first command draws it.";
-    this.panel.replaceChildren(make("h2", { id: "flight-title" }, said(way.name), " ", make("small", {}, said(`${way.goal} · weakness ${number}`))),
+    this.panel.replaceChildren(make("h2", { id: "flight-title" }, said(way.name), " ", make("small", {}, said(`${way.goal === way.name ? "" : `${way.goal} · `}weakness ${number}`))),
       make("p", {}, said(`${way.said}.`)), make("p", { class: "note" }, said(`${way.sure}. ${why}`)));
     this.next.replaceChildren(make("h3", {}, "Next"), ...way.next.map(([what, command]) => make("div", { class: "command" }, make("span", {}, what), make("code", {}, said(command)), copying(command))));
     const flight = shown ? shown.flight : null;
