@@ -23,13 +23,12 @@ from mrsfi_runtime.analysis.table import to_html
 from mrsfi_runtime.analysis.verdicts import verdict_table
 from mrsfi_runtime.causes.cause_set import KEEP
 from mrsfi_runtime.causes.explanation import Explanation
-from mrsfi_runtime.causes.harvest import known_by
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
+from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.regressions import Regression
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
-from mrsfi_runtime.search.space import SearchSpace
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -66,9 +65,10 @@ class Campaign:
     def _repr_html_(self) -> str:
         """Return for a notebook what breaks which goal, or how much was flown."""
         with open_campaign(self.folder) as campaign:
-            if known_by(SearchSpace.of(campaign.mission, campaign.pool), campaign.store) is None:
-                return f"<p>{escape(repr(self))}: nobody looked for what breaks which goal</p>"
-            known = harvested(campaign)
+            try:
+                known = harvested(campaign)
+            except RecordError as error:
+                return f"<p>{escape(str(error))}</p>"
             return to_html(verdict_table(campaign.mission, campaign.pool, known))
 
     def __len__(self) -> int:

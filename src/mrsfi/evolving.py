@@ -57,6 +57,8 @@ def begun(
     """
     require_searchable(code, settings)
     _require_ratio(settings, code.mission, ratio)
+    if wide := _beyond(SearchSpace.of(code.mission, code.pool)):
+        tell(f"searches beyond the pool's values: {wide}")
     flown_by = engine.tried(code, settings.mission_seed, tell)
     path = out or free_folder(folders.name, Path(case).stem)
     with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
@@ -99,6 +101,19 @@ def resumed(
         )
         _require_ratio(store.settings, campaign.mission, ratio)
         yield campaign, engine.tried(campaign.code, store.settings.mission_seed, tell)
+
+
+def _beyond(space: SearchSpace) -> str:
+    """Return between which values parameters are searched that go beyond those of the pool."""
+    wide: dict[str, tuple[float, float]] = {}
+    for identifier, candidate in space.candidates.items():
+        fault = space.gate.pool[identifier]
+        told = zip(fault.kind.parameters, fault.values, candidate.bounds, strict=True)
+        for parameter, value, (low, high) in told:
+            if low < value or value < high:
+                known = wide.get(parameter.name, (low, high))
+                wide[parameter.name] = min(low, known[0]), max(high, known[1])
+    return ", ".join(f"{name} {low:.6g} … {high:.6g}" for name, (low, high) in wide.items())
 
 
 def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | None) -> None:

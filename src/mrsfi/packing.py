@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from mrsfi.campaign_folders import FlyableCampaign, open_campaign, open_to_fly, require_same
+from mrsfi.campaign_folders import open_campaign, open_to_fly, require_same
 from mrsfi.engines import Choice, Tell, silent
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.files import whole_file
@@ -56,17 +56,12 @@ def repeat(archive: Path, engine: Choice, tell: Tell = silent) -> tuple[int, str
     A difference is a ``ReplayMismatch``; what is no archive of a campaign is a ``RecordError``.
     """
     with _unpacked(archive) as run, open_to_fly(run, tell) as campaign:
-        return _repeated(campaign, engine)
-
-
-def _repeated(campaign: FlyableCampaign, engine: Choice) -> tuple[int, str]:
-    store = campaign.store
-    settings = engine(store.manifest.engine)
-    seed = store.settings.mission_seed
-    with settings.named(campaign.code, seed, silent).open(campaign.code, seed) as opened:
-        for each in store.evaluations():
-            require_same(campaign.folder.path, each, opened.evaluate(each.specification))
-    return store.n_evaluations, store.digest()
+        store = campaign.store
+        seed, settings = store.settings.mission_seed, engine(store.manifest.engine)
+        with settings.named(campaign.code, seed, tell).open(campaign.code, seed) as opened:
+            for each in store.evaluations():
+                require_same(run, each, opened.evaluate(each.specification))
+        return store.n_evaluations, store.digest()
 
 
 @contextmanager

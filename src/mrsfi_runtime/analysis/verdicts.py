@@ -127,11 +127,9 @@ def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVer
     found = (
         _verdict(mission, pool, known, goal, told.get(goal.id), ways) for goal in mission.goals
     )
-    return tuple(sorted(found, key=lambda each: (each.state, -_n_unnoticed(each))))
-
-
-def _n_unnoticed(verdict: GoalVerdict) -> int:
-    return int(verdict.way is not None and verdict.way.is_unseen)
+    return tuple(
+        sorted(found, key=lambda each: (each.state, not (each.way and each.way.is_unseen)))
+    )
 
 
 def _verdict(
@@ -306,20 +304,15 @@ def facts(
     alarms = [each.name for each in found if each.state is State.FALSE_ALARM]
     if alarms:
         yield f"{_number(len(alarms)).capitalize()} held, with false alarms: {', '.join(alarms)}"
-    struck: defaultdict[str, dict[str, set[str]]] = defaultdict(
-        lambda: {"goals": set(), "by": set()}
-    )
+    struck: defaultdict[str, list[Way]] = defaultdict(list)
     for way in ways:
         if len(way.faults) == 1 and way.shown.column.kind != MEASURES[0]:
-            subject, _ = _subject(mission, pool[way.faults[0]])
-            struck[subject]["goals"].add(way.goal)
-            struck[subject]["by"].add(way.faults[0])
-    if struck:
-        subject, most = max(struck.items(), key=lambda each: len(each[1]["goals"]))
-        n_goals = len(most["goals"])
-        if n_goals > 1:
-            by = ", ".join(sorted(most["by"]))
-            yield f"Protect first: {subject} ({by}), which alone breaks {_number(n_goals)} goals"
+            struck[_subject(mission, pool[way.faults[0]])[0]].append(way)
+    n_goals = {subject: len({way.goal for way in some}) for subject, some in struck.items()}
+    first = max(struck, key=n_goals.__getitem__, default="")
+    if n_goals.get(first, 0) > 1:
+        by = ", ".join(sorted({way.faults[0] for way in struck[first]}))
+        yield f"Protect first: {first} ({by}), which alone breaks {_number(n_goals[first])} goals"
 
 
 def verdict_table(mission: Mission, pool: FaultPool, known: Harvest) -> Table:
