@@ -64,7 +64,8 @@ def test_it_ends_with_what_weaknesses_lists(ended):
     found = found_in(run)
     assert [{k: each[k] for k in told[0]} for each in found] == told
     least = [each["mildest"] for each in found if each["mildest"]]
-    assert all(each["sentence"] in done.stdout for each in least)
+    report = (run / "report.md").read_text(encoding="utf-8")
+    assert all(each["sentence"] in report for each in least)
     assert {each["goal"] for each in least} == {"g1", "g2", "g3"}
     sets = {(each["goal"], each["measure"], *each["faults"]) for each in told}
     assert sets >= {
@@ -74,10 +75,15 @@ def test_it_ends_with_what_weaknesses_lists(ended):
     assert all(len(each["faults"]) == 1 for each in told)
     assert all(each["seeds"]["held"] >= 4 and each["seeds"]["of"] == 5 for each in told)
     assert 0 < summary(run)["weaknesses"]["n_flown"] <= N_SEARCHED
-    assert "3 of 3 goals can be broken, 3 of them by a single fault" in done.stdout
+    assert "All three goals fail, each under one single fault\n" in done.stdout
+    assert "## All three goals fail, each under one single fault\n" in report
+    for goal in ("g1", "g2", "g3"):
+        (line,) = [line for line in done.stdout.split("\n") if line.startswith(f"{goal} fails if ")]
+        assert f"- {line.partition(';')[0]}" in report
+    assert done.stdout.endswith(f"next      mrsfi show runs/{run.name}\n")
     sentences = [sentence for each in found for sentence in each["sentences"]]
     assert sentences
-    assert all(sentence in done.stdout for sentence in sentences)
+    assert all(sentence in report for sentence in sentences)
     assert all("g2" not in each for each in sentences if "stop_a" in each)
     assert "harvest  " in done.stderr
 
@@ -143,7 +149,7 @@ def test_too_few_flights_for_any_leave_the_ten_most_critical(small):
     assert done.stdout.startswith("The 4 most critical of 4 fault specifications\n")
     assert found_in(small / "out") == []
     shown = mrsfi("show", "out", cwd=small).stdout
-    assert shown.startswith("0 of 3 goals can be broken")
+    assert shown.startswith("Nothing was found that breaks a goal\n")
     assert mrsfi("show", "out", "1", cwd=small, expected=2).stderr.endswith("nothing breaks\n")
 
 

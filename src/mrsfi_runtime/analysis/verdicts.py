@@ -44,7 +44,7 @@ _WORDS: Mapping[State, str] = MappingProxyType(
         State.VIOLATED: "is violated",
         State.BROKEN_ANYWAY: "is violated without any fault",
         State.FALSE_ALARM: "is only believed broken",
-        State.HOLDS: "held in every flight",
+        State.HOLDS: "is broken by nothing that was found",
     }
 )
 
@@ -279,7 +279,7 @@ def headline(found: Sequence[GoalVerdict]) -> str:
     """Say in a sentence how many goals break, and under how many faults."""
     broken = [each for each in found if each.state <= State.VIOLATED]
     if not broken:
-        return "No goal breaks in any form that was tried"
+        return "Nothing was found that breaks a goal"
     is_failing = all(each.state is State.FAILS for each in broken)
     verb = ("fail" if is_failing else "break") + "s" * (len(broken) == 1)
     alone = [each for each in broken if each.way is not None and len(each.way.faults) == 1]

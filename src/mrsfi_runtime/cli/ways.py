@@ -44,7 +44,7 @@ def print_verdicts(
         print_words(" · ".join(each.evidence), indent=4)
     for unknown in dict.fromkeys(each.unknown for each in held):
         some = ", ".join(each.label for each in held if each.unknown == unknown)
-        print_words(("Held in every flight: ", "bold"), f"{some} ({unknown})")
+        print_words(("Nothing was found that breaks ", "bold"), f"{some} ({unknown})")
     click.echo()
 
 

@@ -1,6 +1,6 @@
 // The first screen: what breaks which goal, by what least cause, seen by whom; beside it the flight.
 
-const states = { fails: "×", "is violated": "!", "is violated without any fault": "!", "is only believed broken": "?", "held in every flight": "✓" };
+const states = { fails: "×", "is violated": "!", "is violated without any fault": "!", "is only believed broken": "?", "is broken by nothing that was found": "✓" };
 
 class Screen {
   constructor(data, view) {
