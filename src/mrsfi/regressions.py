@@ -1,6 +1,6 @@
 """Weaknesses that are kept beside the models of a mission, and flown against those of today."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
@@ -165,10 +165,32 @@ def _flown(
                 yield regression.counts(campaign.mission.goal_ids, outcome)
 
 
-def write_limits(folders: MissionFolders, regressions: Sequence[Regression]) -> None:
-    """Write what is kept of a mission may have, of all of them or of none."""
-    with changing(folders.models) as change:
-        change.replace({each.path: each.text().encode() for each in regressions})
+def update(
+    folders: MissionFolders,
+    engine: EngineSettings,
+    tell: Tell = silent,
+    n_seeds: int | None = None,
+    name: str | None = None,
+    accepted: str = "",
+) -> list[tuple[Regression, Regression]]:
+    """Limit what is kept, or one by its name, to what is counted today; return what changed.
+
+    All of it is written, or nothing where something cannot be judged.
+    """
+    checked = [*check_all(folders, engine, tell, n_seeds, name)]
+    for each in checked:
+        if each.error is not None:
+            raise each.error
+    changed = []
+    for each in checked:
+        before, because = each.regression, accepted or each.regression.accepted
+        new = replace(before, mission_seeds=each.seeds, limits=each.now, accepted=because)
+        if new != before:
+            changed.append((before, new))
+    if changed:
+        with changing(folders.models) as change:
+            change.replace({new.path: new.text().encode() for _, new in changed})
+    return changed
 
 
 def all_kept(folders: MissionFolders) -> tuple[Regression, ...]:

@@ -1,7 +1,6 @@
 """The command ``mrsfi keep``: keeps a weakness beside the models, and takes new limits over."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -106,28 +105,10 @@ def _update(
 ) -> None:
     """Take over what is counted today, and print what changed."""
     from mrsfi.folders import find_mission
-    from mrsfi.regressions import check_all, write_limits
+    from mrsfi.regressions import update
 
-    folders = find_mission(mission)
-    checked = [*check_all(folders, engine.settings(default=AUTO), tell, n_seeds, name)]
-    failures = [each.error for each in checked if each.error is not None]
-    if failures:
-        raise failures[0]
-    updated = [
-        (
-            each.regression,
-            replace(
-                each.regression,
-                mission_seeds=each.seeds,
-                limits=each.now,
-                accepted=accepted or each.regression.accepted,
-            ),
-        )
-        for each in checked
-    ]
-    changed = [(before, new) for before, new in updated if new != before]
-    if changed:
-        write_limits(folders, [new for _, new in changed])
+    settings = engine.settings(default=AUTO)
+    changed = update(find_mission(mission), settings, tell, n_seeds, name, accepted)
     for before, new in changed:
         _print_change(before, new)
     if not changed:
