@@ -11,7 +11,7 @@ from mrsfi.weaknesses import flying_again, harvested
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.analysis.verdicts import cause_in_words, name_of
 from mrsfi_runtime.causes.ways import Way
-from mrsfi_runtime.causes.weakness import broken_by, yardstick_of
+from mrsfi_runtime.causes.weakness import MEASURES, broken_by, yardstick_of
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted
 from mrsfi_runtime.model.gate import Gate
@@ -22,38 +22,49 @@ WENT, CAME, STAYED, UNKNOWN = "went", "came", "stayed", "cannot be flown"
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A way to break a goal that one campaign found, or both, and whether it breaks it there too.
+    """A way to break a goal as the campaign ``before`` found it, as that ``after`` did, or both.
 
-    ``is_before`` and ``is_after`` say who found it; ``breaks`` whether its form, flown in the
-    mission of the other one, breaks the goal; ``None``, with a reason, if it cannot be flown there.
+    ``breaks`` says whether its form, flown in the mission of the campaign that it is not of (that
+    after, if both found it), breaks the goal; ``None``, with a reason, if it cannot be flown there.
     """
 
-    way: Way
     goal: str
     cause: str
-    is_before: bool
-    is_after: bool
+    before: Way | None
+    after: Way | None
     breaks: bool | None
     reason: str = ""
 
     @property
+    def way(self) -> Way:
+        """As it was found first."""
+        found = self.before or self.after
+        assert found is not None
+        return found
+
+    @property
     def verdict(self) -> str:
-        """What became of it; a weakness that no search found again, but still breaks, stayed."""
-        if (self.is_before and self.is_after) or self.breaks:
-            return STAYED
+        """What became of it; a weakness that no search found again, but still breaks, stayed.
+
+        One of which only a false alarm is left went, and one that was a false alarm only came.
+        """
+        if self.before and self.after:
+            truly, now = _is_true(self.before), _is_true(self.after)
+            return STAYED if truly == now or self.breaks else WENT if truly else CAME
         if self.breaks is None:
             return UNKNOWN
-        return WENT if self.is_before else CAME
+        return STAYED if self.breaks else WENT if self.before else CAME
 
     @property
     def remark(self) -> str:
         """What stands beside the verdict."""
-        if self.verdict == STAYED and not self.is_after:
-            return "not found again, and its form breaks the goal as before"
-        if self.verdict == STAYED and not self.is_before:
-            return "found only now, and its form broke the goal before"
-        if self.is_before and self.is_after and self.breaks is False:
-            return "in other forms"
+        if self.before and self.after:
+            alarm = {WENT: "a false alarm is left", CAME: "was a false alarm only"}
+            usual = "in other forms" if self.breaks is False else ""
+            return alarm.get(self.verdict, usual)
+        if self.verdict == STAYED:
+            found = "not found again; its form breaks the goal as before"
+            return found if self.before else "found only now; its form broke the goal before"
         return self.reason
 
     def as_json(self) -> dict[str, Any]:
@@ -63,10 +74,15 @@ class Change:
             "goal": self.way.goal,
             "faults": list(self.way.faults),
             "cause": self.cause,
-            "found": [n for n, is_so in ((0, self.is_before), (1, self.is_after)) if is_so],
+            "before": self.before and self.before.number,
+            "after": self.after and self.after.number,
             "breaks_there": self.breaks,
             "remark": self.remark,
         }
+
+
+def _is_true(way: Way) -> bool:
+    return way.shown.column.kind != MEASURES[0]
 
 
 def changes(
@@ -81,7 +97,7 @@ def changes(
     found, missions = [], []
     for path in (before, after):
         with open_campaign(path) as campaign:
-            found.append({(way.goal, way.faults): way for way in harvested(campaign).ways})
+            found.append({_key(way): way for way in harvested(campaign).ways})
             missions.append(campaign.store.manifest.mission or campaign.mission.name)
     if missions[0] != missions[1]:
         raise UsageError(
@@ -97,20 +113,16 @@ def changes(
         with open_campaign(before if is_before else after) as campaign:
             for way in ways:
                 breaks, reason = there[way.number]
-                known = is_before and (way.goal, way.faults) in others
-                told.append(
-                    Change(
-                        way,
-                        _name(campaign.mission, way),
-                        cause_in_words(campaign.mission, campaign.pool, way),
-                        is_before,
-                        known or not is_before,
-                        breaks,
-                        reason,
-                    )
-                )
+                old_one, new_one = (way, others.get(_key(way))) if is_before else (None, way)
+                cause = cause_in_words(campaign.mission, campaign.pool, way)
+                name = _name(campaign.mission, way)
+                told.append(Change(name, cause, old_one, new_one, breaks, reason))
     order = (WENT, CAME, UNKNOWN, STAYED)
     return tuple(sorted(told, key=lambda each: order.index(each.verdict)))
+
+
+def _key(way: Way) -> tuple[str, tuple[str, ...]]:
+    return way.goal, way.faults
 
 
 def _name(mission: Mission, way: Way) -> str:
@@ -156,9 +168,8 @@ def sentence(found: Iterable[Change]) -> str:
 def change_table(found: Iterable[Change]) -> Table:
     """Return a row for each weakness: what became of it, of which goal, under what."""
     rows = [
-        (each.verdict, each.goal, " and ".join(each.way.faults), each.cause,
-         each.remark)
+        (each.verdict, " and ".join(each.way.faults), each.goal, each.cause, each.remark)
         for each in found
-    ]  # fmt: skip
-    columns = ("verdict", "goal", "faults", "under", "remark")
-    return Table("What became of each weakness", columns, rows, columns[:3], columns[3:])
+    ]
+    columns = ("verdict", "faults", "goal", "under", "remark")
+    return Table("What became of each weakness", columns, rows, columns[:2], columns[2:])

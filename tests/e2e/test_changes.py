@@ -42,7 +42,7 @@ def test_what_an_edit_mends_went_what_it_breaks_came_and_the_rest_stayed(before_
     assert "Weaknesses: 2 went, none came, 4 stayed." in done.stdout
     text = (before_and_after / "change.md").read_text(encoding="utf-8")
     assert text.startswith("Weaknesses: 2 went, none came, 4 stayed.")
-    assert "| went | g1 | stop_a | a is stopped for 120 ticks |" in text
+    assert "| went | stop_a | g1 | a is stopped for 120 ticks |" in text
     assert "2 went, none came" in (before_and_after / "change.html").read_text(encoding="utf-8")
 
 
