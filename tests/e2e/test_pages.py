@@ -24,6 +24,7 @@ RUN = (
     "docs/causes.md",
     "docs/compare.md",
     "docs/regressions.md",
+    "docs/sharing.md",
     "docs/bridge.md",
     "examples/own_search/README.md",
     "docs/workers.md",
