@@ -57,8 +57,6 @@ def begun(
     """
     require_searchable(code, settings)
     _require_ratio(settings, code.mission, ratio)
-    if wide := _beyond(SearchSpace.of(code.mission, code.pool)):
-        tell(f"searches beyond the pool's values: {wide}")
     flown_by = engine.tried(code, settings.mission_seed, tell)
     path = out or free_folder(folders.name, Path(case).stem)
     with made(path, folders, settings, case, engine), open_to_fly(path, tell) as campaign:
@@ -103,8 +101,9 @@ def resumed(
         yield campaign, engine.tried(campaign.code, store.settings.mission_seed, tell)
 
 
-def _beyond(space: SearchSpace) -> str:
+def _beyond(campaign: FlyableCampaign) -> str:
     """Return between which values parameters are searched that go beyond those of the pool."""
+    space = SearchSpace.of(campaign.mission, campaign.pool)
     wide: dict[str, tuple[float, float]] = {}
     for identifier, candidate in space.candidates.items():
         fault = space.gate.pool[identifier]
@@ -152,6 +151,8 @@ def evolve(
 
     def tell_who(who: str) -> None:
         tell(f"campaign {path}: {settings.algorithm}, seed {settings.seed}, {engine.words}, {who}")
+        if not store.n_evaluations and (wide := _beyond(campaign)):
+            tell(f"beyond the pool's values it searches: {wide}")
 
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:

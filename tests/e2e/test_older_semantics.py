@@ -58,7 +58,7 @@ def test_an_older_campaign_is_reported(old, tmp_path):
     text = mrsfi("report", old, cwd=tmp_path).stdout
     assert "The 3 most critical of 3 fault specifications" in text
     assert text.count("missed from ?") == 3
-    assert text.splitlines()[-1].split() == ["digest", DIGEST_OF_1]
+    assert f"digest    {DIGEST_OF_1}" in text.splitlines()
 
 
 @pytest.mark.parametrize(

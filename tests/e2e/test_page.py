@@ -45,9 +45,14 @@ def test_a_campaign_has_a_page_with_flights_that_break_its_goals(found):
     assert ["digest", summary["digest"]] in data["record"]
     assert len(data["evaluations"]["rows"]) == summary["n_evaluations"]
     told = [each["sentences"] for each in summary["weaknesses"]["found"] if each["sentences"]]
-    assert len(data["matrix"]["rows"]) == len(
+    first, ways = data["first"], {each["number"]: each for each in data["first"]["ways"]}
+    assert len(first["matrix"]["faults"]) == len(
         {fault for each in summary["weaknesses"]["found"] for fault in each["faults"]}
     )
+    assert {*ways} == {each["number"] for each in summary["weaknesses"]["found"]}
+    assert [each["state"] for each in first["goals"]] == ["fails"] * 3
+    assert all(ways[goal["number"]]["goal"] == goal["id"] for goal in first["goals"])
+    assert {cell for row in first["matrix"]["rows"] for cell in row["cells"]} - {None} == {*ways}
     assert [each["title"] for each in data["shown"]] == ["g1", "g2", "g3"]
     for shown in data["shown"]:
         assert [row[-1] for row in shown["faults"]["rows"]] in told
@@ -60,5 +65,5 @@ def test_what_flies_many_times_writes_no_file_of_a_flight(flown, tmp_path):
 
     done = mrsfi("replay", flown, "--all", *wanted, cwd=tmp_path, expected=2)
 
-    assert "--html are of one flight" in done.stderr
+    assert "--html, --gif are of one flight" in done.stderr
     assert not [*tmp_path.iterdir()]
