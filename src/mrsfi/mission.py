@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cached_property, partial
+from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -427,3 +428,18 @@ def _path(name: str, given: Path | str | None) -> Path | None:
     if given is not None and not isinstance(given, Path | str):
         raise UsageError(f"{name}: found {given!r}; expected the path of a folder")
     return None if given is None else Path(given)
+
+
+def _with_settings(function: Callable[..., object]) -> Signature:
+    """Return a signature that names every setting of a campaign, for completion in a notebook."""
+    found = signature(function)
+    named = [
+        Parameter(each.name, Parameter.KEYWORD_ONLY, default=None)
+        for each in fields(CampaignSettings)
+        if each.init and each.name not in {"source", "options"}
+    ]
+    usual = [each for each in found.parameters.values() if each.kind is not Parameter.VAR_KEYWORD]
+    return found.replace(parameters=[*usual, *named])
+
+
+setattr(Mission.evolve, "__signature__", _with_settings(Mission.evolve))  # noqa: B010 - mypy knows none

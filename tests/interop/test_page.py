@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import escape
 
 import pytest
 
@@ -24,8 +25,10 @@ from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.model.outcome import TOLD
 from mrsfi_runtime.record.named_faults import named_faults
 from tests.integration.analysis.test_page import HOSTILE
-from tests.support.cli import MISSION, ROOT, mrsfi, workspace
+from tests.support.cli import MISSION, ROOT, edit, mrsfi, workspace
 from tests.support.missing import skip
+from tests.support.rendezvous import NAME as RENDEZVOUS
+from tests.support.rendezvous import write_rendezvous
 from tests.support.world import paper_code, specifications
 
 try:
@@ -334,3 +337,23 @@ def test_no_page_has_a_fault_of_accessibility(chromium, any_campaign, scheme):
 
     assert [(each["id"], each["nodes"][0]["html"]) for each in found] == []
     context.close()
+
+
+def test_a_campaign_of_hostile_names_is_shown_and_does_nothing(chromium, tmp_path):
+    write_rendezvous(tmp_path)
+    mission = tmp_path / "models" / RENDEZVOUS / "mission.xmi"
+    text = escape("<img src=x onerror=alert(1)>", {'"': "&quot;"})
+    for name in ('ID="a" name="a"', 'ID="g1" name=""'):
+        edit(mission, name, f'{name.split()[0]} name="{text}"')
+    (tmp_path / "c.toml").write_text("[search]\nalgorithm = 'cover'\n", encoding="utf-8")
+    mrsfi("generate", RENDEZVOUS, cwd=tmp_path)
+    size = ("--case", "c.toml", "--evaluations", "60", "--engine", "reference", "--workers", "1")
+    mrsfi("evolve", RENDEZVOUS, *size, "--out", "runs/it", cwd=tmp_path)
+    mrsfi("compare", "runs/it", "runs/it", *size[4:], "--html", "change.html", cwd=tmp_path)
+
+    for path in (tmp_path / "runs" / "it" / "report.html", tmp_path / "change.html"):
+        with opened(chromium, path) as page:
+            assert "<img src=x onerror=alert(1)>" in page.shown.locator("body").inner_text()
+            assert page.shown.locator("img").count() == 0
+            for cell in page.shown.locator("#matrix .cell").all():
+                cell.click()

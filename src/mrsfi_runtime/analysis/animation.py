@@ -23,22 +23,21 @@ def flight_gif(story: Story) -> bytes:
     figure, axes = mission_axes(story)
     n_ticks, n_robots, _ = story.true.shape
     colours = [SERIES[k % len(SERIES)] for k in range(n_robots)]
-    trails = [axes.plot([], [], color=colour, lw=1.6, zorder=2.4)[0] for colour in colours]
     (x, y), (believed_x, believed_y) = story.true[0].T, story.believed[0].T
-    believed = axes.scatter(believed_x, believed_y, s=70, fc="none", ec=colours, zorder=2.6)
-    true = axes.scatter(x, y, s=42, color=colours, zorder=3.1)
-    told = axes.text(0.01, 0.01, "", transform=axes.transAxes, zorder=4)
     ticks = np.unique(np.linspace(0, n_ticks - 1, _N_FRAMES).astype(int))
-    step = max(1, n_ticks // _N_FRAMES)
+    trail = _TRAIL * max(1, n_ticks // _N_FRAMES)
     with TemporaryDirectory() as folder, rc_context(STYLE):
+        trails = [axes.plot([], [], color=colour, lw=1.6, zorder=2.4)[0] for colour in colours]
+        believed = axes.scatter(believed_x, believed_y, s=70, fc="none", ec=colours, zorder=2.6)
+        true = axes.scatter(x, y, s=42, color=colours, zorder=3.1)
+        told = axes.text(0.01, 0.01, "", transform=axes.transAxes, zorder=4)
         path = Path(folder) / "flight.gif"
         FigureCanvasAgg(figure)
         writer = PillowWriter(fps=_PER_SECOND)
         with writer.saving(figure, path, _DPI):
             for tick in ticks.tolist():
-                first = max(0, tick - _TRAIL * step)
-                for k, trail in enumerate(trails):
-                    trail.set_data(*story.true[first : tick + 1, k].T)
+                for k, line in enumerate(trails):
+                    line.set_data(*story.true[max(0, tick - trail) : tick + 1, k].T)
                 true.set_offsets(story.true[tick])
                 believed.set_offsets(story.believed[tick])
                 told.set_text(_said(story, tick))

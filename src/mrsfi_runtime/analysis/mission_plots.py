@@ -37,11 +37,13 @@ from mrsfi_runtime.analysis.plots import (
 )
 from mrsfi_runtime.analysis.story import Story, seen, working_window
 from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
+from mrsfi_runtime.model.targets import robots_of, touched
 
 Place: TypeAlias = tuple[float, float]
 
 _MANY_OBSTACLES = 40  # beyond, obstacles carry no labels
 _MANY_ROBOTS = 12  # beyond, paths carry no legend
+_MOST_LABELS = 12  # of the map of a flight
 _MOST_ROUNDS = 60  # of parting labels
 _BELIEVED: Mapping[str, Any] = MappingProxyType({"s": 5, "alpha": 0.45, "lw": 0, "zorder": 1.8})
 _COLLISION: Mapping[str, Any] = MappingProxyType(
@@ -99,7 +101,7 @@ def flight_map(story: Story) -> Figure:
     with drawing((8.2, 8.6)) as figure:
         axes = figure.add_subplot()
         _draw_mission(axes, mission, colours)
-        labels = _labelled(axes, mission, colours)
+        labels = _foremost(_labelled(axes, mission, colours), story)
         *centre, half = window = seen(mission, story.true)
         _look_at(axes, window, story.title)
         is_outside = (abs(story.believed - centre) > half).any(axis=-1)
@@ -208,6 +210,25 @@ def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
             break
         if not moved:
             return
+    for one, other in combinations(labels, 2):
+        near = [label.get_window_extent(renderer) for label in (one, other)]
+        if one.get_visible() and near[0].overlaps(near[1]):
+            other.set_visible(False)
+
+
+def _foremost(labels: Sequence[Annotation], story: Story) -> list[Annotation]:
+    """Keep as many labels as can be read in print: robots that faults strike, robots, goals."""
+    struck = {
+        robot
+        for fault in story.faults
+        for robot in robots_of(story.mission, touched(story.mission, fault.fault))
+    }
+    n_robots = len(story.mission.robots)
+    robots = sorted(range(n_robots), key=lambda robot: robot not in struck)
+    ranked = [*(labels[robot - n_robots] for robot in robots), *labels[:-n_robots]]
+    for label in ranked[_MOST_LABELS:]:
+        label.remove()
+    return ranked[:_MOST_LABELS]
 
 
 def _draw_mission(
