@@ -324,6 +324,17 @@ def test_a_click_on_a_cell_shows_its_weakness_and_what_to_do_next(chromium, camp
         assert any(command.startswith("mrsfi keep ") for command in commands)
 
 
+def test_on_paper_stand_goals_matrix_and_flight_with_its_cursor(chromium, campaign):
+    with opened(chromium, campaign / "report.html") as page:
+        page.shown.emulate_media(media="print")
+
+        assert all(row.is_visible() for row in page.shown.locator("#goals tbody tr button").all())
+        assert page.shown.locator("#matrix .cell").first.is_visible()
+        for name in ("canvas", ".cursor", ".row > :first-child", "#next code"):
+            assert page.shown.locator(name).first.is_visible()
+        assert not page.shown.locator("#play").is_visible()
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_no_page_has_a_fault_of_accessibility(chromium, any_campaign, scheme):
     context = chromium.new_context(
