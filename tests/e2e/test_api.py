@@ -1,16 +1,19 @@
 """What the command line does, a script does; and finds the same."""
 
+import inspect
 import json
 import shutil
 import subprocess
 import sys
 from contextlib import chdir
+from dataclasses import fields
 
 import numpy as np
 import pytest
 
 import mrsfi
 from mrsfi_runtime.errors import RecordError, SpecificationError, UsageError
+from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.study.folder import ComparisonFolder
 from tests.support.cli import MISSION, mrsfi_json, stop_specification
 from tests.support.rendezvous import NAME
@@ -274,3 +277,28 @@ def test_kept_weaknesses_are_tests_of_pytest(place):
     done = _pytest(place)
     assert done.returncode == 2
     assert "nothing is kept; expected at least one weakness" in done.stdout
+
+
+def test_a_signature_completes_every_setting_of_a_campaign_file():
+    named = [*inspect.signature(mrsfi.Mission.evolve).parameters]
+
+    settings = {each.name for each in fields(CampaignSettings)} - {"source", "options"}
+    assert settings <= {*named}
+    assert named[:3] == ["self", "case", "out"]
+
+
+def test_a_notebook_shows_a_mission_and_a_flight_with_their_names(uuv):
+    flight = uuv.fly([uuv.timed("f26", 100, 400)])
+
+    assert "r3 KAL" in uuv._repr_html_()
+    assert "under 1 fault" in flight._repr_html_()
+    assert all(goal in flight._repr_html_() for goal in flight.goals)
+
+
+def test_a_flight_is_drawn_on_axes_of_its_kind_and_another_kind_is_refused(uuv):
+    flight = uuv.fly()
+
+    assert flight.plot().get_xlabel() == "x (distance units)"
+    assert flight.plot("timeline").get_xlabel() == "tick"
+    with pytest.raises(UsageError, match="found 'maps'; .*did you mean 'map'"):
+        flight.plot("maps")
