@@ -300,5 +300,5 @@ def test_a_flight_is_drawn_on_axes_of_its_kind_and_another_kind_is_refused(uuv):
 
     assert flight.plot().get_xlabel() == "x (distance units)"
     assert flight.plot("timeline").get_xlabel() == "tick"
-    with pytest.raises(UsageError, match="found 'maps'; .*did you mean 'map'"):
+    with pytest.raises(UsageError, match=r"found 'maps'; .*did you mean 'map'"):
         flight.plot("maps")
