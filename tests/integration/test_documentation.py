@@ -178,7 +178,8 @@ def test_the_tree_of_contributing_is_the_tree():
         f"{path.relative_to(ROOT).as_posix()}/"
         for parent in (ROOT, ROOT / "src", ROOT / "src" / "mrsfi_runtime")
         for path in parent.iterdir()
-        if path.name not in ("src", "runs", "dist", "site", "__pycache__") and "." not in path.name
+        if path.name not in ("src", "runs", "build", "dist", "site", "__pycache__")
+        and "." not in path.name
         if any(path.rglob("*.*"))
     ]
 
