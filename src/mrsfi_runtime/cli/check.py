@@ -23,7 +23,8 @@ weakness came back: it says why, and ends with exit code 10. What cannot be judg
 a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an error: the others
 are flown all the same, and the exit code is the lowest of such. Nothing kept is no pass either.
 
-An archive of mrsfi pack is flown again, evaluation by evaluation, and compared with its record.
+An archive of mrsfi pack is flown again, evaluation by evaluation, and compared with its record; the
+code that flies is the archive's.
 
 \b
 Examples:
