@@ -182,17 +182,19 @@ class Campaign:
         with open_campaign(self.folder) as campaign:
             return keep(campaign, weakness, name, limits, n_seeds)
 
-    def report(self, ratio: str | None = None) -> Path:
+    def report(self, ratio: str | None = None, *, latex: bool = False) -> Path:
         """Write tables, figures, models and page into the folder; return the report's file.
 
         Parameters
         ----------
         ratio
             Ratio of violations to pick by, such as ``g3:g1=2:1``.
+        latex
+            Write it for a paper, too, with figures as PDF; then that file is returned.
         """
         with open_campaign(self.folder) as campaign:
-            reporting.report(campaign, ratio)
-            return campaign.folder.report
+            reporting.report(campaign, ratio, latex=latex)
+            return campaign.folder.latex if latex else campaign.folder.report
 
     def pack(self, out: Path | str) -> None:
         """Pack it into an archive that ``mrsfi check`` flies again, elsewhere."""

@@ -23,12 +23,14 @@ def report(
     ratio: str | None = None,
     draw: Draw | None = None,
     show: Callable[[Summary], None] = lambda _: None,
+    *,
+    latex: bool = False,
 ) -> None:
     """Write the report of a campaign into its folder.
 
     ``show`` is told what was found, before figures are drawn, by ``draw`` or a process begun for
-    it. A ``ratio`` of violations to pick by, such as ``g3:g1=2:1``, that makes no sense is a
-    ``UsageError``.
+    it. With ``latex``, it is written for a paper, too. A ``ratio`` of violations to pick by, such
+    as ``g3:g1=2:1``, that makes no sense is a ``UsageError``.
     """
     writer = specification_writer(campaign.folder.model)
     with _flying(campaign) as record, ExitStack() as opened:
@@ -41,6 +43,7 @@ def report(
             ratio=ratio,
             draw=draw or opened.enter_context(DrawingProcess()).draw,
             show=show,
+            latex=latex,
         )
 
 

@@ -120,6 +120,9 @@ def test_a_report_for_a_paper_has_its_sentences_tables_and_figures(campaign, tmp
     assert len(figures) >= 4
     assert all((campaign / figure).read_bytes().startswith(b"%PDF-") for figure in figures)
 
+    mrsfi("report", campaign, cwd=tmp_path)
+    assert not [*campaign.rglob("*.pdf"), *campaign.rglob("*.tex")]
+
 
 def test_a_flight_is_written_as_a_picture_that_moves(campaign, tmp_path):
     mrsfi("replay", campaign, "--evaluation", "0", "--gif", "a.gif", cwd=tmp_path)

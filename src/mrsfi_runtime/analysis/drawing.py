@@ -55,10 +55,21 @@ def _save(files: FigureFiles, stem: Path) -> None:
 
 def drawn(drawing: Drawing) -> FigureFiles:
     """Draw a figure in this process."""
-    from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - matplotlib takes its time
+    from mrsfi_runtime.analysis.plots import rendered  # noqa: PLC0415 - matplotlib takes its time
 
-    module = import_module(f"{plots.__package__}.{drawing.module}")
-    return plots.rendered(getattr(module, drawing.function)(*drawing.arguments))
+    return rendered(_figure(drawing))
+
+
+def drawn_as_pdf(drawing: Drawing) -> bytes:
+    """Draw a figure for print in this process."""
+    from mrsfi_runtime.analysis.plots import as_pdf  # noqa: PLC0415 - matplotlib takes its time
+
+    return as_pdf(_figure(drawing))
+
+
+def _figure(drawing: Drawing) -> Any:
+    module = import_module(f"{__package__}.{drawing.module}")
+    return getattr(module, drawing.function)(*drawing.arguments)
 
 
 class DrawingProcess:

@@ -1,21 +1,16 @@
 """The report of a campaign for a paper: tables with booktabs, figures as PDF at column width."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from importlib import import_module
-from pathlib import Path
 
 from mrsfi_runtime.analysis.campaign_tables import critical_table, settings_table
-from mrsfi_runtime.analysis.illustrations import Illustration, illustrate
-from mrsfi_runtime.analysis.report import writing
-from mrsfi_runtime.analysis.summary import Summary, summarise
+from mrsfi_runtime.analysis.illustrations import Illustration
+from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import Cell, Table, in_words, printable
 from mrsfi_runtime.analysis.verdicts import facts, headline, verdicts
 from mrsfi_runtime.analysis.weaknesses import matrix_table, way_table
 from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.record.folder import CampaignFolder
-from mrsfi_runtime.record.store import CampaignStore
 
 _HEAD = r"""\documentclass[twocolumn]{article}
 \usepackage[T1]{fontenc}
@@ -62,28 +57,11 @@ def to_latex(table: Table) -> str:
     )
 
 
-def write_latex(folder: Path, mission: Mission, pool: FaultPool, ratio: str | None) -> Path:
-    """Write ``report.tex`` and its figures into the folder of a campaign; return the file."""
-    layout = CampaignFolder(folder)
-    with CampaignStore.open(folder) as store:
-        summary, columns = summarise(folder, store, mission, pool, ratio)
-        shown = tuple(illustrate(summary, mission, columns, store))
-    path = folder / "report.tex"
-    with writing(folder, "report"):
-        layout.figures.mkdir(exist_ok=True)
-        for each in shown:
-            (layout.figures / f"{each.name}.pdf").write_bytes(_vector(each))
-        text = "\n\n".join((_HEAD, *_parts(summary, mission, pool, shown), "\\end{document}\n"))
-        path.write_text(text, encoding="utf-8")
-    return path
-
-
-def _vector(illustration: Illustration) -> bytes:
-    from mrsfi_runtime.analysis import plots  # noqa: PLC0415 - matplotlib takes its time
-
-    drawing = illustration.drawing
-    module = import_module(f"{plots.__package__}.{drawing.module}")
-    return plots.as_pdf(getattr(module, drawing.function)(*drawing.arguments))
+def report_latex(
+    summary: Summary, mission: Mission, pool: FaultPool, shown: Iterable[Illustration]
+) -> str:
+    """Return ``report.tex``; its figures are the PDFs in ``figures/``."""
+    return "\n\n".join((_HEAD, *_parts(summary, mission, pool, shown), "\\end{document}\n"))
 
 
 def _parts(

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mrsfi_runtime.analysis.campaign_tables import MOST_LISTED, evaluations_table
-from mrsfi_runtime.analysis.drawing import Draw, draw_here
+from mrsfi_runtime.analysis.drawing import Draw, draw_here, drawn_as_pdf
 from mrsfi_runtime.analysis.illustrations import Illustration, illustrate
+from mrsfi_runtime.analysis.latex import report_latex
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.page.content import PageEntry, campaign_page, flown_of, told_content
 from mrsfi_runtime.analysis.page.document import document
@@ -47,7 +48,7 @@ def _unflown(_: Specification) -> Recording:
     raise EvaluationError("Nothing was flown again.")
 
 
-def write_report(
+def write_report(  # noqa: PLR0913 - most have a default
     folder: Path,
     mission: Mission,
     pool: FaultPool,
@@ -57,13 +58,14 @@ def write_report(
     ratio: str | None = None,
     draw: Draw = draw_here,
     show: Callable[[Summary], None] = lambda _: None,
+    latex: bool = False,
 ) -> Summary:
     """Write everything a person or a script wants from a campaign, finished or interrupted.
 
     Every file of an earlier report is replaced or removed. What the page shows is flown by
     ``record``; where that fails, the page says why. ``show`` is given what the report says once all
     but the page and the figures is written; these are finished whatever becomes of it. A ``ratio``
-    is one to pick by, such as ``g3:g1=2:1``.
+    is one to pick by, such as ``g3:g1=2:1``. With ``latex``, ``report.tex`` and PDFs come with it.
     """
     layout = CampaignFolder(folder)
     with CampaignStore.open(folder) as store:
@@ -72,6 +74,7 @@ def write_report(
             shown = tuple(illustrate(summary, mission, columns, store))
             _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")
             _emptied(layout.tables, "*.csv")
+            layout.latex.unlink(missing_ok=True)
             finish = write_figures(layout, shown, draw)
             _write_specifications(layout, summary, pool, write_specification)
         try:
@@ -86,6 +89,9 @@ def write_report(
                 layout.report.write_text(
                     report_text(summary, mission, pool, captions), encoding="utf-8"
                 )
+                if latex:
+                    tex = report_latex(summary, mission, pool, shown)
+                    layout.latex.write_text(tex, encoding="utf-8")
             show(summary)
             with writing(folder, "page"):
                 told = [content for *_, content in flown]
@@ -95,6 +101,9 @@ def write_report(
         finally:
             with writing(folder, "figures"):
                 finish()
+                for each in shown if latex else ():
+                    path = layout.figures / f"{each.name}.pdf"
+                    path.write_bytes(drawn_as_pdf(each.drawing))
     return summary
 
 

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import click
 
-from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import OneOf
 
 _HELP = """Write the report of CAMPAIGN anew and print what breaks which goal.
@@ -45,9 +44,4 @@ def command(folder: Path | None, ratio: str | None, form: str, is_json: bool) ->
     from mrsfi_runtime.cli.summary import report
 
     with open_campaign(folder or latest_folder()) as campaign:
-        report(campaign, ratio, is_json=is_json)
-        if form == "latex":
-            from mrsfi_runtime.analysis.latex import write_latex
-
-            path = write_latex(campaign.folder.path, campaign.mission, campaign.pool, ratio)
-            tell(f"written    {path}")
+        report(campaign, ratio, is_json=is_json, latex=form == "latex")

@@ -15,7 +15,12 @@ from mrsfi_runtime.errors import counted
 
 
 def report(
-    campaign: OpenCampaign, ratio: str | None, *, is_json: bool, draw: Draw | None = None
+    campaign: OpenCampaign,
+    ratio: str | None,
+    *,
+    is_json: bool,
+    draw: Draw | None = None,
+    latex: bool = False,
 ) -> None:
     """Write the report into a campaign's folder and print what it says, or JSON for a script."""
 
@@ -25,10 +30,12 @@ def report(
         else:
             _print_summary(campaign, summary)
         tell(f"drawing figures into {campaign.folder.figures}, and {campaign.folder.page}")
+        if latex:
+            tell(f"for LaTeX  {campaign.folder.latex}")
 
     path = campaign.folder.path
     try:
-        write_report(campaign, ratio, draw, show)
+        write_report(campaign, ratio, draw, show, latex=latex)
     except KeyboardInterrupt:
         tell(f"figures are missing from the report; write it anew with: mrsfi report {path}")
         raise

@@ -35,6 +35,7 @@ class CampaignFolder:
         self.tables = path / "tables"  # the numbers behind them
         self.summary = path / "summary.json"  # what a script reads of the report
         self.report = path / "report.md"
+        self.latex = path / "report.tex"  # the same for a paper, where asked for
         self.page = path / "report.html"  # the same with flights to be looked at
 
     @classmethod
