@@ -94,29 +94,30 @@ def changes(
     both found in that of the later one. Campaigns of different missions, or that did not look for
     weaknesses, are refused.
     """
-    found, missions = [], []
+    found, models, names = [], [], []
     for path in (before, after):
         with open_campaign(path) as campaign:
             found.append({_key(way): way for way in harvested(campaign).ways})
-            missions.append(campaign.store.manifest.mission or campaign.mission.name)
-    if missions[0] != missions[1]:
+            models.append((campaign.mission, campaign.pool))
+            names.append(campaign.store.manifest.mission or campaign.mission.name)
+    if names[0] != names[1]:
         raise UsageError(
-            f"{after}: found a campaign of mission '{missions[1]}'; expected one of "
-            f"'{missions[0]}', as {before} is"
+            f"{after}: found a campaign of mission '{names[1]}'; expected one of '{names[0]}', as "
+            f"{before} is"
         )
     old, new = found
     told: list[Change] = []
-    for path, flown, others, is_before in ((after, old, new, True), (before, new, old, False)):
+    for path, flown, others, (mission, pool), is_before in (
+        (after, old, new, models[0], True),
+        (before, new, old, models[1], False),
+    ):
         ways = [way for key, way in flown.items() if is_before or key not in others]
         with flying_again(path, engine, workers, tell) as (campaign, evaluator, _):
             there = _broken(campaign, evaluator, ways)
-        with open_campaign(before if is_before else after) as campaign:
-            for way in ways:
-                breaks, reason = there[way.number]
-                old_one, new_one = (way, others.get(_key(way))) if is_before else (None, way)
-                cause = cause_in_words(campaign.mission, campaign.pool, way)
-                name = _name(campaign.mission, way)
-                told.append(Change(name, cause, old_one, new_one, breaks, reason))
+        for way in ways:
+            old_one, new_one = (way, others.get(_key(way))) if is_before else (None, way)
+            cause = cause_in_words(mission, pool, way)
+            told.append(Change(_name(mission, way), cause, old_one, new_one, *there[way.number]))
     order = (WENT, CAME, UNKNOWN, STAYED)
     return tuple(sorted(told, key=lambda each: order.index(each.verdict)))
 
