@@ -14,6 +14,7 @@ from mrsfi.folders import MISSION_FILE, MissionFolders, find_mission
 from mrsfi.project import from_here, project, root
 from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.columns import top
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.errors import GenerationError, RecordError, ReplayMismatch, UsageError
 from mrsfi_runtime.generated_code import MissionCode, load_code, mission_from_text, pool_from_text
 from mrsfi_runtime.imported_copies import IMPORTED, copied_files
@@ -170,6 +171,13 @@ def find_evaluation(campaign: OpenCampaign, index: int | None) -> Evaluation:
     if not best:
         raise RecordError(f"{campaign.folder.path}: holds no evaluation yet; expected at least one")
     return best[0]
+
+
+def fly_all(campaign: FlyableCampaign, engine: Engine) -> Iterator[Evaluation]:
+    """Fly every evaluation again; yield each that is as recorded, and raise where one is not."""
+    for recorded in campaign.store.evaluations():
+        require_same(campaign.folder.path, recorded, engine.evaluate(recorded.specification))
+        yield recorded
 
 
 def require_same(folder: Path, recorded: Evaluation, outcome: Outcome) -> None:

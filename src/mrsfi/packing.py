@@ -1,20 +1,24 @@
 """A campaign as one file that repeats itself elsewhere: models, code, record, and how to fly it."""
 
+import lzma
 import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from mrsfi.campaign_folders import open_campaign, open_to_fly, require_same
+from mrsfi.campaign_folders import fly_all, open_campaign, open_to_fly
 from mrsfi.engines import Choice, Tell, silent
-from mrsfi_runtime.errors import RecordError
+from mrsfi_runtime.errors import MrsfiError, RecordError
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 
 _TOLD = "REPRODUCE.md"
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign makes the same archive
 _MOST_BYTES = 4 * 1024**3
+_UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, RuntimeError)
+"""What reading an archive raises; the last if it is encrypted, or compressed in an unknown way."""
 
 
 def pack(run: Path, out: Path) -> None:
@@ -59,9 +63,7 @@ def repeat(archive: Path, engine: Choice, tell: Tell = silent) -> tuple[int, str
         store = campaign.store
         seed, settings = store.settings.mission_seed, engine(store.manifest.engine)
         with settings.named(campaign.code, seed, tell).open(campaign.code, seed) as opened:
-            for each in store.evaluations():
-                require_same(run, each, opened.evaluate(each.specification))
-        return store.n_evaluations, store.digest()
+            return sum(1 for _ in fly_all(campaign, opened)), store.digest()
 
 
 @contextmanager
@@ -73,8 +75,11 @@ def _unpacked(archive: Path) -> Iterator[Path]:
                 if sum(each.file_size for each in opened.infolist()) > _MOST_BYTES:
                     raise RecordError(f"{archive}: holds more than {_MOST_BYTES} bytes")
                 opened.extractall(place)  # which leaves the folder with no name in it
-        except (OSError, zipfile.BadZipFile) as error:
+        except _UNREADABLE as error:
             raise RecordError(
                 f"{archive}: is no archive of a campaign ({error}); expected one of `mrsfi pack`"
             ) from error
-        yield Path(place) / "campaign"
+        try:
+            yield Path(place) / "campaign"
+        except MrsfiError as error:
+            raise type(error)(str(error).replace(place, str(archive))) from error

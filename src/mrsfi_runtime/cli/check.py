@@ -24,7 +24,7 @@ a robot or mission.xmi is gone, say, or a window lies beyond the mission, is an 
 are flown all the same, and the exit code is the lowest of such. Nothing kept is no pass either.
 
 An archive of mrsfi pack is flown again, evaluation by evaluation, and compared with its record; the
-code that flies is the archive's.
+code that flies is the archive's. Options of kept weaknesses are refused.
 
 \b
 Examples:
@@ -69,10 +69,15 @@ def command(
     from mrsfi.packing import repeat
     from mrsfi.regressions import check_all, missions_with_kept
     from mrsfi_runtime.cli import verdicts
+    from mrsfi_runtime.cli.replay import print_same
 
     if mission is not None and mission.endswith(".zip"):
-        n_evaluations, digest = repeat(Path(mission), engine.again, tell)
-        click.echo(f"same: all {n_evaluations} evaluations, campaign digest {digest}")
+        if generated or n_seeds or junit or github:
+            raise click.UsageError(
+                f"{mission} is an archive, flown as recorded: --generated, --seeds, --junit and "
+                "--github are of kept weaknesses"
+            )
+        print_same(*repeat(Path(mission), engine.again, tell), is_json=is_json)
         return
     if mission is None and generated is not None:
         raise click.UsageError("--generated needs MISSION")

@@ -85,16 +85,20 @@ def command(
 def _replay_all(campaign: "FlyableCampaign", engine: "Engine", *, is_json: bool) -> None:
     from rich.progress import track
 
-    from mrsfi.campaign_folders import require_same
+    from mrsfi.campaign_folders import fly_all
     from mrsfi_runtime.cli.terminal import progress_console
 
     n_evaluations = campaign.store.n_evaluations
-    recorded = campaign.store.evaluations()
+    flown = fly_all(campaign, engine)
     console = progress_console()
     disable = not console.is_terminal
-    for each in track(recorded, "replay", n_evaluations, console=console, disable=disable):
-        require_same(campaign.folder.path, each, engine.evaluate(each.specification))
-    digest = campaign.store.digest()
+    for _ in track(flown, "replay", n_evaluations, console=console, disable=disable):
+        pass
+    print_same(n_evaluations, campaign.store.digest(), is_json=is_json)
+
+
+def print_same(n_evaluations: int, digest: str, *, is_json: bool) -> None:
+    """Print that all evaluations of a campaign were flown again as recorded."""
     if is_json:
         print_json({"n_evaluations": n_evaluations, "is_same": True, "digest": digest})
     else:
