@@ -185,17 +185,26 @@ def sure(weakness: Weakness) -> tuple[str, str]:
 
 
 def noticed(weakness: Weakness) -> str:
-    """Say how the collective intelligence notices that a goal is broken."""
+    """Say in a sentence whether, and when, the collective intelligence notices a broken goal."""
     if weakness.column.kind == MEASURES[0]:
-        return "a false alarm of the CI"
+        return f"a {when_noticed(weakness)} of the CI"
     if weakness.is_masked:
         return "the CI never notices"
+    return f"the CI notices {when_noticed(weakness)}".rstrip()
+
+
+def when_noticed(weakness: Weakness) -> str:
+    """Say the same in two or three words; none where an older record does not say when."""
+    if weakness.column.kind == MEASURES[0]:
+        return "false alarm"
+    if weakness.is_masked:
+        return "never"
     if weakness.noticed is None or weakness.since is None:
-        return "the CI notices"
+        return ""
     late = weakness.noticed - weakness.since
     if late == 0:
-        return "the CI notices at once"
-    return f"the CI notices {counted(abs(late), 'ticks')} {'late' if late > 0 else 'ahead'}"
+        return "at once"
+    return f"{counted(abs(late), 'ticks')} {'late' if late > 0 else 'ahead'}"
 
 
 def cause_in_words(mission: Mission, pool: FaultPool, way: Way) -> str:

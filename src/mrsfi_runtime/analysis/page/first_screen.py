@@ -16,12 +16,16 @@ from mrsfi_runtime.analysis.verdicts import (
     noticed,
     owner_of,
     verdicts,
+    when_noticed,
 )
 from mrsfi_runtime.analysis.weaknesses import harmless, verdict
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
+
+_MARKS = dict(zip(State, "×!!?✓", strict=True))
+"""What stands for the state of a goal."""
 
 
 def first_screen(
@@ -81,12 +85,11 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
         "id": each.goal,
         "name": each.name,
         "state": each.words,
+        "mark": _MARKS[each.state],
         "grave": each.state <= State.VIOLATED,
         "cause": each.cause,
         "by": "" if way is None else " and ".join(way.faults),
-        "noticed": each.noticed.removeprefix("the CI notices ").removeprefix("the CI ")
-        if each.state is not State.FALSE_ALARM
-        else "false alarm",
+        "noticed": "" if way is None else when_noticed(way.shown),
         "sure": each.sure,
         "others": f"{counted(each.n_others, 'ways')} more" if each.n_others else "",
         "unknown": each.unknown,

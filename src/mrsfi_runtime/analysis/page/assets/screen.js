@@ -1,7 +1,5 @@
 // The first screen: what breaks which goal, by what least cause, seen by whom; beside it the flight.
 
-const states = { fails: "×", "is violated": "!", "is violated without any fault": "!", "is only believed broken": "?", "is broken by nothing that was found": "✓" };
-
 class Screen {
   constructor(data, view) {
     Object.assign(this, data.first);
@@ -29,7 +27,7 @@ class Screen {
       make("tbody", {}, this.goals.map((goal) => {
         const chosen = goal.number ? this.choosing(goal.number, said(goal.name)) : make("b", {}, said(goal.name));
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
-          make("td", { class: "state", title: goal.state }, states[goal.state]),
+          make("td", { class: "state", title: goal.state }, goal.mark),
           make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(goal.id)), " ", make("b", { class: "verdict" }, goal.state), goal.cause ? [" if ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
           make("td", {}, goal.noticed), make("td", {}, goal.sure.map((each) => make("div", {}, each))),
           make("td", {}, make("div", {}, goal.others), make("div", { class: "soft" }, goal.unknown)));
