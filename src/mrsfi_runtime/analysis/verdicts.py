@@ -145,14 +145,15 @@ def _verdict(
     if state in {State.FALSE_ALARM, State.HOLDS} and _is_broken_anyway(known, goal.id):
         state = State.BROKEN_ANYWAY
     shown = None if way is None else way.shown
+    is_told = way is not None and state is not State.BROKEN_ANYWAY  # not by what it would break
     return GoalVerdict(
         goal=goal.id,
         name=name_of(mission, goal),
         state=state,
         way=way,
         n_others=sum(each.goal == goal.id for each in ways) - (way is not None),
-        cause="" if way is None else cause_in_words(mission, pool, way),
-        noticed="" if shown is None else noticed(shown),
+        cause=cause_in_words(mission, pool, way) if way and is_told else "",
+        noticed=noticed(shown) if shown and is_told else "",
         sure=() if shown is None else sure(shown),
         unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
     )

@@ -1,5 +1,6 @@
 """What is said of goals, and of what faults do, in names."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -12,8 +13,12 @@ from mrsfi_runtime.analysis.verdicts import (
     name_of,
     noticed,
     owner_of,
+    verdicts,
 )
+from mrsfi_runtime.causes.counts import Column
+from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.ways import ways
+from mrsfi_runtime.causes.weakness import Known, Yardstick
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.named_faults import named_faults
@@ -97,6 +102,29 @@ def test_when_the_ci_notices_is_told_from_when_the_goal_breaks(
     found = replace(weakness("g1", measure, "f11", masked=masked), since=since, noticed=seen)
 
     assert noticed(found) == expected
+
+
+@pytest.mark.parametrize(
+    ("without", "measure", "expected"),
+    [
+        (
+            0,
+            "believed",
+            "is only believed broken if KAL's energy is reported 10 % too low for 81 ticks; .+",
+        ),
+        (3, "believed", "is violated without any fault"),
+        (3, "true", "is violated if KAL's energy is reported 10 % too low for 81 ticks; the CI.+"),
+    ],
+)
+def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without, measure, expected):
+    found = (weakness("g3", measure, "f4"),)
+    yardstick = Yardstick((Column("g3", "true"),), (without,))
+    known = Harvest(Known(CODE.mission), found, 0, {}, yardstick)
+
+    told = verdicts(CODE.mission, CODE.pool, known)
+
+    (said,) = (each.sentence for each in told if each.goal == "g3")
+    assert re.fullmatch(f"SufficientEnergy g3 {expected}", said)
 
 
 def verdict(goal, state, *faults):
