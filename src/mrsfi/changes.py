@@ -9,13 +9,12 @@ from mrsfi.campaign_folders import FlyableCampaign, open_campaign
 from mrsfi.engines import Choice, Tell, Workers, silent
 from mrsfi.weaknesses import flying_again, harvested
 from mrsfi_runtime.analysis.table import Table
-from mrsfi_runtime.analysis.verdicts import cause_in_words, name_of
+from mrsfi_runtime.analysis.verdicts import cause_in_words, label_of
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES, broken_by, yardstick_of
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.mission import Mission
 
 WENT, CAME, STAYED, UNKNOWN = "went", "came", "stayed", "cannot be flown"
 
@@ -117,18 +116,14 @@ def changes(
         for way in ways:
             old_one, new_one = (way, others.get(_key(way))) if is_before else (None, way)
             cause = cause_in_words(mission, pool, way)
-            told.append(Change(_name(mission, way), cause, old_one, new_one, *there[way.number]))
+            name = label_of(mission, mission.goals[mission.goal_ids.index(way.goal)])
+            told.append(Change(name, cause, old_one, new_one, *there[way.number]))
     order = (WENT, CAME, UNKNOWN, STAYED)
     return tuple(sorted(told, key=lambda each: order.index(each.verdict)))
 
 
 def _key(way: Way) -> tuple[str, tuple[str, ...]]:
     return way.goal, way.faults
-
-
-def _name(mission: Mission, way: Way) -> str:
-    name = name_of(mission, mission.goals[mission.goal_ids.index(way.goal)])
-    return name if name == way.goal else f"{name} {way.goal}"
 
 
 def _broken(

@@ -1,6 +1,6 @@
 """What is wrong with the models of a mission, and with its code."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from m2t.load import (
 from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.loading import load_fresh
+from mrsfi_runtime.analysis.verdicts import held_in_words
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
@@ -114,36 +115,37 @@ def _counts(loaded: LoadedModels) -> Mapping[str, int]:
     }
 
 
-def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> tuple[Diagnostic, ...]:
-    """Fly the mission without faults; return where it fails, or each goal that is violated."""
+def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterator[Diagnostic]:
+    """Fly the mission without faults; yield where it fails, or each goal that is violated."""
     if loaded.mission.duration > _LONGEST_FLIGHT:
         tell(f"not flown without faults: it lasts more than {_LONGEST_FLIGHT} ticks")
-        return ()
+        return
     try:
-        outcome = ReferenceEngine(load_fresh(folders, loaded), 1).evaluate(())
+        code = load_fresh(folders, loaded)
+        outcome = ReferenceEngine(code, 1).evaluate(())
     except EvaluationError as error:
         path, line = error.line or (folders.generated, 1)
         message = str(error).removeprefix(f"{path}:{line}: ")
         element = f"mission '{folders.name}'"
-        return (Diagnostic(path, line, element, "MissionFlies", "error", message),)
+        yield Diagnostic(path, line, element, "MissionFlies", "error", message)
+        return
     except MrsfiError as error:  # stale code is no defect of the models
         tell(f"not flown without faults: {error}")
-        return ()
-    return tuple(
-        Diagnostic(
-            path=loaded.mission_path,
-            line=loaded.nodes[goal].line,
-            element=f"goals '{goal.ID}'",
-            constraint="FaultFreeMission",
-            severity="warning",
-            message=(
-                f"goals '{goal.ID}' is violated without any fault, at {believed} ticks as "
-                f"believed and {true} in truth; expected none, so that search sees the work of "
-                "faults only; make the goal easier or its reaction better"
-            ),
-        )
-        for goal, believed, true in zip(
-            loaded.mission.goals, outcome.believed, outcome.true, strict=True
-        )
-        if believed or true
-    )
+        return
+    mission = code.mission
+    assert outcome.missed is not None
+    counts = zip(outcome.believed, outcome.true, outcome.missed, strict=True)
+    for element, goal, (believed, true, missed) in zip(
+        loaded.mission.goals, mission.goals, counts, strict=True
+    ):
+        if believed or true or missed:
+            held = held_in_words(mission, goal)
+            advice = "let it react before that one" if held else "make the goal easier"
+            message = (
+                f"goals '{goal.id}' is violated without any fault, at {believed} ticks as "
+                f"believed and {true} in truth{', and missed' if missed else ''}{held and ', '}"
+                f"{held}; expected none, so that search sees the work of faults only; {advice} or "
+                "its reaction better"
+            )
+            place = loaded.mission_path, loaded.nodes[element].line
+            yield Diagnostic(*place, f"goals '{goal.id}'", "FaultFreeMission", "warning", message)

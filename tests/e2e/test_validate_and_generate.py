@@ -1,5 +1,6 @@
 from m2t.load import _Loading
 from tests.support.cli import MISSION, contents, edit, mrsfi, mrsfi_json, stop_specification
+from tests.support.rendezvous import NAME
 
 
 def test_validate_loads_once_and_says_how_much_there_is(place, tmp_path, monkeypatch):
@@ -111,3 +112,24 @@ def test_a_goal_that_is_violated_without_faults_is_worth_a_warning(place):
     assert [
         d["element"] for d in found["diagnostics"] if d["constraint"] == "FaultFreeMission"
     ] == ["goals 'g6'"]
+
+
+def test_a_goal_that_starves_is_told_with_who_holds_its_robots(small):
+    mission = small / "models" / NAME / "mission.xmi"
+    holder = (
+        '<goals ID="g0" name="Wait" members="a"><task xsi:type="mission:Stay">'
+        '<area ID="start" radius="50.0"><center x="-200.0"/></area></task></goals>'
+    )
+    edit(mission, '<goals ID="g1"', holder + '<goals ID="g1"')
+    mrsfi("generate", NAME, cwd=small)
+
+    (small / "any.toml").write_text("[search]\n", encoding="utf-8")
+    said = mrsfi("validate", NAME, cwd=small).stdout
+    options = ("--case", "any.toml", "--evaluations", "40", "--engine", "reference")
+    found = mrsfi("evolve", NAME, *options, "--workers", "1", cwd=small).stdout
+
+    held = "as Wait g0, which reacts first, keeps a in area start"
+    told = "without any fault, at 50 ticks as believed and 50 in truth, and missed"
+    assert f"goals 'g1' is violated {told}, {held}; expected none" in said
+    assert said.count(held) == 2
+    assert f"g1 is violated without any fault {held}" in " ".join(found.split())

@@ -21,6 +21,7 @@ from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Goal, Mission
+from mrsfi_runtime.model.starving import holders
 from mrsfi_runtime.model.targets import Target, robots_of, touched
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
@@ -74,9 +75,9 @@ _DEEDS: Mapping[Mode, tuple[str, str]] = MappingProxyType(
 class GoalVerdict:
     """What is known of a goal: its state, the way that is told of, and how many others there are.
 
-    ``cause`` says what does it, ``noticed`` how the CI notices, ``sure`` in how
-    many mission seeds and forms, ``unknown`` how seldom it may break otherwise; each is empty where
-    there is nothing to say.
+    As the sentence goes on, ``cause`` says what does it and ``noticed`` how the CI notices;
+    ``sure`` in how many mission seeds and forms, ``unknown`` how seldom it may break otherwise;
+    each is empty where there is nothing to say.
     """
 
     goal: str
@@ -102,12 +103,12 @@ class GoalVerdict:
     @property
     def label(self) -> str:
         """The name of the goal before its ID, which stands alone where it has no other name."""
-        return self.goal if self.name == self.goal else f"{self.name} {self.goal}"
+        return _labelled(self.name, self.goal)
 
     @property
     def because(self) -> str:
         """By what it breaks, and how that is noticed, as a sentence goes on."""
-        cause = f" if {self.cause}" if self.cause else ""
+        cause = f" {self.cause}" if self.cause else ""
         return f"{cause}; {self.noticed}" if self.noticed else cause
 
     @property
@@ -152,7 +153,11 @@ def _verdict(
         state=state,
         way=way,
         n_others=sum(each.goal == goal.id for each in ways) - (way is not None),
-        cause=cause_in_words(mission, pool, way) if way and is_told else "",
+        cause=f"if {cause_in_words(mission, pool, way)}"
+        if way and is_told
+        else held_in_words(mission, goal)
+        if state is State.BROKEN_ANYWAY
+        else "",
         noticed=noticed(shown) if shown and is_told else "",
         sure=() if shown is None else sure(shown),
         unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
@@ -166,6 +171,28 @@ def _is_broken_anyway(known: Harvest, goal: str) -> bool:
         most > 0 and column.goal == goal and column.kind != MEASURES[0]
         for column, most in zip(yardstick.columns, yardstick.most, strict=True)
     )
+
+
+def held_in_words(mission: Mission, goal: Goal) -> str:
+    """Say as a sentence goes on which goals keep robots of a goal where it cannot be met, if any.
+
+    That is so unless the regions of those make them react otherwise.
+    """
+    held = [
+        f"{label_of(mission, holder)}, which reacts first, keeps "
+        f"{' and '.join(robot.name or robot.id for robot in robots)} in area {area.id}"
+        for holder, area, robots in holders(mission, goal)
+    ]
+    return f"as {' and '.join(held)}" if held else ""
+
+
+def label_of(mission: Mission, goal: Goal) -> str:
+    """Return the name of a goal before its ID, which stands alone where it has no other name."""
+    return _labelled(name_of(mission, goal), goal.id)
+
+
+def _labelled(name: str, goal: str) -> str:
+    return name if name == goal else f"{name} {goal}"
 
 
 def name_of(mission: Mission, goal: Goal) -> str:

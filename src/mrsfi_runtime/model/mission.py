@@ -10,6 +10,7 @@ Source paper, section III-B a).
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 from mrsfi_runtime.model.fault_types import Field
 
@@ -187,7 +188,12 @@ class Terms:
 
 @dataclass(frozen=True, slots=True)
 class GoalTask:
-    """What the members of a goal have to do; ``kernel.goal_tasks`` has a subclass for each kind."""
+    """What the members of a goal have to do; ``kernel.goal_tasks`` has a subclass for each kind.
+
+    One that ``keeps_robots`` steers them into its area for ever.
+    """
+
+    keeps_robots: ClassVar[bool] = False
 
     @property
     def name(self) -> str:

@@ -1,6 +1,7 @@
 """GatherSamples: a sensor takes a number of samples inside the goal's area."""
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 from mrsfi_runtime.kernel.commands import switch_sensor
 from mrsfi_runtime.kernel.compiling import kernel
@@ -15,6 +16,7 @@ from mrsfi_runtime.model.mission import Goal, GoalTask, Terms
 class GatherSamples(GoalTask):
     """Gather samples with one sensor (by ID) inside the goal's area."""
 
+    keeps_robots: ClassVar[bool] = True
     target_sample_number: int
     sensor: str
 

@@ -1,6 +1,7 @@
 """Patrol: every member is inside an area at least once in each period."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
@@ -13,6 +14,7 @@ from mrsfi_runtime.model.mission import Area, GoalTask
 class Patrol(GoalTask):
     """Have every member inside the area at least once in each period of ticks."""
 
+    keeps_robots: ClassVar[bool] = True
     area: Area
     period: int
 

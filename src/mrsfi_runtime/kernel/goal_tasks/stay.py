@@ -1,6 +1,7 @@
 """Stay: every member stays inside an area once it has entered."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from mrsfi_runtime.kernel.compiling import kernel
 from mrsfi_runtime.kernel.goal_tasks.presence import note_presence
@@ -13,6 +14,7 @@ from mrsfi_runtime.model.mission import Area, GoalTask
 class Stay(GoalTask):
     """Keep every member inside the area from its first entry on."""
 
+    keeps_robots: ClassVar[bool] = True
     area: Area
 
 

@@ -28,7 +28,7 @@ class Screen {
         const chosen = goal.number ? this.choosing(goal.number, said(goal.name)) : make("b", {}, said(goal.name));
         const row = make("tr", { class: goal.grave ? "grave" : null, "data-goal": goal.id },
           make("td", { class: "state", title: goal.state }, goal.mark),
-          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(goal.id)), " ", make("b", { class: "verdict" }, goal.state), goal.cause ? [" if ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
+          make("td", {}, make("div", { class: "flowing" }, chosen, " ", goal.id === goal.name ? "" : make("small", {}, said(goal.id)), " ", make("b", { class: "verdict" }, goal.state), goal.cause ? [" ", said(goal.cause)] : "", ". ", make("small", {}, said(goal.by)))),
           make("td", {}, goal.noticed), make("td", {}, goal.sure.map((each) => make("div", {}, each))),
           make("td", {}, make("div", {}, goal.others), make("div", { class: "soft" }, goal.unknown)));
         if (goal.number) row.addEventListener("click", () => this.choose(goal.number));

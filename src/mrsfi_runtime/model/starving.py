@@ -1,0 +1,44 @@
+"""Which goals starve, as a goal that reacts first keeps their robots somewhere else for ever.
+
+References
+----------
+``docs/semantics.md``, reactions: the first goal that claims the heading of a robot has it.
+"""
+
+from collections.abc import Iterator
+from math import hypot
+
+from mrsfi_runtime.model.mission import Area, Goal, Mission, Robot, Terms
+
+
+def holders(mission: Mission, goal: Goal) -> Iterator[tuple[Goal, Area, list[Robot]]]:
+    """Yield each goal that keeps robots in an area where a later goal of theirs cannot be met.
+
+    So the tasks react; regions may do otherwise.
+    """
+    wanted = _robots(mission, goal)
+    for other in mission.goals[: mission.goals.index(goal)]:
+        area = other.terms.area
+        if other.task.keeps_robots and area is not None and _is_elsewhere(area, goal.terms):
+            kept = [robot for robot in _robots(mission, other) if robot in wanted]
+            if kept:
+                yield other, area, kept
+
+
+def _robots(mission: Mission, goal: Goal) -> list[Robot]:
+    """Return the robots that a goal steers: that of its sensor, or else its members."""
+    sensor = goal.terms.sensor
+    if sensor is not None:
+        return [mission.robots[mission.sensor_robot[mission.sensor_index[sensor]]]]
+    return [mission.robots[mission.robot_index[each]] for each in goal.members]
+
+
+def _is_elsewhere(area: Area, terms: Terms) -> bool:
+    """Return whether a point or an area that a task is about lies apart from an area."""
+    discs = [(point, terms.tolerance) for point in terms.trajectory]
+    if terms.area is not None:
+        discs.append((terms.area.center, terms.area.radius + terms.tolerance))
+    return any(
+        hypot(point.x - area.center.x, point.y - area.center.y) > area.radius + reach
+        for point, reach in discs
+    )
