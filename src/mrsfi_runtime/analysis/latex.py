@@ -20,6 +20,8 @@ _HEAD = r"""\documentclass[twocolumn]{article}
 _SPECIAL = {
     **{letter: f"\\{letter}" for letter in "&%$#_{}"},
     "\\": r"\textbackslash{}",
+    "[": "{[}",  # which after the end of a row would say how much space to leave, as would a star
+    "*": "{*}",
     "~": r"\textasciitilde{}",
     "^": r"\textasciicircum{}",
     "<": r"\textless{}",
@@ -34,10 +36,18 @@ _SPECIAL = {
 }
 """What letters become that mean something to LaTeX, or that its usual fonts lack."""
 
+_USUAL = {chr(n) for n in (*range(0x20, 0x7F), *range(0xA0, 0x17F))} - {*"ĦħĸĿŀŉŦŧ"} | {
+    *"\u2018\u2019\u201c\u201d\u2014\u2022\u20ac\u2122"
+}
+"""Letters that pdfLaTeX sets with these packages; of others the number is shown."""
+
 
 def in_latex(text: str) -> str:
     """Return a text in one line that LaTeX sets as it stands."""
-    return "".join(_SPECIAL.get(letter, letter) for letter in printable(text))
+    return "".join(
+        _SPECIAL.get(letter, letter if letter in _USUAL else f"{{[}}U+{ord(letter):04X}]")
+        for letter in printable(text)
+    )
 
 
 def to_latex(table: Table) -> str:
@@ -68,10 +78,8 @@ def _parts(
     summary: Summary, mission: Mission, pool: FaultPool, shown: Iterable[Illustration]
 ) -> Iterator[str]:
     yield f"\\section*{{Campaign {in_latex(summary.folder.name)} on {in_latex(summary.mission)}}}"
-    yield (
-        f"{summary.n_evaluations} evaluations, digest\n"
-        f"\\texttt{{{summary.digest[:32]} {summary.digest[32:]}}}."
-    )
+    halves = (f"\\texttt{{{half}}}" for half in (summary.digest[:32], summary.digest[32:]))
+    yield "\\\\\n".join((f"{summary.n_evaluations} evaluations, of digest", *halves))
     if summary.harvest is not None:
         found = verdicts(mission, pool, summary.harvest)
         said = (headline(found), *facts(mission, pool, found, summary.ways))

@@ -58,4 +58,5 @@ def test_no_cell_or_title_becomes_a_command_in_latex(text):
 
 def test_letters_that_mean_something_to_latex_stand_as_they_are():
     assert in_latex("a_b & 5 % of {x}") == r"a\_b \& 5 \% of \{x\}"
+    assert in_latex("* [日]") == "{*} {[}{[}U+65E5]]"
     assert in_latex("\\n ~ ^") == r"\textbackslash{}n \textasciitilde{} \textasciicircum{}"
