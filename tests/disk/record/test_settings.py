@@ -3,7 +3,7 @@ import json
 import pytest
 
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.settings import CampaignSettings
+from mrsfi_runtime.record.settings import CampaignSettings, require_seed, require_whole
 
 CASE = """
 [search]
@@ -119,3 +119,11 @@ def test_replications_fly_on_the_mission_seeds_that_follow():
     settings = CampaignSettings(mission_seed=2**63 - 2, replications=3)
 
     assert settings.mission_seeds == (2**63 - 2, 2**63 - 1, 0)
+
+
+def test_a_number_of_things_is_at_least_one_and_a_mission_seed_at_least_zero():
+    assert (require_whole("workers", 1), require_seed(0)) == (1, 0)
+    with pytest.raises(UsageError, match="workers: found 0; expected"):
+        require_whole("workers", 0)
+    with pytest.raises(UsageError, match="seed: found -1; expected"):
+        require_seed(-1)

@@ -1,10 +1,12 @@
+from dataclasses import replace
+
 import pytest
 
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.measure import Measure
+from mrsfi_runtime.record.measure import Measure, missed_from, ticks
 from mrsfi_runtime.record.settings import CampaignSettings
 from tests.support.measures import MEANS
-from tests.support.search import paper_mission
+from tests.support.search import outcome_of, paper_mission
 
 
 @pytest.mark.parametrize(
@@ -17,3 +19,26 @@ from tests.support.search import paper_mission
 def test_goals_that_a_record_says_nothing_of_are_refused(settings, goals, message):
     with pytest.raises(UsageError, match=message):
         Measure.of(settings, paper_mission()).require(goals)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (CampaignSettings(), "believed violations"),
+        (CampaignSettings(violations="missed"), "time missed"),
+        (replace(MEANS, violations="true"), "true violations, mean of 2 mission seeds"),
+    ],
+)
+def test_a_measure_says_what_it_counts(settings, words):
+    assert str(Measure.of(settings, paper_mission())) == words
+
+
+@pytest.mark.parametrize(
+    ("missed", "told"), [((0, 3), ("–", "7")), ((10, 1), ("0", "9")), (None, ("?", "?"))]
+)
+def test_a_goal_is_missed_from_a_tick_on_or_not_or_an_older_record_does_not_say(missed, told):
+    assert missed_from(replace(outcome_of(0, 0), missed=missed), 10) == told
+
+
+def test_a_count_is_whole_and_a_mean_of_counts_is_not():
+    assert (ticks(3), ticks(2.5)) == ("3", "2.50")

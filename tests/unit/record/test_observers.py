@@ -1,6 +1,8 @@
 import re
 from io import StringIO
 
+import pytest
+
 from mrsfi_runtime.kernel.flight import no_verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultTally
@@ -90,3 +92,19 @@ def _fault_events(stream):
         for line in text.splitlines()
         if "event fault" in line
     ]
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "told"), [(0.0, 1.0, "90.0"), (0.0, -1.0, "270.0"), (-1.0, 0.0, "180.0")]
+)
+def test_a_new_heading_is_told_in_degrees_from_the_x_axis_on(x, y, told):
+    mission = paper_mission()
+    before, after = initial_state(mission, 1), initial_state(mission, 1)
+    after.commands[1].heading_x, after.commands[1].heading_y = x, y
+    events, verdicts = Events(mission), no_verdicts(len(mission.goals))
+    [*events.at(before, verdicts)]
+
+    (heading,) = events.at(after, verdicts)
+
+    assert heading.subject == "r2 heading"
+    assert heading.said.endswith(f"-> {told} degrees")

@@ -1,0 +1,92 @@
+"""What is kept beside models: which files are read, and which are refused."""
+
+import os
+
+import pytest
+
+from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.record.regressions import Regression, kept
+
+SOUND = {
+    "found": '"here"',
+    "accepted": '"known"',
+    "violations": '"true"',
+    "mission_seeds": "[1, 2]",
+    "goals": "1",
+    "max": "{g1 = 3}",
+}
+
+
+def written(path, **changed):
+    lines = (f"{key} = {value}\n" for key, value in {**SOUND, **changed}.items() if value)
+    path.write_text("".join(lines), encoding="utf-8")
+    return path
+
+
+def test_nothing_is_kept_where_there_is_no_folder_or_none_in_it(tmp_path):
+    assert kept(tmp_path) == ()
+    (tmp_path / "regressions").mkdir()
+    (tmp_path / "regressions" / "notes.txt").write_text("not kept", encoding="utf-8")
+    assert kept(tmp_path) == ()
+
+
+def test_what_is_kept_is_read_by_name(tmp_path):
+    folder = tmp_path / "regressions"
+    folder.mkdir()
+    for name in ("b", "a"):
+        (folder / f"{name}.xmi").write_text("<faults/>", encoding="utf-8")
+        written(folder / f"{name}.toml")
+
+    found = kept(tmp_path)
+
+    sound = [
+        Regression(folder / f"{n}.toml", "here", "true", (1, 2), {"g1": 3}, None, "known")
+        for n in "ab"
+    ]
+    assert found == tuple(sound)
+
+
+def test_a_file_that_cannot_be_read_is_a_defect_of_its_own(tmp_path):
+    folder = tmp_path / "regressions"
+    folder.mkdir()
+    os.mkfifo(folder / "pipe.toml")
+    (folder / "folder.xmi").mkdir()
+    (folder / "lonely.xmi").write_text("<faults/>", encoding="utf-8")
+    written(folder / "sound.toml")
+
+    said = {each.name: str(each.defect) for each in kept(tmp_path)}
+
+    assert said["pipe"] == f"{folder / 'pipe.toml'}: found no plain file; expected a kept weakness"
+    assert "folder.xmi: found no plain file" in said["folder"]
+    assert "lonely.xmi: found no limits; expected lonely.toml beside it" in said["lonely"]
+    assert said["sound"] == "None"
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("found", "3", "found: found 3; expected a text"),
+        ("found", "", "found: found nothing; expected a text"),
+        ("accepted", "3", "accepted: found 3; expected a text"),
+        ("violations", '"seen"', "violations: found 'seen'; expected one of believed, true"),
+        ("mission_seeds", "[]", r"mission_seeds: found \[\]; expected a list of whole numbers"),
+        ("mission_seeds", "[-1]", r"mission_seeds: found \[-1\]; expected a list"),
+        ("mission_seeds", "[true]", r"mission_seeds: found \[True\]; expected a list"),
+        ("goals", "-1", "goals: found -1; expected a whole number"),
+        ("goals", "2", "max: found 1 limits; expected 2, as many as goals says"),
+        ("max", "{}", "max: found {}; expected a table"),
+        ("max", "{g1 = 0.5}", "max: found {'g1': 0.5}; expected a table"),
+        ("more", "1", "found unknown key 'more'; expected found, accepted"),
+    ],
+)
+def test_limits_that_make_no_sense_are_refused(key, value, message, tmp_path):
+    path = written(tmp_path / "a.toml", **{key: value})
+
+    with pytest.raises(UsageError, match=message):
+        Regression.load(path)
+
+
+def test_older_limits_say_neither_why_they_are_accepted_nor_how_many_they_are(tmp_path):
+    found = Regression.load(written(tmp_path / "a.toml", accepted="", goals=""))
+
+    assert (found.accepted, found.limits) == ("", {"g1": 3})
