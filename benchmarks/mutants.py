@@ -1,14 +1,11 @@
-"""Which defects the tests find: seeded single mutations of product code, tier by tier.
+"""Which defects the tests of a room find: seeded single mutations of its code.
 
-Run ``python -m benchmarks.mutants 40 --out runs/mutants.jsonl``. Each mutant is one changed
-place in a copy of the tree: a comparison, an operator, a number, an ``and``, a ``not``, what is
-returned, or a statement that is gone. The tiers run on it one after the other, cheapest first,
-until a test of one fails: that tier has killed it. What was judged stands in the file, one line
-of JSON each; the same command again goes on where it was stopped. Tests that fail in the copy
-without any mutation are left out, and named.
-
-``--room record`` changes that room alone, and judges by its own tests of ``make test``, cheapest
-first, which takes some seconds a mutant: with the same seed, a commit is compared with another.
+Run ``python -m benchmarks.mutants record 30``. Each mutant is one changed place in a copy of the
+tree: a comparison, an operator, a number, an ``and``, a ``not``, what is returned, or a statement
+that is gone. The room's own tests of ``make test`` run on it, cheapest first, until one fails. With
+the same seed, a commit is compared with another. What was judged stands in ``--out``, one line of
+JSON each; the same command again goes on where it was stopped. Tests that fail in the copy without
+any mutation are left out, and named.
 """
 
 import argparse
@@ -23,7 +20,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import deepcopy
 from dataclasses import asdict, dataclass
@@ -34,8 +31,8 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-PRODUCT = ("m2t", "src")
-TIERS = ("quick", "test", "rest")
+PATIENCE = 3.0
+"""How much longer a mutant may take than none; a minute more, and it is killed by the clock."""
 
 ROOMS = {
     "model": """
@@ -56,7 +53,10 @@ ROOMS = {
         unit/search disk/search conformance/test_algorithms.py conformance/test_own_search.py
     """,
     "causes": "unit/causes integration/causes e2e/test_explain.py",
-    "m2t": "unit/m2t disk/m2t model integration/test_generation.py",
+    "kernel": "unit/kernel golden property",
+    **dict.fromkeys(
+        ("m2t", "m2t/check", "m2t/write"), "unit/m2t disk/m2t model integration/test_generation.py"
+    ),
     "mrsfi": """
         unit/mrsfi e2e/test_mission_folders.py e2e/test_project.py e2e/test_rename.py
         e2e/test_keep_and_check.py e2e/test_validate_and_generate.py e2e/test_api.py
@@ -179,12 +179,12 @@ def mutants(file: Path) -> Iterator[Mutant]:
                 yield Mutant(name, node.lineno, begin, end, before, after, kind)
 
 
-def drawn(seed: int, only: str) -> list[Mutant]:
-    """Return all mutants of the product in an order drawn from a seed, the kinds in turn."""
-    files = sorted(file for folder in PRODUCT for file in (ROOT / folder).rglob("*.py"))
-    found = [
-        each for file in files if only in str(file.relative_to(ROOT)) for each in mutants(file)
-    ]
+def drawn(seed: int, room: str) -> list[Mutant]:
+    """Return all mutants of a room in an order drawn from a seed, the kinds in turn."""
+    folder = next(
+        ROOT / at / room for at in ("src/mrsfi_runtime", "src", ".") if (ROOT / at / room).is_dir()
+    )
+    found = [each for file in sorted(folder.rglob("*.py")) for each in mutants(file)]
     random.Random(seed).shuffle(found)
     turn: Counter[str] = Counter()
     places = {}
@@ -195,20 +195,22 @@ def drawn(seed: int, only: str) -> list[Mutant]:
 
 
 class Copy:
-    """A copy of the tree in which mutants are judged one after the other.
+    """A copy of the tree in which mutants are judged one after the other, by some tests.
 
-    A mutant that takes longer than its tier may, in seconds, is killed by the clock. If no tests
-    are named, all that are not left out take part.
+    A mutant that takes more than ``limit`` seconds is killed by the clock.
     """
 
     def __init__(
-        self, folder: Path, left_out: list[str], limits: dict[str, float], tests: list[str]
+        self,
+        folder: Path,
+        tests: list[str],
+        left_out: Sequence[str] = (),
+        limit: float | None = None,
     ) -> None:
         self.root = folder / "tree"
         self._cache = folder.parent / "compiled"
-        self._left_out = left_out
-        self._limits = limits
-        self._tests = tests
+        self._options = [*tests, *(f"--deselect={test}" for test in left_out)]
+        self._limit = limit
         listed = subprocess.run(
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=ROOT, check=True, capture_output=True, text=True,
@@ -218,27 +220,18 @@ class Copy:
                 (self.root / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(ROOT / name, self.root / name)
 
-    def judge(self, mutant: Mutant, tiers: list[str]) -> dict[str, object]:
-        """Return which tier killed a mutant, by which test, and in how many seconds."""
-        begun = time.monotonic()
+    def killer(self, mutant: Mutant) -> str:
+        """Return which test kills a mutant, or nothing."""
         mutant.apply(self.root)
         try:
-            for tier in tiers:
-                failed = self.failed(tier, "--exitfirst")
-                if failed:
-                    break
-            else:
-                tier, failed = "", [""]
+            return next(iter(self.failed("--exitfirst")), "")
         finally:
             shutil.copy2(ROOT / mutant.file, self.root / mutant.file)
-        return {"killed_by": tier, "test": failed[0], "seconds": round(time.monotonic() - begun)}
 
-    def failed(self, tier: str, *options: str) -> list[str]:
-        """Return the tests of a tier that fail here."""
-        out = [f"--deselect={test}" for test in self._left_out]
-        command = [sys.executable, "-m", "pytest", "-q", "-rfE", "-n0", "--tier", tier, *out]
-        command += ["-p", "no:cacheprovider", "--tb=no", "--ignore=tests/interop", *options]
-        command += self._tests
+    def failed(self, *options: str) -> list[str]:
+        """Return the tests that fail here."""
+        command = [sys.executable, "-m", "pytest", "-q", "-rfE", "-n0", "--tier", "test"]
+        command += ["-p", "no:cacheprovider", "--tb=no", *options, *self._options]
         paths = [str(self.root / "src"), str(self.root)]
         environment = os.environ | {
             "PYTHONPATH": os.pathsep.join(paths),
@@ -251,9 +244,9 @@ class Copy:
         ) as process:  # fmt: skip
             _RUNNING.add(process.pid)
             try:
-                output, _ = process.communicate(timeout=self._limits.get(tier))
+                output, _ = process.communicate(timeout=self._limit)
             except subprocess.TimeoutExpired:
-                return [f"took more than {self._limits[tier]:.0f} s"]
+                return [f"took more than {self._limit:.0f} s"]
             finally:
                 _RUNNING.discard(process.pid)
                 _end(process.pid)
@@ -261,8 +254,7 @@ class Copy:
             message = "the tests were killed from outside: nothing is known of the mutant"
             raise RuntimeError(message)
         if process.returncode == pytest.ExitCode.NO_TESTS_COLLECTED:
-            advice = "correct --tests and --tiers, or mend what fails"
-            message = f"no test takes part in {tier}: {advice}"
+            message = f"no test takes part: {' '.join(self._options)}"
             raise RuntimeError(message)
         lines = [line.split(" - ")[0] for line in output.splitlines()]
         named = [line.split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]
@@ -291,104 +283,77 @@ class Record:
         path.touch()
         self.lines = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
 
-    def add(self, **line: object) -> None:
-        """Keep a line."""
+    def add(self, **line: Any) -> dict[str, Any]:
+        """Keep a line, and return it."""
         with self._lock, self._path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
             self.lines.append(line)
+        return line
 
-    def verdict(self, mutant: Mutant) -> dict[str, object] | None:
-        """Return what was found of a mutant, if it was judged."""
-        found = (line for line in self.lines if line.get("mutant") == asdict(mutant))
+    def killer(self, mutant: Mutant) -> str | None:
+        """Return what killed a mutant, or nothing; ``None`` if it was not judged yet."""
+        found = (line["killer"] for line in self.lines if line.get("mutant") == asdict(mutant))
         return next(found, None)
 
-    def unmutated(self, tier: str) -> dict[str, Any] | None:
-        """Return how a tier ends without a mutation, if that is known."""
-        return next((line for line in self.lines if line.get("unmutated") == tier), None)
+    def unmutated(self) -> dict[str, Any] | None:
+        """Return how the tests end without a mutation, if that is known."""
+        return next((line for line in self.lines if "left_out" in line), None)
 
 
-def measure(arguments: argparse.Namespace, record: Record, folder: Path) -> list[Mutant]:
-    """Judge as many mutants as are wanted, some at a time."""
-    plain = Copy(folder / "plain", [], {}, arguments.tests)
-    for tier in arguments.tiers:
-        if record.unmutated(tier) is None:
-            print(f"running {tier} without a mutation", flush=True)
-            begun = time.monotonic()
-            failed = plain.failed(tier)
-            record.add(unmutated=tier, left_out=failed, seconds=time.monotonic() - begun)
-    known = {tier: record.unmutated(tier) or {} for tier in arguments.tiers}
-    left_out = [test for found in known.values() for test in found["left_out"]]
-    limits = {tier: 60 + arguments.patience * found["seconds"] for tier, found in known.items()}
+def judge(
+    wanted: list[Mutant], tests: list[str], record: Record, n_jobs: int, folder: Path
+) -> None:
+    """Judge mutants, some at a time."""
+    known = record.unmutated()
+    if known is None:
+        begun = time.monotonic()
+        failed = Copy(folder / "plain", tests).failed()
+        known = record.add(left_out=failed, seconds=time.monotonic() - begun)
+    left_out, limit = known["left_out"], 60 + PATIENCE * known["seconds"]
     print(f"left out, because they fail unmutated: {left_out or 'none'}", flush=True)
-    wanted = drawn(arguments.seed, arguments.only)[: arguments.n]
     mine = local()
 
-    def judge(mutant: Mutant) -> None:
-        if record.verdict(mutant) is None:
+    def decide(mutant: Mutant) -> None:
+        if record.killer(mutant) is None:
             if not hasattr(mine, "copy"):
                 place = Path(tempfile.mkdtemp(dir=folder))
-                mine.copy = Copy(place, left_out, limits, arguments.tests)
-            found = mine.copy.judge(mutant, arguments.tiers)
-            record.add(mutant=asdict(mutant), **found)
-            print(f"{found['killed_by'] or 'SURVIVED':8} {mutant}  {found['test']}", flush=True)
+                mine.copy = Copy(place, tests, left_out, limit)
+            killer = mine.copy.killer(mutant)
+            record.add(mutant=asdict(mutant), killer=killer)
+            print(f"{'killed' if killer else 'SURVIVED':8} {mutant}  {killer}", flush=True)
 
-    with ThreadPoolExecutor(arguments.jobs) as pool:
+    with ThreadPoolExecutor(n_jobs) as pool:
         try:
-            list(pool.map(judge, wanted))
+            list(pool.map(decide, wanted))
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             for group in tuple(_RUNNING):
                 _end(group)
             raise
-    return wanted
-
-
-def tell(record: Record, wanted: list[Mutant], tiers: list[str]) -> None:
-    """Print how many mutants each tier kills, and which ones live."""
-    verdicts = [(mutant, record.verdict(mutant) or {}) for mutant in wanted]
-    counts = Counter(found["killed_by"] for _, found in verdicts)
-    n_killed = len(wanted) - counts[""]
-    print(f"\n{n_killed} of {len(wanted)} mutants are killed")
-    for k in range(1, len(tiers) + 1):
-        print(f"  {sum(counts[name] for name in tiers[:k]):4} by {' and '.join(tiers[:k])}")
-    for mutant, found in verdicts:
-        if not found["killed_by"]:
-            print(f"  lives: {mutant}")
-
-
-def of_room(arguments: argparse.Namespace) -> None:
-    """Set what is mutated, by which tests that are here it is judged, and where that is kept."""
-    room = arguments.room
-    arguments.only = {"m2t": "m2t/", "mrsfi": "src/mrsfi/"}.get(room, f"src/mrsfi_runtime/{room}/")
-    named = [f"tests/{test}" for test in ROOMS[room].split()]
-    arguments.tests = [test for test in named if (ROOT / test).exists()]
-    arguments.tiers = "test"
-    arguments.out = arguments.out or ROOT / "runs" / f"mutants-{room}.jsonl"
 
 
 def main() -> None:
     """Judge mutants as the command line says."""
     parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
+    parser.add_argument("room", choices=ROOMS)
     parser.add_argument("n", type=int, help="how many mutants")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--tiers", default=",".join(TIERS), help="cheapest first")
-    parser.add_argument("--only", default="", help="text in the path of what is mutated")
-    parser.add_argument("--room", choices=ROOMS, help="a room alone, judged by its own tests")
-    parser.add_argument("--tests", nargs="*", default=[], help="judge by these paths alone")
     parser.add_argument("--jobs", type=int, default=2, help="how many at a time")
-    parser.add_argument(
-        "--patience", type=float, default=3.0, help="how much longer a mutant may take than none"
-    )
     parser.add_argument("--out", type=Path)
     arguments = parser.parse_args()
-    if arguments.room:
-        of_room(arguments)
-    arguments.tiers = arguments.tiers.split(",")
+    room = arguments.room
+    named = [f"tests/{test}" for test in ROOMS[room].split()]
+    tests = [test for test in named if (ROOT / test).exists()]  # also of an earlier commit
+    wanted = drawn(arguments.seed, room)[: arguments.n]
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # ends what runs, as Ctrl-C does
-    record = Record(arguments.out or ROOT / "runs" / "mutants.jsonl")
+    name = f"mutants-{room.replace('/', '-')}.jsonl"
+    record = Record(arguments.out or ROOT / "runs" / name)
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
-        wanted = measure(arguments, record, Path(folder))
-    tell(record, wanted, arguments.tiers)
+        judge(wanted, tests, record, arguments.jobs, Path(folder))
+    alive = [mutant for mutant in wanted if not record.killer(mutant)]
+    print(f"\n{len(wanted) - len(alive)} of {len(wanted)} mutants are killed")
+    for mutant in alive:
+        print(f"  lives: {mutant}")
 
 
 if __name__ == "__main__":
