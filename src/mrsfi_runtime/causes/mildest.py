@@ -26,7 +26,8 @@ from mrsfi_runtime.causes.weakness import (
     yardstick_of,
 )
 from mrsfi_runtime.engine.recording import Record, Recording
-from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
+from mrsfi_runtime.kernel.packing import PROPERTIES
+from mrsfi_runtime.model.fault_types import UNITS, Mode
 from mrsfi_runtime.model.faults import Specification, TimedFault, fault_ticks
 from mrsfi_runtime.model.targets import touched
 from mrsfi_runtime.search.space import SearchSpace
@@ -41,13 +42,6 @@ _N_STARTS = 5  # forms that were flown already, of which one is sought that hold
 _FINE = 16  # what differs by no more than this part need not be told apart
 _LEAST = 0.001  # share of a value or window below which none is sought
 _BROKEN = {"believed": "is believed broken", "true": "breaks", "missed": "is missed"}
-_TRUE = {
-    Field.POSITION: ("robots", ("x", "y", "z")),
-    Field.SPEED: ("robots", ("speed",)),
-    Field.ENERGY: ("robots", ("energy",)),
-    Field.OBSTACLE: ("obstacles", ("x", "y")),
-    **{each: ("sensors", (each.name.lower(),)) for each in OF_SENSOR},
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +88,7 @@ class Deviation:
         if fault.kind.mode is not Mode.FIXED or not targets:
             return (0.0,) * len(timed.values)
         affected, index = targets[0]
-        owners, fields = _TRUE[affected]
+        owners, fields = PROPERTIES[affected]
         owner = world[min(timed.start, len(world) - 1)][owners][index]
         true = tuple(float(owner[field]) for field in fields)[: len(timed.values)]
         return true + timed.values[len(true) :]

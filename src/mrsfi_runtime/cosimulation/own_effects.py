@@ -6,34 +6,18 @@ from typing import Any
 
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.kernel.injections import OwnEffect, OwnFault
-from mrsfi_runtime.kernel.packing import COLUMNS
+from mrsfi_runtime.kernel.packing import COLUMNS, PROPERTIES
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.fault_types import FaultType, Field
-
-_COLUMNS: Mapping[Field, tuple[str, ...]] = {
-    Field.POSITION: ("x", "y", "z"),
-    Field.SPEED: ("speed",),
-    Field.ENERGY: ("energy",),
-    Field.COUNT: ("count",),
-    Field.RATE: ("rate",),
-    Field.COST: ("cost",),
-    Field.OBSTACLE: ("x", "y"),
-}
-"""Where a property stands in the record of its owner."""
-
-_LISTS = ("robots", "sensors", "obstacles")
-"""Lists of a state that hold those owners, by ``OwnFault.kind``."""
+from mrsfi_runtime.model.fault_types import FaultType
 
 Place = tuple[str, int, str]
 """A list of a state, such as ``ci.robots``; the index of a record in it, and a column."""
 
 
-def allowed_columns(kind: FaultType, of: int) -> tuple[str, list[str]]:
-    """Return which list of a state a fault may change, and which columns of its target there.
-
-    ``of`` is ``OwnFault.kind``.
-    """
-    return _LISTS[of], [column for affected in kind.properties for column in _COLUMNS[affected]]
+def allowed_columns(kind: FaultType) -> tuple[str, list[str]]:
+    """Return which list of a state a fault may change, and which columns of its target there."""
+    places = [PROPERTIES[affected] for affected in kind.properties]
+    return places[0][0], [column for _, columns in places for column in columns]
 
 
 def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
@@ -44,7 +28,7 @@ def guarded(apply: OwnEffect, kinds: Mapping[int, FaultType]) -> OwnEffect:
 
     def apply_guarded(ci: State, inbox: State, fault: OwnFault) -> None:
         kind = kinds[fault.effect]
-        listed, columns = allowed_columns(kind, fault.kind)
+        listed, columns = allowed_columns(kind)
         allowed = {(f"ci.{listed}", fault.target, column) for column in columns}
         before = _snapshot(ci, inbox, fault)
         apply(ci, inbox, fault)

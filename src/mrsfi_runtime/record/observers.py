@@ -1,15 +1,14 @@
 """What a flight is written down as: belief and truth of every tick, and a log for people."""
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import TextIO
 
 from mrsfi_runtime.kernel.flight import Verdicts
+from mrsfi_runtime.kernel.packing import PROPERTIES
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import describe
 from mrsfi_runtime.record.events import Events
 
 
@@ -61,20 +60,6 @@ class TraceTable:
         return robots + sensors + goals
 
 
-_BELIEVED: Mapping[str, Mapping[Field, tuple[str, ...]]] = MappingProxyType(
-    {
-        "robots": {
-            Field.POSITION: ("x", "y", "z"),
-            Field.SPEED: ("speed",),
-            Field.ENERGY: ("energy",),
-        },
-        "sensors": {Field.COUNT: ("count",), Field.RATE: ("rate",), Field.COST: ("cost",)},
-        "obstacles": {Field.OBSTACLE: ("x", "y")},
-    }
-)
-"""Properties of which belief can differ from the truth, by the list of a state that has them."""
-
-
 class SimulationLog:
     """Observer that writes the true state, what is believed otherwise, and what happened."""
 
@@ -106,15 +91,16 @@ class SimulationLog:
 
     def _mistaken(self, world: State, belief: State) -> Iterator[str]:
         """Yield what is believed otherwise than it is."""
-        for owners, properties in _BELIEVED.items():
-            pairs = zip(getattr(belief, owners), getattr(world, owners), strict=True)
-            for index, pair in enumerate(pairs):
-                for affected, names in properties.items():
+        for listed, some in groupby(PROPERTIES, key=lambda each: PROPERTIES[each][0]):
+            properties = [*some]
+            owners, *sides = (getattr(each, listed) for each in (self._mission, belief, world))
+            for owner, *pair in zip(owners, *sides, strict=True):
+                for affected in properties:
+                    _, names = PROPERTIES[affected]
                     believed, true = ([getattr(side, name) for name in names] for side in pair)
                     if believed != true:
-                        what = describe(self._mission, (affected, index))
                         said, so = _apart(believed, true)
-                        yield f"  believed {what}: {said}, true {so}"
+                        yield f"  believed {owner.id} {affected.name.lower()}: {said}, true {so}"
 
 
 def _apart(first: Sequence[float], second: Sequence[float]) -> tuple[str, str]:

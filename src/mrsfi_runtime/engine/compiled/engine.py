@@ -162,8 +162,8 @@ class CompiledEngine(Engine):
         layout = self._fresh(self.seed).layout
 
         def allowed(row: OwnRow) -> Sequence[int]:
-            _, effect, of, target, *_ = row
-            listed, columns = allowed_columns(kinds[effect], of)
+            _, effect, _, target, *_ = row
+            listed, columns = allowed_columns(kinds[effect])
             return layout.allowed_words(listed, target, columns)
 
         return Batch(plans, self._moment_type, allowed)
