@@ -27,9 +27,9 @@ from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import Fault, Specification, TimedFault
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.model.targets import conflicts
 
 MISSIONS = ("uuv_sampling", "tight_margins", "tight_energy")
 MRSFI = (sys.executable, "-m", "mrsfi_runtime.cli.main")
@@ -114,7 +114,7 @@ class Brute:
         )
 
     def _pairs(self) -> Iterator[Specification]:
-        excluded = conflicts(self._mission, self._pool)
+        excluded = Gate(self._mission, self._pool).conflicts()
         for one, other in combinations(self._pool, 2):
             for _ in range(N_PAIR):
                 first, second = self._form(one), self._form(other)

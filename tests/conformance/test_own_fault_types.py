@@ -20,7 +20,7 @@ from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import TimedFault
-from mrsfi_runtime.model.targets import conflicts
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.search.space import SearchSpace
 from tests.support.cli import edit
 from tests.support.edited import write_body
@@ -167,7 +167,7 @@ def test_a_random_count_is_whole_and_within_its_bounds(code):
 def test_bounds_and_conflicts_follow_from_what_the_metamodel_says(code):
     pool = code.pool
     speed = code.mission.robots[2].speed
-    table = conflicts(code.mission, pool)
+    table = Gate(code.mission, pool).conflicts()
 
     assert value_bounds(code.mission, pool["slip"]) == ((0.0, 7.0),)
     assert value_bounds(code.mission, pool["drawn"]) == ((1.0, 1.0), (0.0, 90.0))

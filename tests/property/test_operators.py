@@ -12,7 +12,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import conflicts
+from mrsfi_runtime.model.targets import touched
 from mrsfi_runtime.search.eda import FaultModel
 from mrsfi_runtime.search.fitness import Score
 from mrsfi_runtime.search.individuals import Individual
@@ -65,6 +65,12 @@ def require_within(candidate: Candidate, timed: TimedFault, duration: int) -> No
         assert low <= value <= high
         assert type(value) is float
         assert not is_integer or value.is_integer()
+
+
+def conflicts(mission: Mission, pool: FaultPool) -> dict[str, set[str]]:
+    """Return for every fault ID those of the faults that touch the same, by the definition."""
+    keys = {fault.id: {fault.id, *touched(mission, fault)} for fault in pool}
+    return {one: {other for other in keys if keys[one] & keys[other]} for one in keys}
 
 
 @LAW

@@ -2,6 +2,14 @@
 
 Within its limits the reference and the compiled engine agree to the last bit: windows and whole
 values are those of an ``EInt``, other values at most ``MOST``, as in models.
+
+Two faults conflict when they touch the same property of the same target: one would
+disable the other. Conflicting faults never overlap in one specification.
+
+References
+----------
+Source paper, sections III-C b), III-E b) and c). The paper says *same message* in one
+place and *same class* in another; this key serves the purpose it states.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -143,6 +151,17 @@ class Gate(dict[str, tuple[FaultType, int, tuple[Target | str, ...]]]):
                     raise self._overlap(before, timed)
                 newest[key] = timed
         return found
+
+    def conflicts(self) -> Mapping[str, frozenset[str]]:
+        """Return for every fault ID the IDs of the faults that it may not overlap, itself included.
+
+        A fault that touches nothing conflicts with itself only: twice at once would be pointless.
+        """
+        keys = {fault.id: frozenset(self[fault.id][2]) for fault in self.pool}
+        return {
+            fault_id: frozenset(other for other, others in keys.items() if key & others)
+            for fault_id, key in keys.items()
+        }
 
     def _overlap(self, first: TimedFault, second: TimedFault) -> SpecificationError:
         """Return the error that two conflicting faults overlap."""

@@ -1,15 +1,6 @@
-"""Which properties a fault touches, and which faults therefore conflict.
+"""Which properties of which robots, sensors and obstacles a fault touches."""
 
-Two faults conflict when they touch the same property of the same target: one would
-disable the other. Conflicting faults never overlap in one specification.
-
-References
-----------
-Source paper, sections III-C b), III-E b) and c). The paper says *same message* in one
-place and *same class* in another; this key serves the purpose it states.
-"""
-
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
@@ -20,7 +11,7 @@ from mrsfi_runtime.model.fault_types import (
     Field,
     Struck,
 )
-from mrsfi_runtime.model.faults import Fault, FaultPool
+from mrsfi_runtime.model.faults import Fault
 from mrsfi_runtime.model.mission import Message, Mission, Obstacle, Robot, Sensor
 
 Target: TypeAlias = tuple[Field, int]
@@ -123,17 +114,3 @@ def _carried(mission: Mission, robot: int, message: Message) -> Iterator[Target]
             for sensor in mission.robots[robot].sensors:
                 if sensor.type == entry.name:
                     yield Field.COUNT, mission.sensor_index[sensor.id]
-
-
-def conflicts(mission: Mission, pool: FaultPool) -> Mapping[str, frozenset[str]]:
-    """Return for every fault ID the IDs of the faults that it may not overlap, itself included.
-
-    A fault that touches nothing conflicts with itself only: twice at once would be pointless.
-    """
-    keys = {fault.id: frozenset(touched(mission, fault)) for fault in pool}
-    return {
-        fault_id: frozenset(
-            other for other, others in keys.items() if other == fault_id or key & others
-        )
-        for fault_id, key in keys.items()
-    }

@@ -17,7 +17,6 @@ from mrsfi_runtime.model.bounds import value_bounds
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Coordinates, Mission
-from mrsfi_runtime.model.targets import conflicts
 
 Window: TypeAlias = tuple[int, int]
 """First and last tick, both included."""
@@ -111,7 +110,8 @@ class SearchSpace:
             raise SpecificationError(
                 f"fault pool '{pool.id}' is empty; search needs at least one fault"
             )
-        excluded = conflicts(mission, pool)
+        gate = Gate(mission, pool)
+        excluded = gate.conflicts()
         candidates = {
             fault.id: Candidate(
                 index=index,
@@ -124,7 +124,7 @@ class SearchSpace:
             )
             for index, fault in enumerate(pool)
         }
-        return cls(mission.duration, MappingProxyType(candidates), Gate(mission, pool))
+        return cls(mission.duration, MappingProxyType(candidates), gate)
 
     def clash(self, first: TimedFault, second: TimedFault) -> bool:
         """Return whether two timed faults may not stand in one specification."""

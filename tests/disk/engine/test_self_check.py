@@ -19,11 +19,12 @@ SEED = 3
 def test_every_fault_of_the_pool_acts_at_once_or_in_turns_until_the_end(duration):
     code = paper_code()
     mission = replace(code.mission, duration=duration)
+    gate = Gate(mission, code.pool)
 
-    flown = trials(mission, code.pool)
+    flown = trials(gate)
 
     for each in flown:
-        assert Gate(mission, code.pool).admitted(each) == each
+        assert gate.admitted(each) == each
         assert {timed.fault for timed in each if timed.start == 0} == {one.fault for one in each}
         assert max(timed.finish for timed in each) == duration - 1
     assert {timed.fault for each in flown for timed in each} == set(code.pool.by_id)
@@ -32,7 +33,7 @@ def test_every_fault_of_the_pool_acts_at_once_or_in_turns_until_the_end(duration
 
 def test_without_faults_the_mission_flies_alone():
     code = paper_code()
-    assert trials(code.mission, FaultPool("none", ())) == [()]
+    assert trials(Gate(code.mission, FaultPool("none", ()))) == [()]
 
 
 @pytest.fixture
@@ -54,7 +55,7 @@ def recorded(reference, change=lambda _recording: None):
 
 
 def one(reference):
-    return trials(reference.code.mission, reference.code.pool)
+    return trials(Gate(reference.code.mission, reference.code.pool))
 
 
 def test_equal_flights_pass_over_as_many_ticks_as_there_is_time_for(reference):

@@ -8,7 +8,7 @@ from mrsfi_runtime.errors import SpecificationError
 from mrsfi_runtime.model.fault_types import Field
 from mrsfi_runtime.model.faults import Fault, FaultPool, TimedFault
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.targets import conflicts, touched
+from mrsfi_runtime.model.targets import touched
 from tests.support.fault_types import FAULT_TYPES
 from tests.support.world import paper_code
 
@@ -46,7 +46,7 @@ def _twice(goal):
 
 
 def test_conflicts_are_mutual_and_follow_the_property_not_the_message():
-    table = conflicts(CODE.mission, CODE.pool)
+    table = Gate(CODE.mission, CODE.pool).conflicts()
 
     assert all(first in table[second] for first in table for second in table[first])
     energy_of_r3 = {"f4", "f10", "f15", "f20", "f27"}

@@ -17,9 +17,9 @@ from mrsfi_runtime.errors import EvaluationError, MrsfiError, WorkerLost
 from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.packing import COLUMNS, state_bytes
 from mrsfi_runtime.kernel.state import State
-from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
+from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.gate import Gate
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.targets import conflicts
 
 SECONDS = 0.05
 """How long the reference engine flies for it."""
@@ -35,11 +35,11 @@ Record = Callable[[Specification, int], Recording | None]
 """Flies compiled, and returns the first ticks; ``None`` if that failed and is not relied on."""
 
 
-def trials(mission: Mission, pool: FaultPool) -> list[Specification]:
+def trials(gate: Gate) -> list[Specification]:
     """Return specifications with all faults of a pool, as many in each as may act at once."""
-    others, last = conflicts(mission, pool), mission.duration - 1
+    others, last = gate.conflicts(), gate.mission.duration - 1
     flown: list[Specification] = [()]
-    for fault in pool:
+    for fault in gate.pool:
         windows = [(a, last if b is None else min(b, last)) for a, b in _WINDOWS if a <= last]
         timed = tuple(TimedFault(fault.id, *window, fault.values) for window in windows)
         for k, before in enumerate(flown):
