@@ -37,7 +37,6 @@ from mrsfi_runtime.analysis.plots import (
 )
 from mrsfi_runtime.analysis.story import Story, seen, working_window
 from mrsfi_runtime.model.mission import Coordinates, Goal, Mission
-from mrsfi_runtime.model.targets import robots_of, touched
 
 Place: TypeAlias = tuple[float, float]
 
@@ -218,11 +217,7 @@ def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
 
 def _foremost(labels: Sequence[Annotation], story: Story) -> list[Annotation]:
     """Keep as many labels as can be read in print: robots that faults strike, robots, goals."""
-    struck = {
-        robot
-        for fault in story.faults
-        for robot in robots_of(story.mission, touched(story.mission, fault.fault))
-    }
+    struck = {robot for fault in story.faults for robot in fault.robots}
     n_robots = len(story.mission.robots)
     robots = sorted(range(n_robots), key=lambda robot: robot not in struck)
     ranked = [*(labels[robot - n_robots] for robot in robots), *labels[:-n_robots]]

@@ -8,7 +8,7 @@ from mrsfi_runtime.kernel.injections import active_window
 from mrsfi_runtime.model.faults import Fault, FaultPool, Specification, TimedFault
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
-from mrsfi_runtime.model.targets import describe, touched
+from mrsfi_runtime.model.targets import describe, robots_of, touched
 from mrsfi_runtime.record.measure import NONE
 
 
@@ -16,14 +16,16 @@ from mrsfi_runtime.record.measure import NONE
 class NamedFault:
     """A timed fault, and all that it takes to name it.
 
-    ``touched`` is in words; ``window`` has the first and last tick at which it is active, ``None``
-    if it never is.
+    ``touched`` is in words, ``robots`` are the places of the robots that have it or carry the
+    sensors that do; ``window`` has the first and last tick at which it is active, ``None`` if it
+    never is.
     """
 
     name: str
     timed: TimedFault
     fault: Fault
     touched: tuple[str, ...]
+    robots: frozenset[int]
     window: tuple[int, int] | None
 
     @property
@@ -62,20 +64,16 @@ def named_faults(
 
     ``names`` are those of the timed faults; the IDs of the pool faults if left out.
     """
-    return tuple(
-        NamedFault(
-            name,
-            timed,
-            pool[timed.fault],
-            tuple(describe(mission, target) for target in touched(mission, pool[timed.fault])),
-            active_window(mission, pool, timed),
-        )
-        for name, timed in zip(
-            [timed.fault for timed in specification] if names is None else names,
-            specification,
-            strict=True,
-        )
-    )
+    if names is None:
+        names = [timed.fault for timed in specification]
+    found = []
+    for name, timed in zip(names, specification, strict=True):
+        fault = pool[timed.fault]
+        targets = touched(mission, fault)
+        words = tuple(describe(mission, target) for target in targets)
+        window = active_window(mission, pool, timed)
+        found.append(NamedFault(name, timed, fault, words, robots_of(mission, targets), window))
+    return tuple(found)
 
 
 FAULT_COLUMNS = ("fault", "type", "start", "finish", "applied", "changed", "target", "values")

@@ -15,7 +15,6 @@ from mrsfi_runtime.analysis.story import Story, judged, seen, story_of, windows
 from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.engine.recording import SIDES, Recording
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Mission
-from mrsfi_runtime.model.targets import robots_of, touched
 from mrsfi_runtime.record.named_faults import NamedFault
 
 MOST_VALUES = 6_000_000
@@ -93,7 +92,7 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
         "title": flown.title,
         "goal": flown.goal,
         "first": flown.first,
-        "robots": sorted({each for fault in flown.faults for each in _struck(mission, fault)}),
+        "robots": sorted({each for fault in flown.faults for each in fault.robots}),
         "window": seen(mission, story.true),
         "faults": [fault_content(fault) for fault in flown.faults],
         "flights": [
@@ -105,11 +104,6 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
         "events": sorted(_events(story), key=lambda event: event[0]),
         "said": _resolution(steps, stride),
     }
-
-
-def _struck(mission: Mission, fault: NamedFault) -> frozenset[int]:
-    """Return the places of the robots that a fault strikes."""
-    return robots_of(mission, touched(mission, fault.fault))
 
 
 def stride(mission: Mission, n_flights: int) -> int:

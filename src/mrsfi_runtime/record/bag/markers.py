@@ -11,7 +11,6 @@ from typing import Any, TypeAlias
 
 from mrsfi_runtime.kernel.state import RobotState, State
 from mrsfi_runtime.model.mission import ROBOT_RADIUS, Coordinates, Mission
-from mrsfi_runtime.model.targets import robots_of, touched
 from mrsfi_runtime.record.named_faults import NamedFault
 
 Message: TypeAlias = dict[str, Any]
@@ -69,9 +68,7 @@ class RobotMarkers:
     def __init__(self, mission: Mission, faults: Sequence[NamedFault]) -> None:
         self._mission = mission
         self._struck = [
-            (fault.window, robots_of(mission, touched(mission, fault.fault)))
-            for fault in faults
-            if fault.window is not None
+            (fault.window, fault.robots) for fault in faults if fault.window is not None
         ]
 
     def at(self, world: State, belief: State) -> Message:
