@@ -67,14 +67,12 @@ class WorkerPool(Evaluator):
         if self.engine is not None:
             yield from self.engine.evaluate_many(specifications, seed)
             return
-        chunks = _chunks(specifications, 4 * self._n_workers)
+        evaluate = partial(_evaluate, self._open_engine, seed)
+        size = max(1, -(-len(specifications) // (4 * self._n_workers)))
         try:
             with apart():
-                results = self._executor.map(
-                    partial(_evaluate_chunk, self._open_engine, seed), chunks
-                )
-            for chunk in results:
-                yield from chunk
+                results = self._executor.map(evaluate, specifications, chunksize=size)
+            yield from results
         except BrokenProcessPool as error:
             raise WorkerLost(
                 "a worker process died; resume the campaign, or use --workers 1 to see why"
@@ -99,14 +97,6 @@ def apart() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, held)
 
 
-def _chunks(
-    specifications: Sequence[Specification], n_chunks: int
-) -> Iterator[Sequence[Specification]]:
-    size = max(1, -(-len(specifications) // n_chunks))
-    for start in range(0, len(specifications), size):
-        yield specifications[start : start + size]
-
-
 def start_worker() -> None:
     """Begin a process that works for this one: it outlives neither it nor its interruption."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides how a run ends
@@ -126,7 +116,7 @@ def _worker_engine(directory: Path, pool: bytes, seed: int, settings: EngineSett
     return settings.open(load_code(directory, pickle.loads(pool)), seed)
 
 
-def _evaluate_chunk(
-    open_engine: Callable[[], Engine], seed: int, specifications: Sequence[Specification]
-) -> list[Evaluated]:
-    return list(open_engine().evaluate_many(specifications, seed))
+def _evaluate(
+    open_engine: Callable[[], Engine], seed: int, specification: Specification
+) -> Evaluated:
+    return open_engine().attempt(specification, seed)
