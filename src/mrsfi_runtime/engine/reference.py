@@ -22,9 +22,6 @@ class ReferenceEngine(PlainEngine):
         self._simulation = code.simulation(bus, code.mission)
         self.interface = code.interface(bus)
 
-    def close(self) -> None:
-        """Do nothing: the engine holds nothing but memory."""
-
     def _fly(self, flight: Flight, seed: int) -> None:
         self._simulation.reset(seed)
         flight.begin(self._simulation.world)

@@ -26,7 +26,8 @@ _N_AHEAD = 2  # chunks for each worker, so that the next is there when one is do
 class ClusterPool(Evaluator):
     """The workers of a cluster, with an engine each; every one gets the generated code once.
 
-    An engine that cannot be opened is told before any worker begins.
+    An engine that cannot be opened is told before any worker begins. Workers keep their engines for
+    the next pool of the cluster.
     """
 
     def __init__(
@@ -38,9 +39,6 @@ class ClusterPool(Evaluator):
         self._settings = settings
         self._pace = Pace()
         self._plugin = cluster.ship(Shipment.of(code.directory, code.pool))
-
-    def close(self) -> None:
-        """Do nothing: workers keep their engines for the next pool of the cluster."""
 
     def evaluate_many(
         self, specifications: Sequence[Specification], seed: int | None = None
