@@ -11,7 +11,7 @@ from mrsfi.weaknesses import flying_again, harvested
 from mrsfi_runtime.analysis.table import Table
 from mrsfi_runtime.analysis.verdicts import cause_in_words, label_of
 from mrsfi_runtime.causes.ways import Way
-from mrsfi_runtime.causes.weakness import MEASURES, broken_by, yardstick_of
+from mrsfi_runtime.causes.weakness import MEASURES, yardstick_of
 from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.errors import SpecificationError, UsageError, counted
 from mrsfi_runtime.model.gate import Gate
@@ -146,7 +146,7 @@ def _broken(
     by_number = dict(zip(flyable, flown, strict=True))
     for way in ways:
         if way.number not in told:
-            broken = broken_by(yardstick, by_number[way.number])
+            broken = yardstick.broken(by_number[way.number])
             told[way.number] = way.shown.column in broken, ""
     return told
 

@@ -10,7 +10,7 @@ from random import Random
 from types import MappingProxyType
 
 from mrsfi_runtime.causes.probing import Probing
-from mrsfi_runtime.causes.weakness import Broken, Known, Yardstick
+from mrsfi_runtime.causes.weakness import Known, Yardstick
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -50,12 +50,9 @@ class Cover:
     def tell(self, scores: Sequence[Score]) -> GenerationSummary:
         """Learn what they break, and end the turn."""
         for specification, score in zip(self._next, scores, strict=True):
-            broken: Broken = frozenset()
-            if score.outcome is not None:
-                if not specification:
-                    self._yardstick = Yardstick.of(self._space.gate.mission, score.outcome)
-                if self._yardstick is not None:
-                    broken = self._yardstick.broken(score.outcome)
+            if not specification and score.outcome is not None:
+                self._yardstick = Yardstick.of(self._space.gate.mission, score.outcome)
+            broken = self._yardstick.broken(score.outcome) if self._yardstick else frozenset()
             self.known.learn(specification, broken)
         first, self._n_asked = self._n_asked, self._n_asked + len(scores)
         fitness = [score.fitness for score in scores]

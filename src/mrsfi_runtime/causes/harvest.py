@@ -23,7 +23,6 @@ from mrsfi_runtime.causes.weakness import (
     Known,
     Weakness,
     Yardstick,
-    broken_by,
     columns,
     dated,
     flown_with,
@@ -92,7 +91,7 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
     known, flown = Known(mission), _unfailed(outcomes)
     yardstick = Yardstick.of(mission, flown[()])
     for specification, outcome in outcomes.items():
-        known.learn(specification, yardstick.broken(outcome) if outcome else frozenset())
+        known.learn(specification, yardstick.broken(outcome))
     known.restore(kept.weaknesses, kept.n_kept)
     return Harvest(known, kept.weaknesses, kept.n_flights, flown, yardstick, kept.mildest)
 
@@ -130,11 +129,11 @@ def harvest(
         known = Known(mission)
         (fault_free,) = flights([()], seeds[0])
         yardstick = yardstick_of(mission, fault_free, seeds[0])
-        known.learn((), broken_by(yardstick, fault_free))
+        known.learn((), yardstick.broken(fault_free))
         probing = _probing(space, store, known, yardstick, most)
         while turn := probing.turn()[: _affordable(known, most - flights.n_taken)]:
             for each, flown in zip(turn, fly(turn, seeds[0]), strict=True):
-                known.learn(each, broken_by(yardstick, flown))
+                known.learn(each, yardstick.broken(flown))
     weaknesses = known.weaknesses()
     left = max(0, most - flights.n_taken)
     n_others = min(N_SEEDS - 1, left // len(flown_with(weaknesses)))

@@ -18,7 +18,6 @@ from mrsfi_runtime.causes.weakness import (
     FaultSet,
     Known,
     Weakness,
-    broken_by,
     dated,
     faults_of,
     form,
@@ -176,7 +175,7 @@ def tried_map(
         Tried(
             max(map(deviation.share, tried)),
             fault_ticks(tried, deviation.space.duration),
-            weakness.column in broken_by(yardstick, each),
+            weakness.column in yardstick.broken(each),
         )
         for tried, each in zip(forms, flown, strict=True)
     )
@@ -210,7 +209,7 @@ class _Flown:
             new = [each for each in wanted if each not in broken]
             self.n_flown += len(new)
             for each, outcome in zip(new, self._evaluate(new, seed) if new else (), strict=True):
-                broken[each] = broken_by(self.yardsticks[k], outcome)
+                broken[each] = self.yardsticks[k].broken(outcome)
             whole, *alone = (broken[each] for each in wanted)
             if column not in whole.difference(*alone):
                 return k

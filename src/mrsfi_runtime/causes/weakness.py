@@ -59,9 +59,11 @@ class Yardstick:
         most = tuple(count + (margin if count else 0.0) for count in _counts(fault_free))
         return cls(columns(mission), most)
 
-    def broken(self, outcome: Outcome) -> Broken:
-        """Return the columns that a flight breaks."""
-        judged = zip(self.columns, _counts(outcome), self.most, strict=True)
+    def broken(self, flown: Evaluated | None) -> Broken:
+        """Return the columns that a flight breaks, nothing if it failed."""
+        if not isinstance(flown, Outcome):
+            return frozenset()
+        judged = zip(self.columns, _counts(flown), self.most, strict=True)
         return frozenset(column for column, count, most in judged if count > most)
 
     def since(self, flight: Recording) -> dict[Column, int]:
@@ -296,7 +298,7 @@ def in_seeds(
     for seed in seeds[1:]:
         outcomes = dict(zip(flown, evaluate(flown, seed), strict=True))
         yardstick = yardstick_of(mission, outcomes[()], seed)
-        broken = {each: broken_by(yardstick, outcome) for each, outcome in outcomes.items()}
+        broken = {each: yardstick.broken(outcome) for each, outcome in outcomes.items()}
         for each in found:
             alone = (broken[part] for part in parts(each.witness))
             n_held[each] += each.column in broken[each.witness].difference(*alone)
@@ -322,8 +324,3 @@ def yardstick_of(mission: Mission, fault_free: Evaluated, seed: int) -> Yardstic
     if isinstance(fault_free, FailedFlight):
         raise EvaluationError(f"without faults, in mission seed {seed}: {fault_free.traceback}")
     return Yardstick.of(mission, fault_free)
-
-
-def broken_by(yardstick: Yardstick, flown: Evaluated) -> Broken:
-    """Return what a flight breaks, nothing if it failed."""
-    return frozenset() if isinstance(flown, FailedFlight) else yardstick.broken(flown)
