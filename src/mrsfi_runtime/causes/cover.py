@@ -4,7 +4,6 @@ It asks for what ``probing`` wants flown, and nothing else.
 """
 
 import json
-import statistics
 from collections.abc import Mapping, Sequence
 from random import Random
 from types import MappingProxyType
@@ -61,17 +60,8 @@ class Cover:
         turn = self._probing.turn()[:left]
         bounds = map(self.known.bound, self.known.sets)
         self._next = [] if self._until is not None and max(bounds) <= self._until else turn
-        return GenerationSummary(
-            index=self._n_generations - 1,
-            statistics={
-                "n_evaluations": len(scores),
-                "mean": statistics.fmean(fitness),
-                "std": statistics.pstdev(fitness),
-                "min": min(fitness),
-                "max": max(fitness),
-            },
-            population=tuple(range(first, self._n_asked)),
-        )
+        population = range(first, self._n_asked)
+        return GenerationSummary.of(self._n_generations - 1, len(scores), fitness, population)
 
     def random_state(self) -> str:
         """Return the state of the random generator as JSON text."""

@@ -7,10 +7,10 @@ run is repeated, or resumed, by telling it what was recorded.
 
 import json
 import statistics
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
-from typing import Protocol, TypeAlias
+from typing import Protocol, Self, TypeAlias
 
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -31,6 +31,20 @@ class GenerationSummary:
     index: int
     statistics: Mapping[str, float]
     population: tuple[int, ...]
+
+    @classmethod
+    def of(
+        cls, index: int, n_evaluations: int, fitness: Sequence[float], population: Iterable[int]
+    ) -> Self:
+        """Return that of a population with such fitness, of which so many were asked for."""
+        found = {
+            "n_evaluations": n_evaluations,
+            "mean": statistics.fmean(fitness),
+            "std": statistics.pstdev(fitness),
+            "min": min(fitness),
+            "max": max(fitness),
+        }
+        return cls(index, found, tuple(population))
 
 
 class Algorithm(Protocol):
@@ -137,21 +151,13 @@ class GenerationalLoop:
         n_evaluations, self._pending = len(self._pending), None
         self._population = self._survive(self._population, self._offspring)
         fitness = [individual.score.fitness for individual in self._population]
+        numbers = (individual.number for individual in self._population)
         self._n_closed += 1
-        return GenerationSummary(
-            index=self._n_closed - 1,
-            statistics={
-                "n_evaluations": n_evaluations,
-                "mean": statistics.fmean(fitness),
-                "std": statistics.pstdev(fitness),
-                "min": min(fitness),
-                "max": max(fitness),
-            },
-            population=tuple(
-                individual.number
-                for individual in self._population
-                if individual.number is not None
-            ),
+        return GenerationSummary.of(
+            self._n_closed - 1,
+            n_evaluations,
+            fitness,
+            (number for number in numbers if number is not None),
         )
 
     def random_state(self) -> str:
