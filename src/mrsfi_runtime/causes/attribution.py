@@ -8,16 +8,18 @@ and Operations Research 36, 2009.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
+from operator import sub
 from random import Random
 from statistics import stdev
 from typing import TypeAlias
 
-from mrsfi_runtime.causes.cause_set import without
+from mrsfi_runtime.causes.cause_set import chosen
 from mrsfi_runtime.causes.counts import Counts, Flights
-from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.faults import Specification
 
 N_EXACT = 10
 """Faults up to which every subset is flown: 1,024 of them."""
@@ -58,44 +60,46 @@ def attribute(flights: Flights, specification: Specification) -> Attribution:
 
 def _exact(flights: Flights, specification: Specification) -> Shares:
     n = len(specification)
-    flights.fly(subset for size in range(n + 1) for subset in combinations(specification, size))
+    everyone = range(n)
+    flights.fly(
+        chosen(specification, places)
+        for size in range(n + 1)
+        for places in combinations(everyone, size)
+    )
     orders = math.factorial(n)
     shares = []
-    for place, fault in enumerate(specification):
-        others = without(specification, place)
+    for joining in everyone:
+        others = [place for place in everyone if place != joining]
         sums = [0] * len(flights.columns)
         for size in range(n):
             weight = math.factorial(size) * math.factorial(n - size - 1)
             for before in combinations(others, size):
-                added = _added(flights, before, _with(specification, before, fault))
+                added = _added(flights, specification, before, joining)
                 sums = [total + weight * more for total, more in zip(sums, added, strict=True)]
         shares.append(tuple(Fraction(total, orders) for total in sums))
     return tuple(shares)
 
 
-def _with(specification: Specification, before: Specification, fault: TimedFault) -> Specification:
-    joined = {*before, fault}
-    return tuple(each for each in specification if each in joined)
-
-
-def _added(flights: Flights, before: Specification, after: Specification) -> Counts:
-    pairs = zip(flights.counts(before), flights.counts(after), strict=True)
-    return tuple(more - less for less, more in pairs)
+def _added(
+    flights: Flights, specification: Specification, before: Sequence[int], joining: int
+) -> Counts:
+    """Return what a fault adds to each count when it joins some others, all by their places."""
+    less, more = (chosen(specification, places) for places in (before, (*before, joining)))
+    return tuple(map(sub, flights.counts(more), flights.counts(less)))
 
 
 def _sampled(flights: Flights, specification: Specification) -> Attribution:
     random = Random(_SEED)
-    orders = [random.sample(specification, len(specification)) for _ in range(N_PERMUTATIONS)]
-    chains = [
-        [_with_all(specification, order[:size]) for size in range(len(order) + 1)]
-        for order in orders
-    ]
-    flights.fly(each for chain in chains for each in chain)
-    added: dict[TimedFault, list[Counts]] = {fault: [] for fault in specification}
-    for order, chain in zip(orders, chains, strict=True):
-        for fault, before, after in zip(order, chain, chain[1:], strict=False):
-            added[fault].append(_added(flights, before, after))
-    columns = [tuple(zip(*added[fault], strict=True)) for fault in specification]
+    everyone = range(len(specification))
+    orders = [random.sample(everyone, len(everyone)) for _ in range(N_PERMUTATIONS)]
+    flights.fly(
+        chosen(specification, order[:size]) for order in orders for size in range(len(order) + 1)
+    )
+    added: list[list[Counts]] = [[] for _ in everyone]
+    for order in orders:
+        for n_before, joining in enumerate(order):
+            added[joining].append(_added(flights, specification, order[:n_before], joining))
+    columns = [tuple(zip(*of_fault, strict=True)) for of_fault in added]
     scale = _NORMAL / math.sqrt(N_PERMUTATIONS)
     return Attribution(
         tuple(
@@ -104,7 +108,3 @@ def _sampled(flights: Flights, specification: Specification) -> Attribution:
         ),
         tuple(tuple(scale * stdev(column) for column in of_fault) for of_fault in columns),
     )
-
-
-def _with_all(specification: Specification, joined: list[TimedFault]) -> Specification:
-    return tuple(each for each in specification if each in joined)
