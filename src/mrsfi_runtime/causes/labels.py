@@ -43,22 +43,23 @@ def goal_causes(question: Question, goal: str) -> GoalCauses:
     Where it is not violated, that is for nothing: then only a fault that hides violations, or
     would cause some alone, is more than a bystander.
     """
-    everyone = range(len(question.specification))
+    whole = question.specification
+    everyone = range(len(whole))
     places = question.minimum()
     others = [place for place in everyone if place not in places]
     question.flights.fly(
-        chosen(question.specification, swapped)
-        for other in others
-        for swapped in _swaps(places, other)
+        chosen(whole, swapped) for other in others for swapped in _swaps(places, other)
     )
     labels = {place: SOLE if question.is_kept_by((place,)) else JOINT for place in places}
     for other in others:
         if any(map(question.is_kept_by, _swaps(places, other))):
             labels[other] = REDUNDANT
-        elif _hides(question, other, goal):
+        elif _rises(question, goal, whole, without(whole, other), _RISE):
             labels[other] = MASKING
+        elif _rises(question, goal, (), (whole[other],), Fraction(1)):
+            labels[other] = LESSER
         else:
-            labels[other] = LESSER if _breaks(question, other, goal) else BYSTANDER
+            labels[other] = BYSTANDER
     return GoalCauses(goal, places, tuple(labels[place] for place in everyone))
 
 
@@ -67,20 +68,10 @@ def _swaps(places: Places, other: int) -> Iterator[tuple[int, ...]]:
     return ((*(place for place in places if place != member), other) for member in places)
 
 
-def _hides(question: Question, other: int, goal: str) -> bool:
-    """Return whether a count of a goal rises by more than a little where a fault is left out."""
-    whole = question.specification
-    return _rises(question, goal, whole, without(whole, other), _RISE)
-
-
-def _breaks(question: Question, other: int, goal: str) -> bool:
-    """Return whether a count of a goal is higher under a fault alone than under none."""
-    return _rises(question, goal, (), (question.specification[other],), Fraction(1))
-
-
 def _rises(
     question: Question, goal: str, first: Specification, second: Specification, by: Fraction
 ) -> bool:
+    """Return whether a count of a goal is higher in the second flight, by more than a factor."""
     flights = question.flights
     found = zip(flights.columns, flights.counts(first), flights.counts(second), strict=True)
     return any(after > by * count for column, count, after in found if column.goal == goal)
