@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import groupby
 
 from mrsfi_runtime.causes.attribution import Attribution, attribute
 from mrsfi_runtime.causes.cause import Cause, find_cause
 from mrsfi_runtime.causes.cause_set import Places, Question, floor, without
-from mrsfi_runtime.causes.counts import Column, Counts, Flights
+from mrsfi_runtime.causes.counts import Counts, Flights
 from mrsfi_runtime.causes.labels import GoalCauses, goal_causes
 from mrsfi_runtime.causes.simplest import simplest
 from mrsfi_runtime.engine.flights import Engine
@@ -58,7 +59,7 @@ def explain(
     with flights.on("cause set and labels of each goal"):
         goals = tuple(
             goal_causes(Question(flights, specification, floor(counts, keep, places)), goal)
-            for goal, places in _by_goal(columns).items()
+            for goal, places in groupby(range(len(columns)), key=lambda k: columns[k].goal)
         )
     with flights.on("attribution"):
         attribution = attribute(flights, cause.faults)
@@ -76,10 +77,3 @@ def explain(
         attribution=attribution,
         n_flown=dict(flights.n_flown),
     )
-
-
-def _by_goal(columns: tuple[Column, ...]) -> dict[str, list[int]]:
-    places: dict[str, list[int]] = {}
-    for place, column in enumerate(columns):
-        places.setdefault(column.goal, []).append(place)
-    return places
