@@ -66,7 +66,7 @@ def find_cause(
         linked = chains(record, engine.code.mission, cause) if cause else ()
     with flights.on("other mission seeds"):
         seeds = following(flights.mission_seeds[0], N_SEEDS)
-        firm = robustness([flights.counts_in(cause, seed) for seed in seeds])
+        firm = robustness([flights.counts(cause, seed) for seed in seeds])
     return Cause(
         specification=specification,
         columns=flights.columns,

@@ -88,17 +88,11 @@ class Flights:
         self.fly([specification])
         return self._known[specification, self.mission_seeds[0]]
 
-    def counts(self, specification: Specification) -> Counts:
-        """Return the violations under a specification, shape ``(n_columns,)``."""
-        self.fly([specification])
-        return self._counts([self._known[specification, seed] for seed in self.mission_seeds])
-
-    def counts_in(self, specification: Specification, seed: int) -> Counts:
-        """Return the violations under a specification with one mission seed."""
+    def counts(self, specification: Specification, seed: int | None = None) -> Counts:
+        """Return the violations under a specification, shape ``(n_columns,)``, as ``fly``."""
         self.fly([specification], seed)
-        return self._counts([self._known[specification, seed]])
-
-    def _counts(self, outcomes: Sequence[Outcome]) -> Counts:
+        seeds = self.mission_seeds if seed is None else (seed,)
+        outcomes = [self._known[specification, one] for one in seeds]
         return tuple(
             sum(getattr(outcome, kind)[goal] for outcome in outcomes) for goal, kind in self._cells
         )
