@@ -1,17 +1,30 @@
 """The faults that a specification's violations are due to, and how they come to break goals."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from statistics import median
 
 from mrsfi_runtime.causes.cause_set import Places, Question, chosen, floor
 from mrsfi_runtime.causes.chain import Chain, chains
 from mrsfi_runtime.causes.counts import ALL_OR_NONE, Column, Counts, Flights
-from mrsfi_runtime.causes.robustness import N_SEEDS, Robustness, robustness
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import following
+
+N_SEEDS = 20
+"""Mission seeds in which a cause set is flown, from its own on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Robustness:
+    """What a count is in several mission seeds, and in how many of them above 0."""
+
+    median: float
+    least: int
+    most: int
+    n_violated: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,4 +91,12 @@ def find_cause(
         chains=linked,
         robustness=firm,
         n_flown=dict(flights.n_flown),
+    )
+
+
+def robustness(by_seed: Sequence[Counts]) -> tuple[Robustness, ...]:
+    """Return what each count is over mission seeds, one entry a column."""
+    return tuple(
+        Robustness(median(counts), min(counts), max(counts), sum(map(bool, counts)))
+        for counts in zip(*by_seed, strict=True)
     )

@@ -6,13 +6,45 @@ Both flights have the same mission seed, so that every difference comes from the
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.causes.cause_set import without
-from mrsfi_runtime.causes.observed import FORGED, HEADING, KNOWN, MEMORY, SENT, Quantities
 from mrsfi_runtime.engine.recording import Part, Record, Recording, Records
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
+
+POSITION, HEADING, PROGRESS, MEMORY = "position", "heading", "progress", "memory"
+
+Quantities: TypeAlias = Mapping[str, tuple[str, ...]]
+"""Fields of a record, by what they say together."""
+
+KNOWN: Mapping[str, Quantities] = MappingProxyType(
+    {
+        "robots": {POSITION: ("x", "y", "z"), "speed": ("speed",), "energy": ("energy",)},
+        "sensors": {
+            "samples": ("count",),
+            "activation": ("active",),
+            "rate": ("rate",),
+            "cost": ("cost",),
+        },
+        "obstacles": {POSITION: ("x", "y")},
+        "goals": {PROGRESS: ("count", "seen", "sampled_x", "sampled_y"), MEMORY: ("memory",)},
+        "members": {PROGRESS: ("since", "reached", "waypoint")},
+    }
+)
+"""Quantities of a true or local state, by the list whose records have them."""
+
+SENT: Mapping[str, Quantities] = MappingProxyType(
+    {
+        "commands": {HEADING: ("heading_x", "heading_y"), "speed": ("sent_speed",)},
+        "switches": {"activation": ("active",)},
+    }
+)
+"""Those of the local state that say what was sent."""
+
+FORGED: Mapping[str, Quantities] = MappingProxyType({"sensors": {"activation": ("active",)}})
+"""Those of the true state that do: a forged activation shows in these only, a tick later."""
 
 
 class Change(NamedTuple):

@@ -4,8 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from mrsfi_runtime.causes.cause import Cause
-from mrsfi_runtime.causes.chain import Chain, Change, First, FirstVerdicts
-from mrsfi_runtime.causes.observed import HEADING
+from mrsfi_runtime.causes.chain import HEADING, Chain, Change, First, FirstVerdicts
 from mrsfi_runtime.model.fault_types import Field, Mode, Struck
 from mrsfi_runtime.record.named_faults import NamedFault
 
