@@ -32,8 +32,8 @@ _FEW = 256  # generations that are: the state of a random generator is a long te
 
 
 @dataclass(frozen=True, slots=True)
-class Evaluation:
-    """A fault specification, and what flying it gave.
+class Flown:
+    """What flying gave, without the specification, which takes longest to read.
 
     ``index`` counts from 0 without gaps, as generations do. Of ``fitness`` the first is what it is
     ranked by, more is more critical; if that is a mean over mission seeds, the mean violations of
@@ -43,21 +43,16 @@ class Evaluation:
 
     index: int
     generation: int
-    specification: Specification
     outcome: Outcome
     fitness: tuple[float, ...]
     fault_ticks: int
 
 
 @dataclass(frozen=True, slots=True)
-class Flown:
-    """What flying gave, without the specification, which takes longest to read."""
+class Evaluation(Flown):
+    """A fault specification, and what flying it gave."""
 
-    index: int
-    generation: int
-    outcome: Outcome
-    fitness: tuple[float, ...]
-    fault_ticks: int
+    specification: Specification
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +199,7 @@ class CampaignStore(AbstractContextManager["CampaignStore"]):
         query = database.select_evaluations(self._counts, "NULL")
         for rows in self._batches(query, range(0, self.n_evaluations, step)):
             for row in rows:
-                yield self._decoded(partial(_flown, self._counts), row)
+                yield self._decoded(lambda row: Flown(*_flown(self._counts, row)), row)
 
     def stored(
         self, columns: Sequence[str], n: int, decode: Callable[[Sequence[Sequence[Any]]], T]
@@ -348,24 +343,19 @@ def _evaluation(names: Sequence[str], row: tuple[Any, ...]) -> Evaluation:
     """Return what a row says of an evaluation, whose counts have names in their order."""
     flown = _flown(names, row)
     (specification,) = encoding.lists([row[2]])
-    return Evaluation(
-        flown.index,
-        flown.generation,
-        encoding.specification(specification),
-        flown.outcome,
-        flown.fitness,
-        flown.fault_ticks,
-    )
+    return Evaluation(*flown, encoding.specification(specification))
 
 
-def _flown(names: Sequence[str], row: tuple[Any, ...]) -> Flown:
-    """Return what a row says beside the specification."""
+def _flown(
+    names: Sequence[str], row: tuple[Any, ...]
+) -> tuple[int, int, Outcome, tuple[float, ...], int]:
+    """Return what a row says beside the specification: the fields of ``Flown``."""
     index, generation, _, fitness_text, fault_ticks, *texts, digest = row
     fitness, *found = encoding.lists([fitness_text, *texts])
     counts: dict[str, Any] = dict.fromkeys(encoding.LATER_COUNTS)
     counts.update(zip(names, encoding.integers(found), strict=True))
     outcome = Outcome(**counts, digest=digest)
-    return Flown(index, generation, outcome, tuple(map(float, fitness)), fault_ticks)
+    return index, generation, outcome, tuple(map(float, fitness)), fault_ticks
 
 
 def _require_next(what: str, rows: Iterable[tuple[Any, ...]], first: int) -> None:

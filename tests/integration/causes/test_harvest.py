@@ -39,7 +39,7 @@ def evaluations(engine):
     for index, faults in enumerate([*PLANTED, *harmless(120)]):
         specification = tuple(TimedFault(*fault) for fault in faults)
         flown = engine.evaluate(specification)
-        found.append(Evaluation(index, 0, specification, flown, (float(sum(flown.believed)),), 1))
+        found.append(Evaluation(index, 0, flown, (float(sum(flown.believed)),), 1, specification))
     return tuple(found)
 
 
@@ -127,7 +127,7 @@ def test_a_goal_that_only_evaluations_break_is_explained_by_them(tmp_path):
     drawn = [varied_specification(space, 12, rng, lambda _: True) for _ in range(900)]
     with CampaignStore.create(tmp_path, CampaignSettings(faults=3), Manifest()) as store:
         store.append(
-            Evaluation(index, 0, each, flown(each), (0.0,), 1) for index, each in enumerate(drawn)
+            Evaluation(index, 0, flown(each), (0.0,), 1, each) for index, each in enumerate(drawn)
         )
 
         found = harvest(space, store, lambda some, _: map(flown, some), recorded)
