@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from mrsfi_runtime.model.faults import Specification, TimedFault
-from mrsfi_runtime.search.space import SearchSpace, Window, random_window
+from mrsfi_runtime.search.space import SearchSpace, Window, random_window, within
 from mrsfi_runtime.search.variation import Mutation, mutated
 
 Step: TypeAlias = Callable[[SearchSpace, Specification, Random], Specification]
@@ -194,10 +194,7 @@ def _landmark(
             (*other.values[:2], *candidate.values[2:])
             for other in others
             if space.candidates[other.fault].is_place
-            and all(
-                low <= value <= high
-                for value, (low, high) in zip(other.values[:2], candidate.bounds[:2], strict=True)
-            )
+            and all(map(within, other.values[:2], candidate.bounds[:2]))
         ]
         if places:
             return rng.choice(places)
