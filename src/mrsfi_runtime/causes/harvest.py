@@ -8,7 +8,7 @@ breaks each goal is shrunk to its mildest form, which takes flights beyond those
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from random import Random
@@ -144,30 +144,13 @@ def harvest(
     mild: tuple[Mildest, ...] = ()
     if some := [way.shown for way in least(ways(found))]:
         mild = mildest(space, known, some, flights, record, seeds[:N_MILD])
-    store.keep(_KEPT, _text(store, n_taken, known, found, mild))
+    store.keep(_KEPT, _Kept(store.n_evaluations, n_taken, known.n_kept, found, mild).text())
     ended = known_by(space, store)
     assert ended is not None
     return ended
 
 
 _KEPT = "weaknesses"  # what it is called in a record
-
-
-def _text(
-    store: CampaignStore,
-    n_flights: int,
-    known: Known,
-    found: Iterable[Weakness],
-    mild: Iterable[Mildest],
-) -> str:
-    return encoding.canonical(
-        {
-            "numbers": [store.n_evaluations, n_flights],
-            "kept": [[*column, n_kept] for column, n_kept in known.n_kept.items()],
-            "weaknesses": [each.as_json() for each in found],
-            "mildest": [each.as_json() for each in mild],
-        }
-    )
 
 
 class _Kept(NamedTuple):
@@ -178,6 +161,17 @@ class _Kept(NamedTuple):
     n_kept: Mapping[Column, int]
     weaknesses: tuple[Weakness, ...]
     mildest: tuple[Mildest, ...]
+
+    def text(self) -> str:
+        """Return what ``of`` reads."""
+        return encoding.canonical(
+            {
+                "numbers": [self.n_evaluations, self.n_flights],
+                "kept": [[*column, n_kept] for column, n_kept in self.n_kept.items()],
+                "weaknesses": [each.as_json() for each in self.weaknesses],
+                "mildest": [each.as_json() for each in self.mildest],
+            }
+        )
 
     @classmethod
     def of(cls, mission: Mission, text: str) -> Self:
