@@ -3,8 +3,10 @@
 What flights read and write is in arrays, of which they are given the directory.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence, Sized
+from dataclasses import astuple
 from functools import cached_property
+from itertools import accumulate, chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +29,6 @@ from mrsfi_runtime.kernel.flight import Verdicts
 from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import (
     FaultTally,
-    InjectionRow,
     InjectionState,
     OwnRow,
     Plan,
@@ -54,43 +55,31 @@ class Batch:
         result_type: np.dtype[Any],
         allowed: Callable[[OwnRow], Sequence[int]],
     ) -> None:
-        rows: list[InjectionRow] = []
-        own: list[OwnRow] = []
-        n_tallies = 0
-        ends = []
-        for one in plans:
-            marks = [len(rows)]
-            for injections in one.lists:
-                rows.extend(injections)
-                marks.append(len(rows))
-            ends.append((*marks, n_tallies, n_tallies + one.n_faults, len(own)))
-            own.extend(one.own)
-            n_tallies += one.n_faults
-        self._injections: Records = np.zeros(len(rows), _INJECTION)
-        _fill(self._injections, rows)
-        self._own: Records = np.zeros(len(own), OWN)
-        _fill(self._own, own)
-        self._own[ALLOWED] = [allowed(row) for row in own] or 0
-        self._tallies: Records = np.zeros(n_tallies, _TALLY)
-        for name in ("last_applied", "last_changed", "first_changed"):
-            self._tallies[name] = -1
-        self._tallied = [one[4:6] for one in ends]
+        self._plans: Words = np.zeros((len(plans), n_entries(Plan), 2), np.int64)
         self._n_held = [one.n_held for one in plans]
-        self._plans = self._directories(np.array(ends, np.int64).T, [len(one.own) for one in plans])
+        self._plans[:, _PLACES["held"], 1] = self._n_held
+        injections = zip(*(one.lists for one in plans), strict=True)
+        self._injections = [
+            self._listed(name, _records(_INJECTION, lists), lists)
+            for name, lists in zip(("messages", "reports", "commands"), injections, strict=True)
+        ]
+        own = [one.own for one in plans]
+        self._own = self._listed("own", _records(OWN, own), own)
+        self._own[ALLOWED] = [allowed(row) for one in plans for row in one.own] or 0
+        tallies: Records = np.zeros(sum(one.n_faults for one in plans), _TALLY)
+        tallies[:] = astuple(FaultTally())
+        self._tallies = self._listed("tallies", tallies, [range(one.n_faults) for one in plans])
+        ends = accumulate(one.n_faults for one in plans)
+        self._tallied = [(end - one.n_faults, end) for end, one in zip(ends, plans, strict=True)]
         self.results: Records = np.zeros(len(plans), result_type)
 
-    def _directories(self, ends: Words, n_own: Sequence[int]) -> Words:
-        """Return the directories of the plans, but for the place of what is held back."""
-        found = np.zeros((ends.shape[1], n_entries(Plan), 2), np.int64)
-        listed = [("messages", 0, 1), ("reports", 1, 2), ("commands", 2, 3), ("tallies", 4, 5)]
-        for name, first, last in listed:
-            records = self._tallies if name == "tallies" else self._injections
-            found[:, _PLACES[name], 0] = records.ctypes.data + ends[first] * records.itemsize
-            found[:, _PLACES[name], 1] = ends[last] - ends[first]
-        found[:, _PLACES["own"], 0] = self._own.ctypes.data + ends[6] * self._own.itemsize
-        found[:, _PLACES["own"], 1] = n_own
-        found[:, _PLACES["held"], 1] = self._n_held
-        return found
+    def _listed(self, name: str, records: Records, lists: Iterable[Sized]) -> Records:
+        """Return the records of all plans, and enter in the directories where each plan's lie."""
+        sizes = np.array([*map(len, lists)], np.int64)
+        begins = np.cumsum(sizes) - sizes
+        self._plans[:, _PLACES[name], 0] = records.ctypes.data + begins * records.itemsize
+        self._plans[:, _PLACES[name], 1] = sizes
+        return records
 
     def plans(self, first: int, last: int) -> tuple[Words, Any]:
         """Return the directories of some plans, and the room in which they hold messages back."""
@@ -134,10 +123,13 @@ class Batch:
         return packed(self.results["world"]), packed(self.results["belief"])
 
 
-def _fill(records: Records, rows: Sequence[tuple[Any, ...]]) -> None:
-    """Write rows into records that begin alike."""
-    for name, column in zip(records.dtype.names or (), zip(*rows, strict=True), strict=False):
+def _records(layout: np.dtype[Any], lists: Iterable[Sequence[tuple[Any, ...]]]) -> Records:
+    """Return the rows of some lists as records that begin like them."""
+    rows = [*chain.from_iterable(lists)]
+    records: Records = np.zeros(len(rows), layout)
+    for name, column in zip(layout.names or (), zip(*rows, strict=True), strict=False):
         records[name] = column
+    return records
 
 
 class Fresh(NamedTuple):

@@ -104,7 +104,6 @@ class StateLayout:
     recorded: np.dtype[Any]
     places: tuple[tuple[int, int], ...]
     n_changing: int
-    n_words: int
 
     @property
     def n_recorded(self) -> int:
@@ -148,7 +147,7 @@ def laid_out(state: State) -> tuple[StateLayout, Words]:
             first, n = places[place]
             words[first : first + n * layout.itemsize // 8].view(layout)[:] = values
     ordered = tuple(places[place] for place in sorted(places))
-    return StateLayout(recorded_type(state), ordered, n_changing, n_words), words
+    return StateLayout(recorded_type(state), ordered, n_changing), words
 
 
 def _parts(kind: type, record: Any, first: int) -> Iterator[tuple[int, tuple[np.dtype[Any], Any]]]:
