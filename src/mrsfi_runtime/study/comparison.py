@@ -14,7 +14,7 @@ Statistics 6, 1979.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from itertools import combinations
+from itertools import accumulate, combinations
 from math import comb, inf, isfinite
 from pathlib import Path
 from typing import Any
@@ -98,13 +98,11 @@ def compare_ranks(first: Sequence[float], second: Sequence[float]) -> RankTest:
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:
     """Return p-values adjusted for being several, in the given order."""
-    adjusted = [0.0] * len(p_values)
-    largest = 0.0
-    by_size = sorted(range(len(p_values)), key=p_values.__getitem__)
-    for n_before, place in enumerate(by_size):
-        largest = max(largest, min(1.0, (len(p_values) - n_before) * p_values[place]))
-        adjusted[place] = largest
-    return tuple(adjusted)
+    n = len(p_values)
+    by_size = sorted(range(n), key=p_values.__getitem__)
+    raised = (min(1.0, (n - rank) * p_values[place]) for rank, place in enumerate(by_size))
+    adjusted = dict(zip(by_size, accumulate(raised, max), strict=True))
+    return tuple(adjusted[place] for place in range(n))
 
 
 @dataclass(frozen=True, slots=True)
