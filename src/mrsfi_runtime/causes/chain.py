@@ -210,12 +210,13 @@ def _owners(mission: Mission) -> Mapping[str, tuple[str, ...]]:
 
 
 def _first(owners: Mapping[str, tuple[str, ...]], pairs: Sequence[_Pair]) -> First | None:
-    first: int | None = None
-    for pair in pairs:
-        for fields in pair.quantities.values():
-            for field in fields:
-                tick = _first_tick(pair.found[field][:first], pair.otherwise[field][:first])
-                first = first if tick is None else tick
+    ticks = (
+        _first_tick(pair.found[field], pair.otherwise[field])
+        for pair in pairs
+        for fields in pair.quantities.values()
+        for field in fields
+    )
+    first = min((tick for tick in ticks if tick is not None), default=None)
     if first is None:
         return None
     changes = (change for pair in pairs for change in _changes(owners[pair.name], pair, first))
