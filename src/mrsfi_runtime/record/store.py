@@ -104,7 +104,8 @@ class RecordedFlight:
             return cls(seed, known, None, found)
         if rest or not isinstance(found, dict) or found.keys() != {*_OUTCOME}:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
-        return cls(seed, known, _outcome(found))
+        counts = [found[name] for name in encoding.COUNTS]
+        return cls(seed, known, _outcome(encoding.COUNTS, counts, str(found["digest"])))
 
 
 class CampaignStore(AbstractContextManager["CampaignStore"]):
@@ -352,9 +353,7 @@ def _flown(
     """Return what a row says beside the specification: the fields of ``Flown``."""
     index, generation, _, fitness_text, fault_ticks, *texts, digest = row
     fitness, *found = encoding.lists([fitness_text, *texts])
-    counts: dict[str, Any] = dict.fromkeys(encoding.LATER_COUNTS)
-    counts.update(zip(names, encoding.integers(found), strict=True))
-    outcome = Outcome(**counts, digest=digest)
+    outcome = _outcome(names, found, digest)
     return index, generation, outcome, tuple(map(float, fitness)), fault_ticks
 
 
@@ -391,7 +390,8 @@ def _failure(row: tuple[Any, ...]) -> FailedEvaluation:
     return FailedEvaluation(number, generation, encoding.specification(specification), traceback)
 
 
-def _outcome(content: Mapping[str, Any]) -> Outcome:
-    counts = encoding.integers([content[name] for name in encoding.COUNTS])
-    named = dict(zip(encoding.COUNTS, counts, strict=True))
-    return Outcome(**named, digest=str(content["digest"]))
+def _outcome(names: Sequence[str], found: Sequence[Sequence[Any]], digest: str) -> Outcome:
+    """Return an outcome of counts by their names; an older record has fewer of them."""
+    counts: dict[str, Any] = dict.fromkeys(encoding.LATER_COUNTS)
+    counts.update(zip(names, encoding.integers(found), strict=True))
+    return Outcome(**counts, digest=digest)
