@@ -203,18 +203,16 @@ class _Assessment:
                 number = len(self._indexes)
                 return FailedEvaluation(number, generation, specification, flown.traceback)
             outcomes.append(flown)
+        score = averaged([self._judge.score(each) for each in outcomes])
+        means = () if len(outcomes) == 1 else score.goals  # one outcome has them itself
         return Evaluation(
             index=self._n_evaluations,
             generation=generation,
             specification=specification,
             outcome=outcomes[0],
-            fitness=self._recorded(averaged([self._judge.score(each) for each in outcomes])),
+            fitness=(score.fitness, *means),
             fault_ticks=fault_ticks(specification, self._duration),
         )
-
-    def _recorded(self, score: Score) -> tuple[float, ...]:
-        """Return what the record keeps of a score; the rest follows from the first outcome."""
-        return (score.fitness,) if len(self._evaluators) == 1 else (score.fitness, *score.goals)
 
     def _score(self, result: Evaluation) -> Score:
         if len(self._evaluators) == 1:
@@ -226,10 +224,10 @@ class _Assessment:
 
         With replications the record lacks the outcomes that a mean comes from.
         """
-        if isinstance(result, Evaluation) and len(self._evaluators) == 1:
-            score = self._judge.score(result.outcome)
-            if self._recorded(score) != result.fitness:
-                raise RecordError(self._record.astray(f"the fitness of specification {place}"))
+        if isinstance(result, FailedEvaluation) or len(self._evaluators) > 1:
+            return
+        if (self._judge.score(result.outcome).fitness,) != result.fitness:
+            raise RecordError(self._record.astray(f"the fitness of specification {place}"))
 
     def _counted(self, result: Result) -> Score:
         """Count a result, compare it with the best so far, and return its score."""
