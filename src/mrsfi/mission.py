@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from mrsfi.campaign import Campaign
     from mrsfi.flight import Flight
     from mrsfi.regressions import Checked
-    from mrsfi_runtime.engine.flights import Evaluated
     from mrsfi_runtime.generated_code import MissionCode
     from mrsfi_runtime.model.mission import Mission as Model
+    from mrsfi_runtime.model.outcome import Evaluated
     from mrsfi_runtime.search.run import CampaignProgress
     from mrsfi_runtime.study.comparison import Comparison
     from mrsfi_runtime.study.run_results import RunResult

@@ -7,12 +7,12 @@ from contextlib import closing
 
 import pytest
 
-from mrsfi_runtime.engine.flights import FailedFlight
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.outcome import FailedFlight
 from tests.support.edited import edited
 from tests.tiers import slow
 

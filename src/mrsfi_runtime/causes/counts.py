@@ -5,10 +5,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple, TypeAlias
 
-from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Outcome
 from mrsfi_runtime.record.measure import Measure
 
 EvaluateIn: TypeAlias = Callable[[Sequence[Specification], int], Iterable[Evaluated]]

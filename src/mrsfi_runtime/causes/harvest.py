@@ -29,11 +29,10 @@ from mrsfi_runtime.causes.weakness import (
     in_seeds,
     yardstick_of,
 )
-from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
 from mrsfi_runtime.engine.recording import Record
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.outcome import Evaluated, Outcome
 from mrsfi_runtime.record import encoding
 from mrsfi_runtime.record.settings import COVERING, following
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
@@ -86,8 +85,8 @@ def known_by(space: SearchSpace, store: CampaignStore) -> Harvest | None:
         or len(flights) < max(kept.n_flights, 1)
     ):
         return _covered(space, store) if store.settings.algorithm == COVERING else None
-    outcomes = _searched(store)
-    outcomes |= {each.specification: each.outcome for each in flights if each.mission_seed == seed}
+    outcomes: dict[Specification, Evaluated | None] = {**_searched(store)}
+    outcomes |= {each.specification: each.found for each in flights if each.mission_seed == seed}
     known, flown = Known(mission), _unfailed(outcomes)
     yardstick = Yardstick.of(mission, flown[()])
     for specification, outcome in outcomes.items():
@@ -200,8 +199,8 @@ def _searched(store: CampaignStore) -> dict[Specification, Outcome | None]:
     return failed | {each.specification: each.outcome for each in store.evaluations()}
 
 
-def _unfailed(flown: Mapping[Specification, Outcome | None]) -> dict[Specification, Outcome]:
-    return {each: outcome for each, outcome in flown.items() if outcome is not None}
+def _unfailed(flown: Mapping[Specification, Evaluated | None]) -> dict[Specification, Outcome]:
+    return {each: outcome for each, outcome in flown.items() if isinstance(outcome, Outcome)}
 
 
 def _covered(space: SearchSpace, store: CampaignStore) -> Harvest:
@@ -246,8 +245,7 @@ class _Flights:
         self._store = store
         self._evaluate_many = evaluate_many
         self._found: dict[tuple[Specification, int], Evaluated] = {
-            (each.specification, each.mission_seed): each.outcome or FailedFlight(each.traceback)
-            for each in store.flights()
+            (each.specification, each.mission_seed): each.found for each in store.flights()
         }
         self.n_taken = 0
 
@@ -266,7 +264,6 @@ class _Flights:
             found = self._evaluate_many(specifications, seed)
             for specification, each in zip(specifications, found, strict=True):
                 self._found[specification, seed] = each
-                result = (None, each.traceback) if isinstance(each, FailedFlight) else (each, "")
-                flown.append(RecordedFlight(seed, specification, *result))
+                flown.append(RecordedFlight(seed, specification, each))
         finally:
             self._store.append_flights(flown)

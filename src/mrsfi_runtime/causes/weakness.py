@@ -14,12 +14,11 @@ from operator import itemgetter
 from typing import Any, Self, TypeAlias
 
 from mrsfi_runtime.causes.counts import Column, EvaluateIn
-from mrsfi_runtime.engine.flights import Evaluated, FailedFlight
 from mrsfi_runtime.engine.recording import Record, Recording
 from mrsfi_runtime.errors import EvaluationError
 from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Outcome
 from mrsfi_runtime.record import encoding
 
 MEASURES = ("believed", "true", "missed")

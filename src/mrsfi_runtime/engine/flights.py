@@ -4,8 +4,7 @@ import hashlib
 import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self, TypeAlias
+from typing import TYPE_CHECKING, Self
 
 from mrsfi_runtime.cosimulation.lockstep import Flight, Observer
 from mrsfi_runtime.cosimulation.own_effects import guarded
@@ -19,21 +18,10 @@ from mrsfi_runtime.kernel.packing import state_bytes
 from mrsfi_runtime.model.fault_types import Mode
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.outcome import COUNTED, Outcome
+from mrsfi_runtime.model.outcome import COUNTED, Evaluated, FailedFlight, Outcome
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.recording import Recording
-
-
-@dataclass(frozen=True, slots=True)
-class FailedFlight:
-    """What comes of an evaluation whose mission code failed: the traceback as text."""
-
-    traceback: str
-
-
-Evaluated: TypeAlias = Outcome | FailedFlight
-"""What comes of an evaluation."""
 
 
 class Evaluator(ABC):

@@ -18,11 +18,12 @@ from pathlib import Path
 from threading import Thread
 from types import ModuleType
 
-from mrsfi_runtime.engine.flights import Engine, Evaluated, Evaluator
+from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import COMPILED, EngineSettings
 from mrsfi_runtime.errors import WorkerLost
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Evaluated
 
 
 class WorkerPool(Evaluator):

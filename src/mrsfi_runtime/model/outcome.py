@@ -1,6 +1,7 @@
 """What the evaluation of one fault specification found."""
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 COUNTED = ("believed", "true", "phantom", "masked", "missed")
 """What is counted in ticks for each goal, in the order of an outcome's attributes."""
@@ -63,3 +64,14 @@ class Outcome:
         counts = [getattr(self, name) for name in COUNTED]
         found = (count or unknown for count in (*counts, self.missed_since(duration)))
         return dict(zip(TOLD, found, strict=True))
+
+
+@dataclass(frozen=True, slots=True)
+class FailedFlight:
+    """What comes of an evaluation whose mission code failed: the traceback as text."""
+
+    traceback: str
+
+
+Evaluated: TypeAlias = Outcome | FailedFlight
+"""What comes of an evaluation."""

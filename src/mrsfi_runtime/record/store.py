@@ -16,7 +16,7 @@ from typing import Any, Self, TypeVar
 
 from mrsfi_runtime.errors import RecordError, UsageError
 from mrsfi_runtime.model.faults import Specification
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.outcome import Evaluated, FailedFlight, Outcome
 from mrsfi_runtime.model.semantics import SEMANTICS, difference, flown_by
 from mrsfi_runtime.record import database, encoding
 from mrsfi_runtime.record.folder import CampaignFolder
@@ -77,20 +77,18 @@ class FailedEvaluation:
 
 @dataclass(frozen=True, slots=True)
 class RecordedFlight:
-    """What came of a specification with a mission seed.
-
-    If the mission's own code failed, ``outcome`` is ``None``, and ``traceback`` what it raised.
-    """
+    """What came of a specification with a mission seed."""
 
     mission_seed: int
     specification: Specification
-    outcome: Outcome | None
-    traceback: str = ""
+    found: Evaluated
 
     def row(self) -> tuple[int, str, str]:
         """Return it as it is stored: mission seed, specification, what came of it."""
-        outcome = self.outcome
-        found = self.traceback if outcome is None else {n: getattr(outcome, n) for n in _OUTCOME}
+        if isinstance(self.found, FailedFlight):
+            found: Any = self.found.traceback
+        else:
+            found = {name: getattr(self.found, name) for name in _OUTCOME}
         text = encoding.specification_text(self.specification)
         return int(self.mission_seed), text, encoding.canonical([found])
 
@@ -101,7 +99,7 @@ class RecordedFlight:
         faults, (found, *rest) = encoding.lists([specification, text])
         known = encoding.specification(faults)
         if isinstance(found, str) and not rest:
-            return cls(seed, known, None, found)
+            return cls(seed, known, FailedFlight(found))
         if rest or not isinstance(found, dict) or found.keys() != {*_OUTCOME}:
             raise ValueError(f"found {text[:60]}; expected the outcome of a flight, or an error")
         counts = [found[name] for name in encoding.COUNTS]

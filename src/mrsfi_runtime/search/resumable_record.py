@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterable, Sequence
 from math import inf
 from typing import TypeAlias
 
-from mrsfi_runtime.engine.flights import Evaluated
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Evaluated
 from mrsfi_runtime.record.store import CampaignStore, Evaluation, FailedEvaluation, Generation
 
 WORST_FITNESS = 0.0

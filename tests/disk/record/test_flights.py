@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from mrsfi_runtime.errors import RecordError
 from mrsfi_runtime.model.faults import TimedFault
+from mrsfi_runtime.model.outcome import FailedFlight
 from mrsfi_runtime.record.encoding import COUNTS
 from mrsfi_runtime.record.store import CampaignStore, RecordedFlight
 from tests.support.campaigns import evaluation, outcome
@@ -18,7 +19,7 @@ from tests.tiers import law
 
 FAULTS = (TimedFault("f1", 1, 9, (0.1, 2.0)), TimedFault("f2", 3, 7))
 FLOWN = RecordedFlight(7, FAULTS, outcome((5, 0, 9), 2))
-FAILED = RecordedFlight(8, (), None, "Traceback of “this”:\n")
+FAILED = RecordedFlight(8, (), FailedFlight("Traceback of “this”:\n"))
 
 
 def damage(store, column, content):
@@ -60,7 +61,7 @@ def test_a_record_of_before_there_were_flights_has_none_and_takes_some(store):
             ("found", text)
             for text in ("", "{", "[]", "[{}]", "[1]", '["a","b"]', None, b"\xff", 7)
         ),
-        ("found", json.dumps([asdict(FLOWN.outcome) | {"more": 1}])),
+        ("found", json.dumps([asdict(FLOWN.found) | {"more": 1}])),
         ("found", json.dumps([{"digest": ""} | {name: ["1"] for name in COUNTS}])),
         ("specification", "[[1]]"),
         ("specification", None),

@@ -11,10 +11,11 @@ from typing import Any
 from mrsfi_runtime.engine.cluster.connection import Cluster
 from mrsfi_runtime.engine.cluster.shipment import Shipment
 from mrsfi_runtime.engine.cluster.worker import Chunk
-from mrsfi_runtime.engine.flights import Evaluated, Evaluator
+from mrsfi_runtime.engine.flights import Evaluator
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Evaluated
 
 CHUNK_SECONDS = 0.35
 """What a chunk should take: long beside dask's 2 ms for a task, short if its worker is lost."""

@@ -10,11 +10,12 @@ from typing import Any, cast
 from distributed import WorkerPlugin, get_worker
 
 from mrsfi_runtime.engine.cluster.shipment import Shipment
-from mrsfi_runtime.engine.flights import Engine, Evaluated, FailedFlight
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.generated_code import load_code
 from mrsfi_runtime.model.faults import Specification
+from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from mrsfi_runtime.engine.compiled.batch import Batch, Frame, fresh
 from mrsfi_runtime.engine.compiled.compiled_flight import CompiledFlight
 from mrsfi_runtime.engine.compiled.layout import read_recorded
 from mrsfi_runtime.engine.compiled.self_check import SECONDS, require_same, trials
-from mrsfi_runtime.engine.flights import Engine, Evaluated
+from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
@@ -28,7 +28,7 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import FaultShapes, FaultTally, OwnRow, plan_rows
 from mrsfi_runtime.model.faults import FaultPool, Specification
 from mrsfi_runtime.model.gate import Gate
-from mrsfi_runtime.model.outcome import Outcome
+from mrsfi_runtime.model.outcome import Evaluated, Outcome
 
 CHUNK = 64
 """Specifications that are laid out and flown in one call, at most."""
