@@ -5,10 +5,10 @@ import pickle
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from multiprocessing.resource_tracker import ensure_running
 from time import monotonic
-from typing import Any, Self
+from typing import Any
 from uuid import uuid4
 
 from distributed import Client, KilledWorker, LocalCluster, Security, wait
@@ -32,7 +32,7 @@ _LOOPBACK = "127.0.0.1"
 _SILENT = logging.CRITICAL + 1
 
 
-class Cluster:
+class Cluster(AbstractContextManager["Cluster"]):
     """A scheduler with workers that come and go, or ``LOCAL`` with so many processes.
 
     For so many seconds of patience there may be no worker.
@@ -50,9 +50,6 @@ class Cluster:
             stack.callback(self._take_back)
             self._wait_for_workers()
             self._stack = stack.pop_all()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
