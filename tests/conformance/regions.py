@@ -43,7 +43,8 @@ class LaidOut:
     """A state as compiled code has it."""
 
     def __init__(self, state: Any) -> None:
-        self._layout, self._words = laid_out(state)
+        self._layout = laid_out(state)
+        self._words = self._layout.words
         self._directory = self._layout.directory(self._words, np.zeros(0, np.int64))
 
     @property

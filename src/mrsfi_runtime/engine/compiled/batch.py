@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence, Sized
 from dataclasses import astuple
 from functools import cached_property
 from itertools import accumulate, chain
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,18 +15,15 @@ import numpy.typing as npt
 from mrsfi_runtime.engine.compiled.layout import (
     ALLOWED,
     OWN,
-    StateLayout,
+    FreshState,
     Words,
     entries,
-    laid_out,
     n_entries,
     packed,
-    sample_table,
 )
 from mrsfi_runtime.engine.flights import digested
 from mrsfi_runtime.engine.recording import Records, record_type
 from mrsfi_runtime.kernel.flight import Verdicts
-from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.injections import (
     FaultTally,
     InjectionState,
@@ -34,7 +31,6 @@ from mrsfi_runtime.kernel.injections import (
     Plan,
     PlanRows,
 )
-from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import COUNTED, Outcome
 
 _INJECTION = record_type(InjectionState)
@@ -132,29 +128,16 @@ def _records(layout: np.dtype[Any], lists: Iterable[Sequence[tuple[Any, ...]]]) 
     return records
 
 
-class Fresh(NamedTuple):
-    """What a seed decides: a state before the first tick, and the valid samples of each tick."""
-
-    layout: StateLayout
-    words: Words
-    samples: npt.NDArray[np.uint8]
-
-
-def fresh(mission: Mission, seed: int) -> Fresh:
-    """Return what a mission seed decides."""
-    state = initial_state(mission, seed)
-    return Fresh(*laid_out(state), sample_table(state))
-
-
 class Frame:
     """Three states, and what is flown in them: all of the mission, unless ``keep`` says else."""
 
-    def __init__(self, fresh: Fresh, calls: Words, batch: Batch, span: tuple[int, int]) -> None:
-        layout = fresh.layout
-        n = layout.n_changing
+    def __init__(
+        self, fresh: FreshState, calls: Words, batch: Batch, span: tuple[int, int]
+    ) -> None:
+        n = fresh.n_changing
         self._fresh = fresh
         self._states = [fresh.words.copy() for _ in range(3)]
-        directories = [layout.directory(words, calls) for words in self._states]
+        directories = [fresh.directory(words, calls) for words in self._states]
         plans, held = batch.plans(*span)
         self._at = np.array([0, 0, len(fresh.samples)], np.int64)
         self._n_moments = np.zeros(1, np.int64)
@@ -172,7 +155,6 @@ class Frame:
             self._moments,
         ]
         sizes = [array.nbytes // (1 if array is fresh.samples else 8) for array in arrays]
-        sizes[0] = 1
         self._kept = (arrays, directories, plans, held, calls, batch)
         addresses = [array.ctypes.data for array in arrays]
         self.directory: Words = np.array(list(zip(addresses, sizes, strict=True)), np.int64)
@@ -192,12 +174,12 @@ class Frame:
     @property
     def tick(self) -> int:
         """Tick of the mission that flies."""
-        return int(self._states[0][self._fresh.layout.tick])
+        return int(self._states[0][self._fresh.tick])
 
     @property
     def has_written_to_tables(self) -> bool:
         """Whether a flight has changed what none may change."""
-        n = self._fresh.layout.n_changing
+        n = self._fresh.n_changing
         return any(not np.array_equal(words[n:], self._fresh.words[n:]) for words in self._states)
 
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.cosimulation.own_effects import allowed_columns
-from mrsfi_runtime.engine.compiled.batch import Batch, Frame, fresh
+from mrsfi_runtime.engine.compiled.batch import Batch, Frame
 from mrsfi_runtime.engine.compiled.compiled_flight import CompiledFlight
-from mrsfi_runtime.engine.compiled.layout import read_recorded
+from mrsfi_runtime.engine.compiled.layout import laid_out, read_recorded
 from mrsfi_runtime.engine.compiled.self_check import SECONDS, require_same, trials
 from mrsfi_runtime.engine.flights import Engine
 from mrsfi_runtime.engine.recording import VERDICTS, Recording, Records, moment_type
@@ -45,7 +45,7 @@ class CompiledEngine(Engine):
 
     def __init__(self, code: MissionCode, seed: int, n_threads: int = 1) -> None:
         super().__init__(code, seed)
-        self._fresh = cache(partial(fresh, code.mission))
+        self._fresh = cache(lambda seed: laid_out(initial_state(code.mission, seed)))
         self._moment_type = moment_type(initial_state(code.mission, seed))
         self._reference = ReferenceEngine(code, seed)
         self._gate = Gate(code.mission, code.pool)
@@ -159,7 +159,7 @@ class CompiledEngine(Engine):
         shapes = self._shapes if is_own else FaultShapes(self.code.mission, pool)
         plans = [plan_rows(shapes, specification) for specification in specifications]
         kinds = {fault.kind.effect: fault.kind for fault in pool}
-        layout = self._fresh(self.seed).layout
+        layout = self._fresh(self.seed)
 
         def allowed(row: OwnRow) -> Sequence[int]:
             _, effect, _, target, *_ = row

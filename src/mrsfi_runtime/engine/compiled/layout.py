@@ -95,15 +95,18 @@ _RECORDED, _TABLES = ({_ENTRIES[name].place for name in names} for names in (COL
 
 
 @dataclass(frozen=True)
-class StateLayout:
-    """Where the parts of a mission's states lie: what is recorded, what else changes, tables.
+class FreshState:
+    """A state before the first tick, as words: what is recorded, what else changes, tables.
 
-    ``places`` has for each entry of a directory the first word, and the number of elements.
+    ``places`` has for each entry of a directory the first word, and the number of elements;
+    ``samples`` has the valid ones of each sensor, tick after tick.
     """
 
+    words: Words
     recorded: np.dtype[Any]
     places: tuple[tuple[int, int], ...]
     n_changing: int
+    samples: npt.NDArray[np.uint8]
 
     @property
     def n_recorded(self) -> int:
@@ -131,8 +134,8 @@ class StateLayout:
         return found + [self.n_recorded] * (N_ALLOWED - len(found))
 
 
-def laid_out(state: State) -> tuple[StateLayout, Words]:
-    """Return the layout of a state, and its words."""
+def laid_out(state: State) -> FreshState:
+    """Return a state as words, by which others of its mission are laid out."""
     parts = dict(_parts(State, state, 0))
     places = {}
     n_words = n_changing = 0
@@ -147,7 +150,7 @@ def laid_out(state: State) -> tuple[StateLayout, Words]:
             first, n = places[place]
             words[first : first + n * layout.itemsize // 8].view(layout)[:] = values
     ordered = tuple(places[place] for place in sorted(places))
-    return StateLayout(recorded_type(state), ordered, n_changing), words
+    return FreshState(words, recorded_type(state), ordered, n_changing, sample_table(state))
 
 
 def _parts(kind: type, record: Any, first: int) -> Iterator[tuple[int, tuple[np.dtype[Any], Any]]]:
