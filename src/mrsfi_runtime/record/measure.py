@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Self
 
 from mrsfi_runtime.errors import UsageError, expected
-from mrsfi_runtime.model.faults import COSTS
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.outcome import Outcome
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -74,12 +73,6 @@ class Measure:
         if self.n_seeds > 1:
             return dict(zip(self.chosen, evaluation.fitness[1:], strict=True))
         return dict(zip(self.goals, getattr(evaluation.outcome, self.kind), strict=True))
-
-    def cost(self, evaluation: Evaluation) -> int:
-        """Return how much the specification has of what is minimised; 0 if nothing is."""
-        if self.minimised is None:
-            return 0
-        return COSTS[self.minimised](evaluation.specification, self.duration)
 
 
 MISSED_FROM = "missed from"

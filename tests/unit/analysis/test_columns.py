@@ -16,7 +16,7 @@ from mrsfi_runtime.analysis.columns import Columns
 from mrsfi_runtime.analysis.summary import summarise
 from mrsfi_runtime.analysis.table import every
 from mrsfi_runtime.errors import RecordError, SpecificationError
-from mrsfi_runtime.model.faults import Specification, TimedFault
+from mrsfi_runtime.model.faults import COSTS, Specification, TimedFault
 from mrsfi_runtime.record.encoding import fault_texts, specification_text
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
@@ -92,7 +92,9 @@ def test_costs_are_those_that_the_measure_has(minimised):
     sizes = [[TimedFault("f8", 9 * k, 9 * k + n, (1.0,)) for k in range(n)] for n in range(4)]
     found = [evaluation(n, (1,), specification=tuple(each)) for n, each in enumerate(sizes)]
 
-    assert columns_of(found, measure).costs.tolist() == [measure.cost(each) for each in found]
+    cost = COSTS[minimised]
+    expected = [cost(each.specification, MISSION.duration) for each in found]
+    assert columns_of(found, measure).costs.tolist() == expected
 
 
 @pytest.mark.parametrize(
