@@ -88,7 +88,7 @@ def _trees(
         ]
         trees.append([_Gate(tops[goal.id], label, "or", tuple(below)), *joint])
     return trees, [
-        (event[each.id], printable(f"{each.name} ({each.id}): {each.type} of {each.target}"), each)
+        (event[each.id], printable(f"{each.name} ({each.id}): {each.words}"), each)
         for each in pool
         if each.id in used
     ]

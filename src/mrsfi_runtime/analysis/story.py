@@ -154,7 +154,7 @@ def windows(story: Story) -> Iterator[tuple[str, str, str, int, int]]:
     """Yield what was so for a while: its kind, whose it was, what, first and last tick."""
     for fault in story.faults:
         if fault.window is not None:
-            yield "fault", fault.name, f"{fault.fault.type} on {fault.target}", *fault.window
+            yield "fault", fault.name, fault.words, *fault.window
     last = story.mission.duration - 1
     for goal, said in zip(story.mission.goals, story.goals, strict=True):
         for what, times in (("believed violated", said.believed), ("truly violated", said.true)):

@@ -47,6 +47,11 @@ class Fault:
         """Name of the fault's type."""
         return self.kind.name
 
+    @property
+    def words(self) -> str:
+        """Its type, and what it refers to: ``FixedSpeed of m8``."""
+        return f"{self.type} of {self.target}"
+
 
 class TimedFault(NamedTuple):
     """A pool fault at work: active for ``start <= tick <= finish``.

@@ -69,7 +69,7 @@ class Events:
 
     def _of_faults(self, tick: int) -> Iterator[Event]:
         for fault, tally in zip(self._faults, self._tallies, strict=True):
-            what = f"fault {fault.fault.id} {fault.fault.type} on {fault.target}"
+            what = f"fault {fault.fault.id} {fault.words}"
             if fault.window is None:
                 if tick == fault.timed.start:
                     yield Event(Kind.FAULT, what, "is active at no tick")

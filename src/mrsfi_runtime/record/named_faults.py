@@ -37,6 +37,11 @@ class NamedFault:
         return words if is_said else f"{refers}: {words}"
 
     @property
+    def words(self) -> str:
+        """Its type, and its target: ``FixedSpeed on m8: r2 speed``."""
+        return f"{self.fault.type} on {self.target}"
+
+    @property
     def values(self) -> str:
         """Its values with names and units; empty if its type has no parameters."""
         return self.fault.kind.in_words(self.timed.values)

@@ -116,7 +116,7 @@ def _matrix(
             for (_, name), some in groupby(owned, key=lambda each: each[0])
         ],
         "faults": [
-            {"label": f"{fault.id} {what}", "title": f"{fault.id}: {fault.type} of {fault.target}"}
+            {"label": f"{fault.id} {what}", "title": f"{fault.id}: {fault.words}"}
             for _, what, fault in owned
         ],
         "rows": [
