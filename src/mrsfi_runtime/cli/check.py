@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING
 import click
 
 from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.options import EngineOptions, engine_options, generated_option
+from mrsfi_runtime.cli.options import (
+    EngineOptions,
+    engine_options,
+    file_option,
+    generated_option,
+    seeds_option,
+)
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import LimitExceeded, UsageError
 from mrsfi_runtime.record.manifest import BOTH, CI
@@ -38,20 +44,11 @@ Examples:
 @click.command(name="check", help=_HELP)
 @click.argument("mission", metavar="[MISSION|ARCHIVE]", required=False)
 @generated_option
-@click.option(
-    "--seeds",
-    "n_seeds",
-    type=click.IntRange(1, 1000),
-    metavar="N",
-    help="Fly in N mission seeds: those that are kept first, then others, of which limits say "
-    "nothing unless they hold there too.",
+@seeds_option(
+    "Fly in N mission seeds: those that are kept first, then others, of which limits say "
+    "nothing unless they hold there too."
 )
-@click.option(
-    "--junit",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="Write the verdicts to FILE as XML for a build server.",
-)
+@file_option("--junit", "Write the verdicts to FILE as XML for a build server.")
 @click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
 @engine_options(BOTH, CI, default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the verdicts for a script.")

@@ -17,6 +17,8 @@ from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import (
     EngineOptions,
     engine_options,
+    file_option,
+    folder_option,
     generated_option,
     worker_options,
 )
@@ -56,7 +58,6 @@ digest: mrsfi evolve MISSION --algorithm NAME --seed N --evaluations M.
 """
 
 
-_FILE = click.Path(path_type=Path, dir_okay=False)
 _OF_RUNS = ("targets", "markdown", "html", "is_json", *EngineOptions.__slots__, *Workers.__slots__)
 
 
@@ -94,14 +95,11 @@ _OF_RUNS = ("targets", "markdown", "html", "is_json", *EngineOptions.__slots__, 
 )
 @worker_options
 @engine_options(BOTH, default=AUTO)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="DIR",
-    help="Folder of the comparison, new or to go on with [default: runs/compare-NAME-CASE].",
+@folder_option(
+    "--out", "Folder of the comparison, new or to go on with [default: runs/compare-NAME-CASE]."
 )
-@click.option("--markdown", type=_FILE, metavar="FILE", help="Of two campaigns: write Markdown.")
-@click.option("--html", type=_FILE, metavar="FILE", help="Of two campaigns: write a page.")
+@file_option("--markdown", "Of two campaigns: write Markdown.")
+@file_option("--html", "Of two campaigns: write a page.")
 @click.option("--json", "is_json", is_flag=True, help="Print the comparison for a script.")
 def command(  # noqa: PLR0913 - one for each option
     ctx: click.Context,

@@ -13,6 +13,7 @@ from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import (
     EngineOptions,
     engine_options,
+    folder_option,
     generated_option,
     worker_options,
 )
@@ -99,12 +100,7 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
 )
 @worker_options
 @engine_options(BOTH, CI, default=AUTO)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="DIR",
-    help="New folder of the campaign [default: runs/NAME-CASE-N, first free N].",
-)
+@folder_option("--out", "New folder of the campaign [default: runs/NAME-CASE-N, first free N].")
 @click.option(
     "--resume",
     type=click.Path(path_type=Path),

@@ -12,6 +12,8 @@ from mrsfi_runtime.cli.options import (
     EngineOptions,
     OneOf,
     engine_options,
+    file_option,
+    folder_option,
     generated_option,
     worker_options,
 )
@@ -62,12 +64,7 @@ yet is flown and recorded, as at the end of mrsfi evolve, and printed as by mrsf
 @click.command(name="explain", help=_HELP)
 @click.argument("target", metavar="RUN|MISSION")
 @generated_option
-@click.option(
-    "--faults",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="Explain this fault specification of MISSION.",
-)
+@file_option("--faults", "Explain this fault specification of MISSION.")
 @click.option("--best", is_flag=True, help="The most critical evaluation of RUN, as without it.")
 @click.option("--all", "is_all", is_flag=True, help="All the ways in which goals of RUN break.")
 @click.option("--evaluation", type=click.IntRange(0), metavar="N", help="Evaluation N of RUN.")
@@ -92,11 +89,9 @@ yet is flown and recorded, as at the end of mrsfi evolve, and printed as by mrsf
     show_default="that of RUN, else 1",
     help="With --faults: mission seed.",
 )
-@click.option(
+@folder_option(
     "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="DIR",
-    help="Where to write the cause sets [default: RUN/causes, or the folder of FILE; kept "
+    "Where to write the cause sets [default: RUN/causes, or the folder of FILE; kept "
     "weaknesses need one].",
 )
 @worker_options

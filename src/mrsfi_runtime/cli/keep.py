@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mrsfi_runtime.cli.console import tell
-from mrsfi_runtime.cli.options import EngineOptions, engine_options
+from mrsfi_runtime.cli.options import EngineOptions, engine_options, seeds_option
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.record.manifest import BOTH, CI
 
@@ -58,13 +58,7 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
     callback=_limits,
     help="Limit these goals alone, to so many ticks each.",
 )
-@click.option(
-    "--seeds",
-    "n_seeds",
-    type=click.IntRange(1, 1000),
-    metavar="N",
-    help="Limits are the most over N mission seeds; with --update, those of each so far.",
-)
+@seeds_option("Limits are the most over N mission seeds; with --update, those of each so far.")
 @click.option(
     "--because", "accepted", default="", metavar="TEXT", help="Why these limits are accepted."
 )

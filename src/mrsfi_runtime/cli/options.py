@@ -16,14 +16,34 @@ from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
 from mrsfi_runtime.transport.server_address import CLIENTS, Client
 
+F = TypeVar("F", bound=Callable[..., Any])
+
 mission_argument = click.argument("mission", metavar="MISSION")
 """Gives a command the argument MISSION."""
 
-generated_option = click.option(
-    "--generated",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="DIR",
-    help="Folder of the generated code [default: generated/NAME beside models/].",
+FILE = click.Path(path_type=Path, dir_okay=False)
+"""What an option is that names a file."""
+
+
+def file_option(name: str, text: str) -> Callable[[F], F]:
+    """Give a command an option that names a file, with the text of its help."""
+    return click.option(name, type=FILE, metavar="FILE", help=text)
+
+
+def folder_option(name: str, text: str) -> Callable[[F], F]:
+    """Give a command an option that names a folder, with the text of its help."""
+    kind = click.Path(path_type=Path, file_okay=False)
+    return click.option(name, type=kind, metavar="DIR", help=text)
+
+
+def seeds_option(text: str) -> Callable[[F], F]:
+    """Give a command the option --seeds, with the text of its help."""
+    kind = click.IntRange(1, 1000)
+    return click.option("--seeds", "n_seeds", type=kind, metavar="N", help=text)
+
+
+generated_option = folder_option(
+    "--generated", "Folder of the generated code [default: generated/NAME beside models/]."
 )
 """Gives a command the option --generated."""
 
@@ -39,9 +59,6 @@ def tell_of_metamodels() -> None:
 
 SIMULATION = "simulation"
 BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
-
-
-F = TypeVar("F", bound=Callable[..., Any])
 
 
 class OneOf(click.Choice[str]):
@@ -213,23 +230,18 @@ class FlightFiles:
             raise click.UsageError(f"{names} are of one flight; {option} flies many")
 
 
-def _file_option(name: str, text: str) -> Callable[[Any], Any]:
-    kind = click.Path(path_type=Path, dir_okay=False)
-    return click.option(name, type=kind, metavar="FILE", help=text)
-
-
 recording_options = options_as(
     "files",
     FlightFiles,
     (
-        _file_option(
+        file_option(
             "--log",
             "Write the simulation log to FILE: robots each tick, mistaken beliefs, and events.",
         ),
-        _file_option("--trace", "Write belief and truth of every tick to FILE as CSV."),
-        _file_option("--mcap", "Write the flight to FILE as a bag, for Foxglove or RViz."),
-        _file_option("--html", "Write the flight to FILE as a page, to be played in a browser."),
-        _file_option("--gif", "Write the flight to FILE as an animated picture."),
+        file_option("--trace", "Write belief and truth of every tick to FILE as CSV."),
+        file_option("--mcap", "Write the flight to FILE as a bag, for Foxglove or RViz."),
+        file_option("--html", "Write the flight to FILE as a page, to be played in a browser."),
+        file_option("--gif", "Write the flight to FILE as an animated picture."),
     ),
 )
 """Gives a command the options of files of a flight; it receives them as ``files``."""

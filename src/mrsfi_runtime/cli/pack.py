@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.options import file_option
 
 _HELP = """Pack CAMPAIGN into one file that repeats itself elsewhere.
 
@@ -21,12 +22,7 @@ Examples:
 
 @click.command(name="pack", help=_HELP)
 @click.argument("run", metavar="CAMPAIGN", type=click.Path(path_type=Path))
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="The archive [default: CAMPAIGN.zip, in this folder].",
-)
+@file_option("--out", "The archive [default: CAMPAIGN.zip, in this folder].")
 def command(run: Path, out: Path | None) -> None:
     """Pack a campaign into one file."""
     from mrsfi.packing import pack

@@ -11,6 +11,7 @@ from mrsfi_runtime.cli.options import (
     EngineOptions,
     FlightFiles,
     engine_options,
+    file_option,
     generated_option,
     mission_argument,
     recording_options,
@@ -52,12 +53,7 @@ met.
 @mission_argument
 @generated_option
 @click.option("--no-faults", is_flag=True, help="Fly without faults, as without this option.")
-@click.option(
-    "--faults",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE",
-    help="Fly under this fault specification.",
-)
+@file_option("--faults", "Fly under this fault specification.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
 @recording_options
 @engine_options(BOTH, CI, SIMULATION)

@@ -7,7 +7,14 @@ import click
 
 from mrsfi.engines import Workers
 from mrsfi_runtime.cli.console import print_json, tell
-from mrsfi_runtime.cli.options import EngineOptions, engine_options, worker_options
+from mrsfi_runtime.cli.options import (
+    FILE,
+    EngineOptions,
+    engine_options,
+    file_option,
+    seeds_option,
+    worker_options,
+)
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.record.manifest import BOTH, CI
@@ -46,25 +53,21 @@ Examples:
   mrsfi weaknesses runs/cover --json | jq '.[] | select(.masked)'
 """
 
-_FILE = click.Path(path_type=Path, dir_okay=False)
-
 
 @click.command(name="weaknesses", help=_HELP)
 @click.argument("run", metavar="RUN", type=click.Path(path_type=Path))
 @click.option("--goal", metavar="G", help="Of this goal alone.")
-@click.option(
-    "--seeds", "n_seeds", type=click.IntRange(1, 1000), metavar="N", help="Fly in N mission seeds."
-)
+@seeds_option("Fly in N mission seeds.")
 @click.option("--mildest", "is_mildest", is_flag=True, help="Find the least that does it.")
 @click.option(
     "--map",
     "drawn",
-    type=(int, _FILE),
+    type=(int, FILE),
     metavar="N FILE",
     help="Draw which values and windows of number N do: .csv, .png, .svg.",
 )
-@click.option("--fmea", type=_FILE, metavar="FILE", help="Write failure modes: .csv or .md.")
-@click.option("--fault-tree", type=_FILE, metavar="FILE", help="Write .xml, or .txt for pfta.")
+@file_option("--fmea", "Write failure modes: .csv or .md.")
+@file_option("--fault-tree", "Write .xml, or .txt for pfta.")
 @worker_options
 @engine_options(BOTH, CI, default=AUTO)
 @click.option("--bounds", "is_bounds", is_flag=True, help="With --json: what was not found.")
