@@ -75,13 +75,14 @@ _DEEDS: Mapping[Mode, tuple[str, str]] = MappingProxyType(
 class GoalVerdict:
     """What is known of a goal: its state, the way that is told of, and how many others there are.
 
-    As the sentence goes on, ``cause`` says what does it and ``noticed`` how the CI notices;
-    ``sure`` in how many mission seeds and forms, ``unknown`` how seldom it may break otherwise;
-    each is empty where there is nothing to say.
+    ``label`` is the name before the ID. As the sentence goes on, ``cause`` says what does it and
+    ``noticed`` how the CI notices; ``sure`` in how many mission seeds and forms, ``unknown`` how
+    seldom it may break otherwise; each is empty where there is nothing to say.
     """
 
     goal: str
     name: str
+    label: str
     state: State
     way: Way | None
     n_others: int
@@ -101,11 +102,6 @@ class GoalVerdict:
         return f"{self.label} {self.words}{self.because}"
 
     @property
-    def label(self) -> str:
-        """The name of the goal before its ID, which stands alone where it has no other name."""
-        return _labelled(self.name, self.goal)
-
-    @property
     def because(self) -> str:
         """By what it breaks, and how that is noticed, as a sentence goes on."""
         cause = f" {self.cause}" if self.cause else ""
@@ -123,43 +119,35 @@ class GoalVerdict:
 
 def verdicts(mission: Mission, pool: FaultPool, known: Harvest) -> tuple[GoalVerdict, ...]:
     """Return what is known of each goal of a mission, the gravest first."""
-    ways = known.ways
-    told = {way.goal: way for way in least(ways)}
-    found = (
-        _verdict(mission, pool, known, goal, told.get(goal.id), ways) for goal in mission.goals
-    )
+    told = {way.goal: way for way in least(known.ways)}
+    found = (_verdict(mission, pool, known, goal, told.get(goal.id)) for goal in mission.goals)
     return tuple(
         sorted(found, key=lambda each: (each.state, not (each.way and each.way.is_unseen)))
     )
 
 
 def _verdict(
-    mission: Mission,
-    pool: FaultPool,
-    known: Harvest,
-    goal: Goal,
-    way: Way | None,
-    ways: Sequence[Way],
+    mission: Mission, pool: FaultPool, known: Harvest, goal: Goal, way: Way | None
 ) -> GoalVerdict:
     unknown = max(known.known.bound(Column(goal.id, measure)) for measure in MEASURES)
     state = State.HOLDS if way is None else _STATES[way.shown.column.kind]
     if state in {State.FALSE_ALARM, State.HOLDS} and _is_broken_anyway(known, goal.id):
         state = State.BROKEN_ANYWAY
-    shown = None if way is None else way.shown
-    is_told = way is not None and state is not State.BROKEN_ANYWAY  # not by what it would break
+    cause = heard = ""
+    if state is State.BROKEN_ANYWAY:  # not by what it would break
+        cause = held_in_words(mission, goal)
+    elif way is not None:
+        cause, heard = f"if {cause_in_words(mission, pool, way)}", noticed(way.shown)
     return GoalVerdict(
         goal=goal.id,
         name=name_of(mission, goal),
+        label=label_of(mission, goal),
         state=state,
         way=way,
-        n_others=sum(each.goal == goal.id for each in ways) - (way is not None),
-        cause=f"if {cause_in_words(mission, pool, way)}"
-        if way and is_told
-        else held_in_words(mission, goal)
-        if state is State.BROKEN_ANYWAY
-        else "",
-        noticed=noticed(shown) if shown and is_told else "",
-        sure=() if shown is None else sure(shown),
+        n_others=sum(each.goal == goal.id for each in known.ways) - (way is not None),
+        cause=cause,
+        noticed=heard,
+        sure=() if way is None else _sure(way.shown),
         unknown=f"unknown ≤ {100 * unknown:.0f} %" if unknown < 1.0 else "unknown: no bound",
     )
 
@@ -188,11 +176,8 @@ def held_in_words(mission: Mission, goal: Goal) -> str:
 
 def label_of(mission: Mission, goal: Goal) -> str:
     """Return the name of a goal before its ID, which stands alone where it has no other name."""
-    return _labelled(name_of(mission, goal), goal.id)
-
-
-def _labelled(name: str, goal: str) -> str:
-    return name if name == goal else f"{name} {goal}"
+    name = name_of(mission, goal)
+    return name if name == goal.id else f"{name} {goal.id}"
 
 
 def name_of(mission: Mission, goal: Goal) -> str:
@@ -204,12 +189,10 @@ def name_of(mission: Mission, goal: Goal) -> str:
     return f"{name} · {', '.join(robot.name or robot.id for robot in robots)}"
 
 
-def sure(weakness: Weakness) -> tuple[str, str]:
+def _sure(weakness: Weakness) -> tuple[str, str]:
     """Say in how many mission seeds a weakness holds, and in how many of its forms."""
-    return (
-        f"{weakness.n_held}/{weakness.n_seeds} seeds",
-        f"{100 * weakness.share:.0f} % of forms",
-    )
+    seeds = f"{weakness.n_held}/{weakness.n_seeds} seeds"
+    return seeds, f"{100 * weakness.share:.0f} % of forms"
 
 
 def noticed(weakness: Weakness) -> str:

@@ -129,7 +129,7 @@ def test_what_breaks_without_faults_is_not_told_to_break_falsely_by_one(without,
 
 def verdict(goal, state, *faults):
     way = ways([weakness(goal, "true", *faults)])[0] if faults else None
-    return GoalVerdict(goal, goal, state, way, 0, "", "", (), "")
+    return GoalVerdict(goal, goal, goal, state, way, 0, "", "", (), "")
 
 
 HOLDS = verdict("g9", State.HOLDS)
