@@ -17,18 +17,12 @@ from numpy.typing import NDArray
 from mrsfi_runtime.analysis.columns import Columns, Rows
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.record.measure import Measure, ticks
-from mrsfi_runtime.record.store import Evaluation
 
 _MOST_DRAWN = 10_000  # points of a cloud of which none is left out
 _N_CELLS = 200  # of either axis, for clouds of more
 _NUMBER = r"(\d+(?:\.\d+)?)"
 _NEAR = 1.25  # times a wanted ratio, or as small a part of it, is still near
 _RATIO = re.compile(rf"\s*([^:=\s]+)\s*:\s*([^:=\s]+)\s*=\s*{_NUMBER}\s*:\s*{_NUMBER}\s*")
-
-
-def score(evaluation: Evaluation) -> float:
-    """Return the number to rank by."""
-    return evaluation.fitness[0]
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,6 @@ from mrsfi_runtime.analysis.fronts import (
     find_harm,
     nearest_ratio,
     parse_ratio,
-    score,
 )
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
 from mrsfi_runtime.causes.harvest import Harvest, known_by
@@ -205,7 +204,7 @@ def _ranked(
     return {
         "evaluation": evaluation.index,
         "generation": evaluation.generation,
-        "fitness": score(evaluation),
+        "fitness": evaluation.fitness[0],
         "fault_ticks": evaluation.fault_ticks,
         **{
             kind: dict(zip(summary.measure.goals, counts, strict=True))
@@ -237,10 +236,9 @@ def _front(front: Front | None) -> dict[str, Any] | None:
 def _picked(pick: Pick | None) -> dict[str, Any] | None:
     if pick is None:
         return None
+    point = pick.point
     return {
         "ratio": str(pick.ratio),
-        "evaluation": None if pick.point is None else pick.point.evaluation,
-        "violations": None
-        if pick.point is None
-        else dict(zip(pick.goals, pick.point.violations, strict=True)),
+        "evaluation": point and point.evaluation,
+        "violations": point and dict(zip(pick.goals, point.violations, strict=True)),
     }

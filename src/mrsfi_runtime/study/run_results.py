@@ -6,7 +6,7 @@ from typing import Any, Self
 
 from moocore import hypervolume
 
-from mrsfi_runtime.analysis.fronts import non_dominated, score
+from mrsfi_runtime.analysis.fronts import non_dominated
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.record.encoding import object_from_text
 from mrsfi_runtime.record.store import CampaignStore
@@ -82,8 +82,8 @@ def measure_run(store: CampaignStore, mission: Mission, seconds: float) -> RunRe
         found: tuple[int, ...] = getattr(one.outcome, settings.violations)
         spared = (most - cost for cost in settings.costs(one.specification, mission.duration))
         vectors.add((*(found[column] for column in columns), *spared))
-        if not improvements or score(one) > improvements[-1][1]:
-            improvements.append((n_evaluations, score(one)))
+        if not improvements or one.fitness[0] > improvements[-1][1]:
+            improvements.append((n_evaluations, one.fitness[0]))
         now = {goal for goal, count in enumerate(found) if count}
         broken |= now
         at_once += [n_evaluations] * (len(now) - len(at_once))
