@@ -1,9 +1,9 @@
 """The command ``mrsfi import``."""
 
 import re
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import asdict
-from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -94,14 +94,10 @@ def _as_json(result: "Imported") -> dict[str, Any]:
 
 def _lines(notes: "tuple[Note, ...]") -> Iterator[str]:
     """Yield a line for each note, or for all notes that say the same."""
-
-    def saying(note: "Note") -> tuple[str, str, str]:
-        return note.kind, note.feature, note.message
-
-    order = {key: position for position, key in enumerate(dict.fromkeys(map(saying, notes)))}
-    for key, group in groupby(sorted(notes, key=lambda note: order[saying(note)]), saying):
-        kind, feature, message = key
-        same = list(group)
+    alike: defaultdict[tuple[str, str, str], list[Note]] = defaultdict(list)
+    for note in notes:
+        alike[note.kind, note.feature, note.message].append(note)
+    for (kind, feature, message), same in alike.items():
         if len(same) == 1:
             where = f"line {same[0].line}, {same[0].element}: {feature}"
         else:
