@@ -73,11 +73,15 @@ def command(
     found = validate(mission, generated, tell)
     if is_strict:
         found = found.strict()
+    n_found = n_errors(found.diagnostics)
+    n_warnings = len(found.diagnostics) - n_found
     if is_json:
-        print_json(_as_json(found))
+        diagnostics = [{**asdict(each), "path": str(each.path)} for each in found.diagnostics]
+        counts = {"n_errors": n_found, "n_warnings": n_warnings}
+        print_json({"mission": found.name, **counts, "diagnostics": diagnostics})
     else:
-        _print_lines(found)
-    if n_errors(found.diagnostics):
+        _print_lines(found, n_found, n_warnings)
+    if n_found:
         ctx.exit(ModelError.exit_code if n_errors(found.models) else EvaluationError.exit_code)
 
 
@@ -101,27 +105,12 @@ def _fix(mission: str, generated: Path | None, *, is_agreed: bool) -> None:
         click.echo(f"fixed      {path}")
 
 
-def _as_json(found: "Validated") -> dict[str, object]:
-    from mrsfi.validation import n_errors
-
-    errors = n_errors(found.diagnostics)
-    return {
-        "mission": found.name,
-        "n_errors": errors,
-        "n_warnings": len(found.diagnostics) - errors,
-        "diagnostics": [{**asdict(each), "path": str(each.path)} for each in found.diagnostics],
-    }
-
-
-def _print_lines(found: "Validated") -> None:
-    from mrsfi.validation import n_errors
-
+def _print_lines(found: "Validated", n_found: int, n_warnings: int) -> None:
     for each in found.diagnostics:
         click.echo(f"{each.path}:{each.line}: {each.severity}: {each.message} [{each.constraint}]")
-    errors = n_errors(found.diagnostics)
-    warnings = counted(len(found.diagnostics) - errors, "warnings")
-    if errors:
-        click.echo(f"{found.name}: {counted(errors, 'errors')}, {warnings}")
+    warnings = counted(n_warnings, "warnings")
+    if n_found:
+        click.echo(f"{found.name}: {counted(n_found, 'errors')}, {warnings}")
     else:
         held = (counted(number, nouns) for nouns, number in found.counts.items())
         click.echo(f"ok: {found.name}: {', '.join((*held, warnings))}")
