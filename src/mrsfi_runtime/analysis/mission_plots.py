@@ -217,7 +217,7 @@ def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
 
 def _foremost(labels: Sequence[Annotation], story: Story) -> list[Annotation]:
     """Keep as many labels as can be read in print: robots that faults strike, robots, goals."""
-    struck = {robot for fault in story.faults for robot in fault.robots}
+    struck = story.struck
     n_robots = len(story.mission.robots)
     robots = sorted(range(n_robots), key=lambda robot: robot not in struck)
     ranked = [*(labels[robot - n_robots] for robot in robots), *labels[:-n_robots]]

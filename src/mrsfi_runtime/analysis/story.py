@@ -56,6 +56,11 @@ class Story:
     true: Places
     believed: Places
 
+    @property
+    def struck(self) -> frozenset[int]:
+        """The places of the robots that its faults strike."""
+        return frozenset(robot for fault in self.faults for robot in fault.robots)
+
 
 def story_of(
     title: str, mission: Mission, faults: Sequence[NamedFault], recording: Recording

@@ -68,17 +68,6 @@ def mission_content(mission: Mission) -> dict[str, Any]:
     }
 
 
-def fault_content(fault: NamedFault) -> dict[str, Any]:
-    """Return what the page shows of a fault."""
-    return {
-        "name": fault.name,
-        "type": fault.fault.type,
-        "target": fault.target,
-        "values": fault.values,
-        "window": fault.window,
-    }
-
-
 def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any]:
     """Return what the page shows of a flight, of motion every so many-th tick (``stride``)."""
     world = flown.recording["world"]["robots"]
@@ -92,9 +81,18 @@ def flight_content(mission: Mission, flown: Flown, stride: int) -> dict[str, Any
         "title": flown.title,
         "goal": flown.goal,
         "first": flown.first,
-        "robots": sorted({each for fault in flown.faults for each in fault.robots}),
+        "robots": sorted(story.struck),
         "window": seen(mission, story.true),
-        "faults": [fault_content(fault) for fault in flown.faults],
+        "faults": [
+            {
+                "name": fault.name,
+                "type": fault.fault.type,
+                "target": fault.target,
+                "values": fault.values,
+                "window": fault.window,
+            }
+            for fault in flown.faults
+        ],
         "flights": [
             {"without": place, **_flight(mission, recording, steps, stride)}
             for place, recording in flights
