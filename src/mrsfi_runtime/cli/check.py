@@ -15,7 +15,6 @@ from mrsfi_runtime.cli.options import (
 )
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import LimitExceeded, UsageError
-from mrsfi_runtime.record.manifest import BOTH, CI
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -50,7 +49,7 @@ Examples:
 )
 @file_option("--junit", "Write the verdicts to FILE as XML for a build server.")
 @click.option("--github", is_flag=True, help="Also annotate lines of models, for GitHub Actions.")
-@engine_options(BOTH, CI, default=AUTO)
+@engine_options(default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the verdicts for a script.")
 def command(
     mission: str | None,

@@ -94,7 +94,7 @@ _OF_RUNS = ("targets", "markdown", "html", "is_json", *EngineOptions.__slots__, 
     help="Evaluations of each run.",
 )
 @worker_options
-@engine_options(BOTH, default=AUTO)
+@engine_options(default=AUTO, sides=(BOTH,))
 @folder_option(
     "--out", "Folder of the comparison, new or to go on with [default: runs/compare-NAME-CASE]."
 )

@@ -20,7 +20,6 @@ from mrsfi_runtime.cli.options import (
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import TransportError, UsageError, WorkerLost
 from mrsfi_runtime.model.faults import COSTS
-from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.settings import ALGORITHM_NAMES, MINIMISING, VIOLATIONS
 
 if TYPE_CHECKING:
@@ -99,7 +98,7 @@ def _goal_ids(_: click.Context, __: click.Parameter, text: str | None) -> list[s
     help=f"Also seek few of these, by algorithm {' or '.join(MINIMISING)}.",
 )
 @worker_options
-@engine_options(BOTH, CI, default=AUTO)
+@engine_options(default=AUTO)
 @folder_option("--out", "New folder of the campaign [default: runs/NAME-CASE-N, first free N].")
 @click.option(
     "--resume",

@@ -19,7 +19,6 @@ from mrsfi_runtime.cli.options import (
 )
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.record.manifest import BOTH, CI
 from mrsfi_runtime.record.settings import VIOLATIONS
 
 if TYPE_CHECKING:
@@ -95,7 +94,7 @@ yet is flown and recorded, as at the end of mrsfi evolve, and printed as by mrsf
     "weaknesses need one].",
 )
 @worker_options
-@engine_options(BOTH, CI, default=AUTO)
+@engine_options(default=AUTO)
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def command(  # noqa: PLR0913 - one parameter per option
     *,

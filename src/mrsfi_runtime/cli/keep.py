@@ -9,7 +9,6 @@ import click
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cli.options import EngineOptions, engine_options, seeds_option
 from mrsfi_runtime.engine.settings import AUTO
-from mrsfi_runtime.record.manifest import BOTH, CI
 
 if TYPE_CHECKING:
     from mrsfi_runtime.record.regressions import Regression
@@ -63,7 +62,7 @@ def _limits(_: click.Context, __: click.Parameter, text: str | None) -> dict[str
     "--because", "accepted", default="", metavar="TEXT", help="Why these limits are accepted."
 )
 @click.option("--update", is_flag=True, help="Take over what is counted today of MISSION's.")
-@engine_options(BOTH, CI, default=AUTO)
+@engine_options(default=AUTO)
 def command(
     target: str,
     weakness: int | None,

@@ -147,7 +147,9 @@ class EngineOptions:
             )
 
 
-def engine_options(*sides: str, default: str = REFERENCE) -> Callable[[F], F]:
+def engine_options(
+    *, default: str = REFERENCE, sides: Sequence[str] = (BOTH, CI)
+) -> Callable[[F], F]:
     """Give a command the options of the engine, which it receives as ``engine``."""
     options = (
         click.option(

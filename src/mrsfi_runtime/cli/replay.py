@@ -7,7 +7,6 @@ import click
 
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import EngineOptions, FlightFiles, engine_options, recording_options
-from mrsfi_runtime.record.manifest import BOTH, CI
 
 if TYPE_CHECKING:
     from mrsfi.campaign_folders import FlyableCampaign
@@ -33,7 +32,7 @@ Examples:
 @click.option("--best", is_flag=True, help="The most critical evaluation, as without options.")
 @click.option("--all", "is_all", is_flag=True, help="Every evaluation.")
 @recording_options
-@engine_options(BOTH, CI)
+@engine_options()
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def command(
     folder: Path,

@@ -56,7 +56,7 @@ met.
 @file_option("--faults", "Fly under this fault specification.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Mission seed.")
 @recording_options
-@engine_options(BOTH, CI, SIMULATION)
+@engine_options(sides=(BOTH, CI, SIMULATION))
 @click.option("--json", "is_json", is_flag=True, help="Print the result for a script.")
 def command(
     mission: str,

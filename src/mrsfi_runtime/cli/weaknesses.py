@@ -17,7 +17,6 @@ from mrsfi_runtime.cli.options import (
 )
 from mrsfi_runtime.engine.settings import AUTO
 from mrsfi_runtime.errors import UsageError, expected
-from mrsfi_runtime.record.manifest import BOTH, CI
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,7 +68,7 @@ Examples:
 @file_option("--fmea", "Write failure modes: .csv or .md.")
 @file_option("--fault-tree", "Write .xml, or .txt for pfta.")
 @worker_options
-@engine_options(BOTH, CI, default=AUTO)
+@engine_options(default=AUTO)
 @click.option("--bounds", "is_bounds", is_flag=True, help="With --json: what was not found.")
 @click.option("--json", "is_json", is_flag=True, help="Print them for a script.")
 def command(
