@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from mrsfi_runtime.cli import progress
-from mrsfi_runtime.cli.progress import FlightProgress, PlainLines, share_done
+from mrsfi_runtime.cli.progress import flight_progress, plain_lines, share_done
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.search.run import CampaignProgress
 from tests.support.cli import MISSION, mrsfi
@@ -67,14 +67,14 @@ def test_a_line_has_generation_best_mean_and_time_left(
 ):
     clock = ticking(seconds)
 
-    PlainLines(settings, lambda: next(clock), begun=begun)(at)
+    plain_lines(settings, lambda: next(clock), begun=begun)(at)
 
     assert capfd.readouterr() == ("", printed)
 
 
 def test_a_long_search_prints_some_hundred_lines_and_always_the_last(capfd):
     clock = ticking(1.0)
-    lines = PlainLines(CampaignSettings(generations=5000), lambda: next(clock))
+    lines = plain_lines(CampaignSettings(generations=5000), lambda: next(clock))
 
     for generation in range(5001):
         lines(state(generation))
@@ -86,7 +86,7 @@ def test_a_long_search_prints_some_hundred_lines_and_always_the_last(capfd):
 
 def test_the_time_left_follows_a_search_that_became_faster(capfd):
     clock = iter([0.0, *(100.0 * k for k in range(1, 11)), *(1000.0 + k for k in range(1, 11))])
-    lines = PlainLines(CampaignSettings(generations=49), lambda: next(clock))
+    lines = plain_lines(CampaignSettings(generations=49), lambda: next(clock))
 
     for generation in range(20):
         lines(state(generation))
@@ -112,7 +112,7 @@ def test_a_long_flight_tells_now_and_then_how_far_it_is(place, monkeypatch):
 
 def test_the_time_left_of_a_flight_follows_from_its_pace(capfd):
     clock = ticking(10.0)
-    lines = FlightProgress(4, lambda: next(clock))
+    lines = flight_progress(4, lambda: next(clock))
 
     lines(SimpleNamespace(mission=SimpleNamespace(tick=0)))
 

@@ -13,7 +13,7 @@ import click
 from click.core import ParameterSource
 
 from mrsfi.engines import Workers
-from mrsfi_runtime.cli.console import print_json, tell
+from mrsfi_runtime.cli.console import left, print_json, tell
 from mrsfi_runtime.cli.options import (
     EngineOptions,
     engine_options,
@@ -223,10 +223,10 @@ class _Progress:
             tell(f"{place}  was finished already")
             return
         self._n_new += 1
-        left = round((monotonic() - self._began) / self._n_new * (self._n_runs - n_done))
+        rest = (monotonic() - self._began) / self._n_new * (self._n_runs - n_done)
         tell(
             f"{place}  best {run.best_fitness:.2f}  evaluations {run.n_evaluations}  "
-            f"{run.seconds:.1f} s  left {left // 60}:{left % 60:02d}"
+            f"{run.seconds:.1f} s  {left(rest)}"
         )
 
 

@@ -61,6 +61,12 @@ def print_changes(respelt: Iterable[Path], difference: Iterable[str]) -> None:
         click.echo(line)
 
 
+def left(seconds: float) -> str:
+    """Return how long something may still take: ``left 1:05``."""
+    minutes, rest = divmod(round(seconds), 60)
+    return f"left {minutes}:{rest:02d}"
+
+
 def tell(message: str) -> None:
     """Print one line of progress."""
     click.echo(message, err=True)

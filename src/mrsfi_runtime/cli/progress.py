@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from mrsfi_runtime.cli.console import tell
+from mrsfi_runtime.cli.console import left, tell
 from mrsfi_runtime.cli.terminal import progress_console
 from mrsfi_runtime.record.settings import CampaignSettings
 
 if TYPE_CHECKING:
+    from mrsfi_runtime.cosimulation.lockstep import Observer
     from mrsfi_runtime.kernel.state import State
     from mrsfi_runtime.record.store import CampaignStore
     from mrsfi_runtime.search.run import CampaignProgress
@@ -34,7 +35,7 @@ def search_progress(store: "CampaignStore") -> "Iterator[Callable[[CampaignProgr
     begun = _share(settings, store.n_generations, store.n_evaluations + store.n_failures)
     console = progress_console()
     if not console.is_terminal:
-        yield PlainLines(settings, monotonic, begun)
+        yield plain_lines(settings, monotonic, begun)
         return
     columns = (
         TextColumn("generation {task.fields[generation]}"),
@@ -58,55 +59,49 @@ def search_progress(store: "CampaignStore") -> "Iterator[Callable[[CampaignProgr
         yield advance
 
 
-class PlainLines:
-    """Writes a line after a generation, at most some hundred in a search.
+def plain_lines(
+    settings: CampaignSettings, clock: Callable[[], float], begun: float = 0.0
+) -> "Callable[[CampaignProgress], None]":
+    """Return what writes a line after a generation, at most some hundred in a search.
 
     ``begun`` is the share of it that was done before, ``clock`` counts seconds.
     """
+    recent = deque([(clock(), begun)], maxlen=_PACE)
+    told = -1.0
 
-    def __init__(
-        self, settings: CampaignSettings, clock: Callable[[], float], begun: float = 0.0
-    ) -> None:
-        self._settings = settings
-        self._recorded = begun
-        self._clock = clock
-        self._recent = deque([(clock(), begun)], maxlen=_PACE)
-        self._told = -1.0
-
-    def __call__(self, state: "CampaignProgress") -> None:
-        """Tell how far the search is after a generation."""
-        done = share_done(self._settings, state)
-        if done < 1.0 and (done <= self._recorded or done - self._told < 1.0 / _LINES):
+    def tell_after(state: "CampaignProgress") -> None:
+        nonlocal told
+        done = share_done(settings, state)
+        if done < 1.0 and (done <= begun or done - told < 1.0 / _LINES):
             return
-        self._told = done
-        since, before = self._recent[0]
-        now = self._clock()
-        self._recent.append((now, done))
-        left = round((now - since) * (1.0 - done) / (done - before)) if done < 1.0 else 0
+        told = done
+        since, before = recent[0]
+        now = clock()
+        recent.append((now, done))
+        rest = (now - since) * (1.0 - done) / (done - before) if done < 1.0 else 0.0
         tell(
-            f"generation {_generation(self._settings, state)}  best {state.best:.2f}  "
-            f"mean {state.mean:.2f}  evaluations {state.n_evaluations}  "
-            f"left {left // 60}:{left % 60:02d}"
+            f"generation {_generation(settings, state)}  best {state.best:.2f}  "
+            f"mean {state.mean:.2f}  evaluations {state.n_evaluations}  {left(rest)}"
         )
 
+    return tell_after
 
-class FlightProgress:
-    """Observer that tells how far a flight of some ticks is, every few seconds."""
 
-    def __init__(self, duration: int, clock: Callable[[], float] = monotonic) -> None:
-        self._duration = duration
-        self._clock = clock
-        self._began = self._told = clock()
+def flight_progress(duration: int, clock: Callable[[], float] = monotonic) -> "Observer":
+    """Return an observer that tells how far a flight of some ticks is, every few seconds."""
+    began = told = clock()
 
-    def __call__(self, world: "State", *_: object) -> None:
-        """Tell after a tick, if it is time."""
-        now = self._clock()
-        if now - self._told < _EVERY:
+    def tell_after(world: "State", *_: object) -> None:
+        nonlocal told
+        now = clock()
+        if now - told < _EVERY:
             return
-        self._told = now
+        told = now
         n_done = world.mission.tick + 1
-        left = round((now - self._began) / n_done * (self._duration - n_done))
-        tell(f"tick {n_done:,} of {self._duration:,}  left {left // 60}:{left % 60:02d}")
+        rest = (now - began) / n_done * (duration - n_done)
+        tell(f"tick {n_done:,} of {duration:,}  {left(rest)}")
+
+    return tell_after
 
 
 def share_done(settings: CampaignSettings, state: "CampaignProgress") -> float:

@@ -14,7 +14,7 @@ from mrsfi_runtime.analysis.campaign_tables import (
 )
 from mrsfi_runtime.cli.console import print_json, tell
 from mrsfi_runtime.cli.options import FlightFiles
-from mrsfi_runtime.cli.progress import FlightProgress
+from mrsfi_runtime.cli.progress import flight_progress
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.cosimulation.lockstep import Observer
 from mrsfi_runtime.engine.flights import Engine, PlainEngine
@@ -96,7 +96,7 @@ def _recorder(
         observers: list[Observer] = []
         finish: list[_Finish] = []
         if isinstance(engine, PlainEngine):  # others take no time
-            observers.append(FlightProgress(mission.duration))
+            observers.append(flight_progress(mission.duration))
         observers += _texts(opened, files, mission, Events(mission, faults, tallies))
         if files.mcap is not None:
             from mrsfi_runtime.record.bag.writer import Bag
