@@ -18,7 +18,7 @@ from mrsfi.regressions import keep
 from mrsfi.weaknesses import harvested
 from mrsfi_runtime.analysis.campaign_tables import evaluations_table
 from mrsfi_runtime.analysis.columns import Columns
-from mrsfi_runtime.analysis.shown import Shown
+from mrsfi_runtime.analysis.report import Shown
 from mrsfi_runtime.analysis.table import to_html
 from mrsfi_runtime.analysis.verdicts import verdict_table
 from mrsfi_runtime.causes.cause_set import KEEP

@@ -8,8 +8,7 @@ from mrsfi.campaign_folders import OpenCampaign, load_own
 from mrsfi.loading import specification_writer
 from mrsfi.weaknesses import harvested, way_of
 from mrsfi_runtime.analysis.drawing import Draw, DrawingProcess
-from mrsfi_runtime.analysis.report import write_report
-from mrsfi_runtime.analysis.shown import Shown, look_at
+from mrsfi_runtime.analysis.report import Shown, look_at, write_report
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.causes.ways import least
 from mrsfi_runtime.engine.flights import Engine

@@ -1,5 +1,7 @@
 """Writes what a campaign found into its folder: specifications, figures, tables, report.
 
+A way to break a goal is also drawn by itself: its flight in time and in space.
+
 References
 ----------
 Source paper, section V, figures 5 to 12.
@@ -11,15 +13,16 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis.campaign_tables import MOST_LISTED, evaluations_table
-from mrsfi_runtime.analysis.drawing import Draw, draw_here, drawn_as_pdf
+from mrsfi_runtime.analysis.drawing import Draw, Drawing, draw_here, drawn_as_pdf
 from mrsfi_runtime.analysis.illustrations import Illustration, illustrate
 from mrsfi_runtime.analysis.latex import report_latex
 from mrsfi_runtime.analysis.markdown import report_text
 from mrsfi_runtime.analysis.page.content import PageEntry, campaign_page, flown_of, told_content
 from mrsfi_runtime.analysis.page.document import document
+from mrsfi_runtime.analysis.story import places_table, story_of, timeline_table
 from mrsfi_runtime.analysis.summary import Summary, as_json, summarise
 from mrsfi_runtime.analysis.table import as_csv, every, write_csv
 from mrsfi_runtime.analysis.weaknesses import broken_by, goal_in_words
@@ -42,6 +45,20 @@ SpecificationWriter: TypeAlias = Callable[
     [Sequence[SpecificationRow], Path, str, Sequence[str]], None
 ]
 """Writes rows as a fault specification to a path, under an identifier, with the faults' names."""
+
+
+class Shown(NamedTuple):
+    """A way to break a goal, in words and in pictures.
+
+    ``sentences`` say by what the goal is broken, in how many forms, who sees it, and from what on,
+    if that is known; then what each of the faults did until it broke. ``figures`` are PNG of the
+    flight in time and in space; each is there as SVG, too.
+    """
+
+    way: Way
+    title: str
+    sentences: Sequence[str]
+    figures: Sequence[Path]
 
 
 def _unflown(_: Specification) -> Recording:
@@ -70,18 +87,18 @@ def write_report(  # noqa: PLR0913 - most have a default
     layout = CampaignFolder(folder)
     with CampaignStore.open(folder) as store:
         summary, columns = summarise(folder, store, mission, pool, ratio)
-        with writing(folder, "report"):
+        with _writing(folder, "report"):
             shown = tuple(illustrate(summary, mission, columns, store))
             _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")
             _emptied(layout.tables, "*.csv")
             layout.latex.unlink(missing_ok=True)
-            finish = write_figures(layout, shown, draw)
+            finish = _write_figures(layout, shown, draw)
             _write_specifications(layout, summary, pool, write_specification)
         try:
-            with writing(folder, "flights"):
+            with _writing(folder, "flights"):
                 flown = [*_fly(layout, summary, mission, pool, record)]
             summary = replace(summary, sentences={number: said for number, said, _ in flown})
-            with writing(folder, "report"):
+            with _writing(folder, "report"):
                 _write_evaluations(layout.tables / "evaluations.csv", summary, store)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
@@ -93,18 +110,43 @@ def write_report(  # noqa: PLR0913 - most have a default
                     tex = report_latex(summary, mission, pool, shown)
                     layout.latex.write_text(tex, encoding="utf-8")
             show(summary)
-            with writing(folder, "page"):
+            with _writing(folder, "page"):
                 told = [content for *_, content in flown]
                 next_of = partial(_next, layout, summary)
                 page = campaign_page(summary, mission, pool, store, told, next_of)
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
-            with writing(folder, "figures"):
+            with _writing(folder, "figures"):
                 finish()
                 for each in shown if latex else ():
                     path = layout.figures / f"{each.name}.pdf"
                     path.write_bytes(drawn_as_pdf(each.drawing))
     return summary
+
+
+def look_at(
+    layout: CampaignFolder, mission: Mission, pool: FaultPool, way: Way, record: Record
+) -> Shown:
+    """Fly a way to break a goal, and draw what is missing, or older than the campaign's record."""
+    flown, sentences = flown_of(mission, pool, way, record)
+    story = story_of(flown.title, mission, flown.faults, flown.recording)
+    illustrations = [
+        Illustration(
+            f"weakness_{way.number:02d}_{what}",
+            Drawing(f"flight_{what}", (story,), "mission_plots"),
+            table(story),
+        )
+        for what, table in (("timeline", timeline_table), ("map", places_table))
+    ]
+    names = [each.name for each in illustrations]
+    files = [layout.figures / f"{name}{kind}" for kind in (".png", ".svg") for name in names]
+    recorded = layout.database.stat().st_mtime_ns
+    if any(not file.exists() or file.stat().st_mtime_ns <= recorded for file in files):
+        with _writing(layout.path, "figures"):
+            for folder in (layout.tables, layout.figures):
+                folder.mkdir(exist_ok=True)
+            _write_figures(layout, illustrations, draw_here)()
+    return Shown(way, flown.title, (broken_by(way), *sentences), files[: len(names)])
 
 
 def _fly(
@@ -160,7 +202,7 @@ def _witness(layout: CampaignFolder, way: Way) -> Path:
 
 
 @contextmanager
-def writing(folder: Path, what: str) -> Iterator[None]:
+def _writing(folder: Path, what: str) -> Iterator[None]:
     """Say of an error of the file system what could not be written."""
     try:
         yield
@@ -199,7 +241,7 @@ def _write_specifications(
         write(rows, path, name, numbered(row[0] for row in rows))
 
 
-def write_figures(
+def _write_figures(
     layout: CampaignFolder, shown: Iterable[Illustration], draw: Draw
 ) -> Callable[[], None]:
     """Write the numbers behind figures and begin to draw them; what is returned waits for them."""
