@@ -116,18 +116,18 @@ def flight_map(story: Story) -> Figure:
             for robot in mission.robots[:_MANY_ROBOTS]
         ]
         keys += [
-            Line2D([], [], ls="none", marker=".", color=SOFT, label="believed instead"),
-            Line2D([], [], ls="none", marker="^", color=SOFT, label="start"),
-            Line2D([], [], ls="none", marker="o", color=SOFT, mec=INK, label="end"),
+            _key(".", "believed instead", color=SOFT),
+            _key("^", "start", color=SOFT),
+            _key("o", "end", color=SOFT, mec=INK),
         ]
         if story.collisions:
             met = np.array([story.true[each.window[0], each.robot] for each in story.collisions])
             axes.scatter(*met.T, **_COLLISION)
-            keys.append(Line2D([], [], ls="none", marker="x", mew=2, color=INK, label="collision"))
+            keys.append(_key("x", "collision", mew=2, color=INK))
         n_outside = int((wrong & is_outside).sum())
         if n_outside:
             words = f"believed outside the picture: {n_outside} robot-ticks"
-            keys.append(Line2D([], [], ls="none", label=words))
+            keys.append(_key("", words))
         legend_below(figure, ncols=4, handles=keys)
     _parted(figure, labels)
     return figure
@@ -166,7 +166,7 @@ def flight_timeline(story: Story) -> Figure:
             Patch(fc=INK, alpha=0.75, label="fault active"),
             Patch(fc=BELIEVED, label="believed violated"),
             Patch(fc=TRUE, label="truly violated"),
-            Line2D([], [], ls="none", marker="|", ms=12, mew=2.2, color=INK, label="missed from"),
+            _key("|", "missed from", ms=12, mew=2.2, color=INK),
         ]
         legend_below(figure, handles=keys)
     return figure
@@ -194,21 +194,16 @@ def _parted(figure: Figure, labels: Sequence[Annotation]) -> None:
     renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     points = 72.0 / figure.dpi
     for _ in range(_MOST_ROUNDS):
-        boxes = [label.get_window_extent(renderer) for label in labels]
-        moved = False
-        for first, second in combinations(range(len(labels)), 2):
-            a, b = boxes[first], boxes[second]
-            if not a.overlaps(b):
-                continue
-            upper, lower = (first, second) if a.y0 + a.y1 >= b.y0 + b.y1 else (second, first)
-            by = (boxes[lower].y1 - boxes[upper].y0) / 2 * points + 0.5
-            for place, way in ((upper, by), (lower, -by)):
-                x, y = labels[place].get_position()
-                labels[place].set_position((x, y + way))
-            moved = True
-            break
-        if not moved:
+        boxes = [(label, label.get_window_extent(renderer)) for label in labels]
+        pairs = (pair for pair in combinations(boxes, 2) if pair[0][1].overlaps(pair[1][1]))
+        first = next(pairs, None)
+        if first is None:
             return
+        upper, lower = sorted(first, key=lambda each: -(each[1].y0 + each[1].y1))
+        by = (lower[1].y1 - upper[1].y0) / 2 * points + 0.5
+        for (label, _), way in ((upper, by), (lower, -by)):
+            x, y = label.get_position()
+            label.set_position((x, y + way))
     for one, other in combinations(labels, 2):
         near = [label.get_window_extent(renderer) for label in (one, other)]
         if one.get_visible() and near[0].overlaps(near[1]):
@@ -286,21 +281,17 @@ def _of(point: Coordinates) -> Place:
     return point.x, point.y
 
 
+def _key(marker: str, words: str, **style: Any) -> Line2D:
+    """Return an entry of a legend: a mark without a line."""
+    return Line2D([], [], ls="none", marker=marker, label=words, **style)
+
+
 def _map_legend(mission: Mission, colours: Mapping[str, str]) -> list[Line2D | Patch]:
-    starts: list[Line2D | Patch] = [
-        Line2D(
-            [],
-            [],
-            ls="none",
-            marker="^",
-            ms=9,
-            color=colours[robot.id],
-            label=f"start of {robot.name or robot.id} ({robot.id})",
-        )
-        for robot in mission.robots[:_MANY_OBSTACLES]
-    ]
     return [
-        *starts,
+        *(
+            _key("^", f"start of {each.name or each.id} ({each.id})", ms=9, color=colours[each.id])
+            for each in mission.robots[:_MANY_OBSTACLES]
+        ),
         Patch(fc="#e4e9ed", ec=SOFT, label="goal area, in its robot's colour"),
         *(
             Line2D([], [], color=SOFT, label="trajectory of a goal", **_TRAJECTORY)
