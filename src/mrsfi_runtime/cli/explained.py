@@ -1,6 +1,6 @@
 """What ``mrsfi explain`` prints of an explanation, and what scripts get in its place."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from mrsfi_runtime.causes.cause import N_SEEDS
 from mrsfi_runtime.causes.chain import First, FirstVerdicts, chain_as_json
 from mrsfi_runtime.causes.counts import Counts
 from mrsfi_runtime.causes.explanation import Explanation
-from mrsfi_runtime.causes.labels import BYSTANDER, GoalCauses
+from mrsfi_runtime.causes.labels import BYSTANDER
 from mrsfi_runtime.causes.sentence import sentences
 from mrsfi_runtime.cli.terminal import print_table
 from mrsfi_runtime.errors import counted
@@ -71,7 +71,7 @@ def print_explanation(shown: Shown, found: Explanation | None) -> None:
             click.echo(f"{said}\n")
         print_table(_chain_table(shown, found))
         print_table(_robustness_table(found))
-    _print_labels(shown, found)
+    _print_goals(shown, found)
     for part, n_flown in found.n_flown.items():
         click.echo(f"{n_flown:>6} flights  {part}")
     width = max(map(len, shown.paths), default=0)
@@ -172,32 +172,28 @@ def _robustness_table(found: Explanation) -> Table:
     return Table(f"Violations under the cause set in {N_SEEDS} mission seeds", columns, rows, words)
 
 
-def _print_labels(shown: Shown, found: Explanation) -> None:
+def _print_goals(shown: Shown, found: Explanation) -> None:
     """Print what every fault is to each goal, and the counts under it alone and without it."""
     goals = [each for each in found.goals if {*each.labels} != {BYSTANDER}]
-    places = range(len(found.cause.specification))
-    named = [k for k in places if any(goal.labels[k] != BYSTANDER for goal in goals)]
+    columns = ("fault", *(each.goal for each in goals))
+    named = {
+        k: fault.name
+        for k, fault in enumerate(shown.faults)
+        if any(goal.labels[k] != BYSTANDER for goal in goals)
+    }
     if named:
-        _print_named(shown, found, goals, named)
-    rest = [shown.faults[k].name for k in places if k not in named]
+        rows = [(name, *(goal.labels[k] for goal in goals)) for k, name in named.items()]
+        print_table(Table("What each fault is to each goal", columns, rows, words=columns))
+        kinds = "/".join(dict.fromkeys(column.kind for column in found.cause.columns))
+        for title, counts in (("alone", found.alone), ("left out", found.left_out)):
+            cells = [
+                (name, *(_cell(shown, found, goal.goal, counts[k]) for goal in goals))
+                for k, name in named.items()
+            ]
+            print_table(Table(f"Violations with each {title}, {kinds}", columns, cells, ("fault",)))
+    rest = [fault.name for k, fault in enumerate(shown.faults) if k not in named]
     if rest:
         click.echo(f"bystanders to every goal: {' '.join(rest)}\n")
-
-
-def _print_named(
-    shown: Shown, found: Explanation, goals: Sequence[GoalCauses], named: Sequence[int]
-) -> None:
-    """Print what some faults are to some goals."""
-    columns = ("fault", *(each.goal for each in goals))
-    rows = [(shown.faults[k].name, *(goal.labels[k] for goal in goals)) for k in named]
-    print_table(Table("What each fault is to each goal", columns, rows, words=columns))
-    kinds = "/".join(dict.fromkeys(column.kind for column in found.cause.columns))
-    for title, counts in (("alone", found.alone), ("left out", found.left_out)):
-        cells = [
-            (shown.faults[k].name, *(_cell(shown, found, goal.goal, counts[k]) for goal in goals))
-            for k in named
-        ]
-        print_table(Table(f"Violations with each {title}, {kinds}", columns, cells, ("fault",)))
 
 
 def _cell(shown: Shown, found: Explanation, goal: str, counts: Counts) -> str:
@@ -207,15 +203,15 @@ def _cell(shown: Shown, found: Explanation, goal: str, counts: Counts) -> str:
 
 def as_json(shown: Shown, found: Explanation | None) -> dict[str, Any]:
     """Return an explanation for scripts; counts are sums over the mission seeds."""
-    what = {
+    return {
         "specification": shown.title,
         "n_faults": len(shown.faults),
         "keep": shown.keep,
         "measure": shown.measure.kind,
         "mission_seeds": shown.measure.n_seeds,
         "is_violated": found is not None,
+        **({} if found is None else _found_as_json(shown, found)),
     }
-    return what if found is None else what | _found_as_json(shown, found)
 
 
 def _found_as_json(shown: Shown, found: Explanation) -> dict[str, Any]:
