@@ -39,17 +39,15 @@ class Illustration(NamedTuple):
     table: Table
 
 
-def illustrate(
-    summary: Summary, mission: Mission, columns: Columns, store: CampaignStore
-) -> Iterator[Illustration]:
+def illustrate(summary: Summary, columns: Columns, store: CampaignStore) -> Iterator[Illustration]:
     """Yield the figures that a campaign has numbers for, in the order of the paper.
 
     A campaign on chosen goals gets figures 8 and 9 in place of 6 and 7, which differ in the
     fitness only; figures 10 and 11 show the first two goals of its front, whatever is minimised
     beside them.
     """
-    table = map_table("Mission map", mission)
-    yield Illustration("figure_05_mission_map", map_drawing(mission), table)
+    table = map_table("Mission map", summary.mission)
+    yield Illustration("figure_05_mission_map", map_drawing(summary.mission), table)
     if summary.trend.generations:
         yield from _fitness(summary)
     if summary.harm:

@@ -6,11 +6,8 @@ from mrsfi_runtime.analysis.campaign_tables import critical_table, settings_tabl
 from mrsfi_runtime.analysis.illustrations import Illustration
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import Cell, Table, in_words, printable
-from mrsfi_runtime.analysis.verdicts import facts, headline, verdicts
 from mrsfi_runtime.analysis.weaknesses import matrix_table, way_table
 from mrsfi_runtime.causes.ways import least
-from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.mission import Mission
 
 _HEAD = r"""\documentclass[twocolumn]{article}
 \usepackage[T1]{fontenc}
@@ -67,24 +64,19 @@ def to_latex(table: Table) -> str:
     )
 
 
-def report_latex(
-    summary: Summary, mission: Mission, pool: FaultPool, shown: Iterable[Illustration]
-) -> str:
+def report_latex(summary: Summary, shown: Iterable[Illustration]) -> str:
     """Return ``report.tex``; its figures are the PDFs in ``figures/``."""
-    return "\n\n".join((_HEAD, *_parts(summary, mission, pool, shown), "\\end{document}\n"))
+    return "\n\n".join((_HEAD, *_parts(summary, shown), "\\end{document}\n"))
 
 
-def _parts(
-    summary: Summary, mission: Mission, pool: FaultPool, shown: Iterable[Illustration]
-) -> Iterator[str]:
-    yield f"\\section*{{Campaign {in_latex(summary.folder.name)} on {in_latex(summary.mission)}}}"
+def _parts(summary: Summary, shown: Iterable[Illustration]) -> Iterator[str]:
+    mission, pool = summary.mission, summary.pool
+    yield f"\\section*{{Campaign {in_latex(summary.folder.name)} on {in_latex(summary.name)}}}"
     halves = (f"\\texttt{{{half}}}" for half in (summary.digest[:32], summary.digest[32:]))
     yield "\\\\\n".join((f"{summary.n_evaluations} evaluations, of digest", *halves))
     if summary.harvest is not None:
-        found = verdicts(mission, pool, summary.harvest)
-        said = (headline(found), *facts(mission, pool, found, summary.ways))
-        yield "\n".join(f"{in_latex(each)}." for each in said)
-        items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in found)
+        yield "\n".join(f"{in_latex(each)}." for each in summary.said)
+        items = "\n".join(f"\\item {in_latex(each.sentence)}." for each in summary.verdicts)
         yield f"\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
     if summary.ways:
         yield to_latex(matrix_table(mission, pool, summary.ways))

@@ -16,7 +16,6 @@ from mrsfi_runtime.analysis.campaign_tables import (
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern
 from mrsfi_runtime.analysis.summary import Summary
 from mrsfi_runtime.analysis.table import Table, every, plain, to_markdown
-from mrsfi_runtime.analysis.verdicts import facts, headline, verdicts
 from mrsfi_runtime.analysis.weaknesses import (
     broken_by,
     goal_in_words,
@@ -24,8 +23,6 @@ from mrsfi_runtime.analysis.weaknesses import (
     way_table,
 )
 from mrsfi_runtime.causes.ways import least
-from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import flown_by
 from mrsfi_runtime.record.named_faults import named_faults
 
@@ -40,19 +37,17 @@ _SIGNIFICANT = 0.05
 _FEW_GENERATIONS = 3
 
 
-def report_text(
-    summary: Summary, mission: Mission, pool: FaultPool, captions: Mapping[str, str]
-) -> str:
+def report_text(summary: Summary, captions: Mapping[str, str]) -> str:
     """Return the report, which links the figures that ``captions`` names."""
     sections = [
-        f"# Campaign {plain(summary.folder.name)} on mission {plain(summary.mission)}",
+        f"# Campaign {plain(summary.folder.name)} on mission {plain(summary.name)}",
         _extent(summary),
-        *_weaknesses(summary, mission, pool),
+        *_weaknesses(summary),
         *_section(settings_table(summary.settings)),
         "## Fitness over the generations",
         trend_in_words(summary.trend),
         *_linked(captions, "fitness"),
-        *_top(summary, pool),
+        *_top(summary),
         *_section(_occurring("Fault types among them", summary.patterns), _POPULAR),
         *_linked(captions, "fault_types"),
     ]
@@ -119,10 +114,10 @@ def _extent(summary: Summary) -> str:
     )
 
 
-def _top(summary: Summary, pool: FaultPool) -> Iterator[str]:
+def _top(summary: Summary) -> Iterator[str]:
     """Yield the most critical specifications, and the faults of each under a heading of its own."""
     measure, top = summary.measure, summary.top
-    table = critical_table(measure, pool, top, summary.n_distinct)
+    table = critical_table(measure, summary.pool, top, summary.n_distinct)
     if not top:
         yield f"## {table.title}"
         yield "No evaluation is recorded yet."
@@ -150,15 +145,14 @@ def _top(summary: Summary, pool: FaultPool) -> Iterator[str]:
             yield f"Of the least sets it has: {'; '.join(some)}."
 
 
-def _weaknesses(summary: Summary, mission: Mission, pool: FaultPool) -> Iterator[str]:
+def _weaknesses(summary: Summary) -> Iterator[str]:
     """Yield what breaks which goal, if anybody looked."""
     if summary.harvest is None:
         return
-    found = verdicts(mission, pool, summary.harvest)
-    yield f"## {plain(headline(found))}"
-    told = [*facts(mission, pool, found, summary.ways)]
-    told += [f"{each.sentence} ({', '.join(each.evidence)})" for each in found]
-    yield "\n".join(f"- {plain(each)}." for each in told)
+    mission, pool, (headline, *facts) = summary.mission, summary.pool, summary.said
+    yield f"## {plain(headline)}"
+    facts += [f"{each.sentence} ({', '.join(each.evidence)})" for each in summary.verdicts]
+    yield "\n".join(f"- {plain(each)}." for each in facts)
     if not summary.ways:
         return
     yield from _section(matrix_table(mission, pool, summary.ways), level=3)

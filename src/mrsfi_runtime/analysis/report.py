@@ -88,32 +88,30 @@ def write_report(  # noqa: PLR0913 - most have a default
     with CampaignStore.open(folder) as store:
         summary, columns = summarise(folder, store, mission, pool, ratio)
         with _writing(folder, "report"):
-            shown = tuple(illustrate(summary, mission, columns, store))
+            shown = tuple(illustrate(summary, columns, store))
             _emptied(layout.figures, "figure_*.*", "weakness_*.*", "finding_*.*")
             _emptied(layout.tables, "*.csv")
             layout.latex.unlink(missing_ok=True)
             finish = _write_figures(layout, shown, draw)
-            _write_specifications(layout, summary, pool, write_specification)
+            _write_specifications(layout, summary, write_specification)
         try:
             with _writing(folder, "flights"):
-                flown = [*_fly(layout, summary, mission, pool, record)]
+                flown = [*_fly(layout, summary, record)]
             summary = replace(summary, sentences={number: said for number, said, _ in flown})
             with _writing(folder, "report"):
                 _write_evaluations(layout.tables / "evaluations.csv", summary, store)
                 content = json.dumps(as_json(summary), indent=2, ensure_ascii=False)
                 layout.summary.write_text(content + "\n", encoding="utf-8")
                 captions = {each.name: each.table.title for each in shown}
-                layout.report.write_text(
-                    report_text(summary, mission, pool, captions), encoding="utf-8"
-                )
+                layout.report.write_text(report_text(summary, captions), encoding="utf-8")
                 if latex:
-                    tex = report_latex(summary, mission, pool, shown)
+                    tex = report_latex(summary, shown)
                     layout.latex.write_text(tex, encoding="utf-8")
             show(summary)
             with _writing(folder, "page"):
                 told = [content for *_, content in flown]
                 next_of = partial(_next, layout, summary)
-                page = campaign_page(summary, mission, pool, store, told, next_of)
+                page = campaign_page(summary, store, told, next_of)
                 layout.page.write_text(document(page), encoding="utf-8")
         finally:
             with _writing(folder, "figures"):
@@ -150,14 +148,10 @@ def look_at(
 
 
 def _fly(
-    layout: CampaignFolder,
-    summary: Summary,
-    mission: Mission,
-    pool: FaultPool,
-    record: Record,
+    layout: CampaignFolder, summary: Summary, record: Record
 ) -> Iterator[tuple[int, Sequence[str], dict[str, Any]]]:
     """Fly what is the least that breaks each goal; yield number, sentences, and what is shown."""
-    shown = least(summary.ways)
+    mission, pool, shown = summary.mission, summary.pool, least(summary.ways)
     n_flights = sum(1 + len(way.faults) for way in shown)
     for way in shown:
         flown: Flown | str
@@ -223,7 +217,7 @@ def specification_rows(
 
 
 def _write_specifications(
-    layout: CampaignFolder, summary: Summary, pool: FaultPool, write: SpecificationWriter
+    layout: CampaignFolder, summary: Summary, write: SpecificationWriter
 ) -> None:
     """Write the top specifications, the form of each way to break a goal, and its mildest one."""
     for folder in (layout.critical, layout.weaknesses):
@@ -237,7 +231,7 @@ def _write_specifications(
         for way in {*summary.ways, *least(summary.ways)}
     ]
     for path, name, specification in (*top, *ways):
-        rows = specification_rows(pool, specification)
+        rows = specification_rows(summary.pool, specification)
         write(rows, path, name, numbered(row[0] for row in rows))
 
 

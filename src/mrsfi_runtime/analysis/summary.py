@@ -17,6 +17,7 @@ from mrsfi_runtime.analysis.fronts import (
     parse_ratio,
 )
 from mrsfi_runtime.analysis.patterns import Trend, TypePattern, find_patterns, find_trend
+from mrsfi_runtime.analysis.verdicts import GoalVerdict, facts, headline, verdicts
 from mrsfi_runtime.causes.harvest import Harvest, known_by
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import faults_of
@@ -39,17 +40,21 @@ N_TOP = 10
 class Summary:
     """What a campaign found.
 
-    ``place`` is where the mission lies in its project, ``semantics`` the version of the world's
-    rules. ``top`` are the most critical distinct specifications, at most ten, the worst first, with
-    the ``faults`` of each and the ways that it ``contained``. ``harvest`` is ``None`` if nobody
-    looked for ``ways``, which stand in the order of their numbers; ``sentences`` say by number what
-    each fault of some did. ``front`` is over the goals that settings or ratio choose and over what
-    is minimised, ``None`` if that is fewer than two; ``harm`` is the front of harm against what is
-    minimised. ``patterns`` are fault types in the top, ``guilty`` those in the ways.
+    ``name`` is that of the mission, ``place`` where it lies in its project, ``semantics`` the
+    version of the world's rules. ``top`` are the most critical distinct specifications, at most
+    ten, the worst first, with the ``faults`` of each and the ways that it ``contained``.
+    ``harvest`` is ``None`` if nobody looked for ``ways``, which stand in the order of their
+    numbers; ``verdicts`` are of the goals, ``said`` is their headline and what stands out;
+    ``sentences`` say by number what each fault of some did. ``front`` is over the goals that
+    settings or ratio choose and over what is minimised, ``None`` if that is fewer than two;
+    ``harm`` is the front of harm against what is minimised. ``patterns`` are fault types in the
+    top, ``guilty`` those in the ways.
     """
 
     folder: Path
-    mission: str
+    mission: Mission
+    pool: FaultPool
+    name: str
     place: str
     settings: CampaignSettings
     measure: Measure
@@ -63,6 +68,8 @@ class Summary:
     faults: tuple[tuple[NamedFault, ...], ...]
     harvest: Harvest | None
     ways: tuple[Way, ...]
+    verdicts: tuple[GoalVerdict, ...]
+    said: tuple[str, ...]
     contained: tuple[tuple[Way, ...], ...]
     front: Front | None
     harm: tuple[Harm, ...] | None
@@ -110,9 +117,12 @@ def summarise(
     trend = find_trend(store.generations())
     known = known_by(SearchSpace.of(mission, pool), store)
     found = () if known is None else known.ways
+    judged = () if known is None else verdicts(mission, pool, known)
     summary = Summary(
         folder=folder,
-        mission=store.manifest.mission or mission.name,
+        mission=mission,
+        pool=pool,
+        name=store.manifest.mission or mission.name,
         place=store.manifest.place or store.manifest.mission,
         settings=store.settings,
         measure=measure,
@@ -126,6 +136,8 @@ def summarise(
         faults=tuple(named_faults(mission, pool, each.specification) for each in best),
         harvest=known,
         ways=found,
+        verdicts=judged,
+        said=() if known is None else (headline(judged), *facts(mission, pool, judged, found)),
         contained=tuple(_contained(known, found, each) for each in best),
         front=front,
         harm=find_harm(measure, columns) if measure.minimised else None,
@@ -144,7 +156,7 @@ def as_json(summary: Summary) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "campaign": summary.folder.name,
-        "mission": summary.mission,
+        "mission": summary.name,
         "settings": summary.settings.as_json(),
         "measure": {"violations": summary.measure.kind, "mission_seeds": summary.measure.n_seeds},
         "semantics": summary.semantics,

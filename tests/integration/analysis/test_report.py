@@ -66,7 +66,7 @@ def test_a_campaign_gets_the_figures_of_its_case(settings, expected, tmp_path):
 
     with CampaignStore.open(folder) as store:
         summary, columns = summarise(folder, store, CODE.mission, CODE.pool, ratio=None)
-        drawn = [*illustrate(summary, CODE.mission, columns, store)]
+        drawn = [*illustrate(summary, columns, store)]
 
     assert [illustration.name for illustration in drawn] == expected
 

@@ -72,8 +72,6 @@ def flight_page(
 
 def campaign_page(
     summary: Summary,
-    mission: Mission,
-    pool: FaultPool,
     store: CampaignStore,
     shown: Sequence[dict[str, Any]],
     next_of: Callable[[Way], Mapping[str, Sequence[str]]],
@@ -86,9 +84,9 @@ def campaign_page(
     listed = f"One in {step} is listed." if step > 1 else "All are listed."
     evaluations = short_evaluations_table(listed, store.flown(step), summary.measure)
     return {
-        "title": f"Campaign {summary.folder.name} on mission {summary.mission}",
-        "mission": mission_content(mission),
-        "first": first_screen(summary, mission, pool, next_of),
+        "title": f"Campaign {summary.folder.name} on mission {summary.name}",
+        "mission": mission_content(summary.mission),
+        "first": first_screen(summary, next_of),
         "heading": "The least that breaks each goal, as it was flown",
         "shown": list(shown),
         "search": {"said": trend_in_words(summary.trend), "charts": list(_charts(summary))},
@@ -177,7 +175,7 @@ def _record(summary: Summary, store: CampaignStore) -> Iterable[tuple[str, Any]]
     manifest = store.manifest
     yield from {
         "campaign": summary.folder.name,
-        "mission": summary.mission,
+        "mission": summary.name,
         "case": manifest.case,
         "engine": manifest.engine.name,
         "generations": summary.n_generations,

@@ -10,18 +10,14 @@ from mrsfi_runtime.analysis.verdicts import (
     GoalVerdict,
     State,
     cause_in_words,
-    facts,
-    headline,
     name_of,
     noticed,
     owner_of,
-    verdicts,
     when_noticed,
 )
 from mrsfi_runtime.analysis.weaknesses import harmless, verdict
 from mrsfi_runtime.causes.ways import Way, least
 from mrsfi_runtime.errors import counted
-from mrsfi_runtime.model.faults import FaultPool
 from mrsfi_runtime.model.mission import Mission
 
 _MARKS = dict(zip(State, "×!!?✓", strict=True))
@@ -29,35 +25,32 @@ _MARKS = dict(zip(State, "×!!?✓", strict=True))
 
 
 def first_screen(
-    summary: Summary,
-    mission: Mission,
-    pool: FaultPool,
-    next_of: Callable[[Way], Mapping[str, Sequence[str]]],
+    summary: Summary, next_of: Callable[[Way], Mapping[str, Sequence[str]]]
 ) -> dict[str, Any] | None:
     """Return what is shown of a campaign; ``None`` where nobody looked for what breaks goals.
 
     ``next_of`` says what to do next about a way to break a goal: commands by what they do.
     """
-    known = summary.harvest
+    known, mission, pool = summary.harvest, summary.mission, summary.pool
     if known is None:
         return None
+    headline, *facts = summary.said
     told = least(summary.ways)
     places = {way.number: place for place, way in enumerate(told)}
-    found = verdicts(mission, pool, known)
     shown = {way.number: way for way in (*summary.ways, *told)}
     guilty = {fault for way in summary.ways for fault in way.faults}
     n_flights = summary.n_evaluations + known.n_flights
     about = (
-        f"Campaign {summary.folder.name} on mission {summary.mission}",
+        f"Campaign {summary.folder.name} on mission {summary.name}",
         counted(len(mission.robots), "robots"),
         f"{len(guilty)} of {counted(len(pool), 'faults')} break a goal",
         counted(n_flights, "flights"),
     )
     return {
-        "headline": headline(found),
+        "headline": headline,
         "about": " · ".join(about),
-        "facts": [*facts(mission, pool, found, summary.ways)],
-        "goals": [_goal(each) for each in found],
+        "facts": facts,
+        "goals": [_goal(each) for each in summary.verdicts],
         "ways": [
             {
                 "number": way.number,
@@ -75,7 +68,7 @@ def first_screen(
             }
             for way in shown.values()
         ],
-        "matrix": _matrix(summary, mission, pool, found) if summary.ways else None,
+        "matrix": _matrix(summary) if summary.ways else None,
     }
 
 
@@ -101,10 +94,9 @@ def _name(mission: Mission, way: Way) -> str:
     return name_of(mission, mission.goals[mission.goal_ids.index(way.goal)])
 
 
-def _matrix(
-    summary: Summary, mission: Mission, pool: FaultPool, found: Sequence[GoalVerdict]
-) -> dict[str, Any]:
+def _matrix(summary: Summary) -> dict[str, Any]:
     """Return which fault breaks which goal: goals by faults, these by whom they strike."""
+    mission, pool = summary.mission, summary.pool
     guilty = {fault for way in summary.ways for fault in way.faults}
     owned = [(*owner_of(mission, fault), fault) for fault in pool if fault.id in guilty]
     owned.sort(key=lambda each: each[0])
@@ -125,7 +117,7 @@ def _matrix(
                 "name": each.name,
                 "cells": [cells.get((each.goal, fault.id)) for *_, fault in owned],
             }
-            for each in found
+            for each in summary.verdicts
             if each.way is not None
         ],
         "note": f"{harmless(pool, summary.ways)}.",
