@@ -33,7 +33,7 @@ def command(run: Path, number: int | None) -> None:
     with open_campaign(run) as campaign:
         found = harvested(campaign)
         if number is None:
-            print_verdicts(campaign.mission, campaign.pool, found)
+            print_verdicts(campaign, found)
         for each in show(campaign, number):
             click.echo(f"{each.way.number}  {each.title}")
             for line in (*each.sentences, *each.figures):

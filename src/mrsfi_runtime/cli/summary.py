@@ -56,7 +56,7 @@ def _print_summary(campaign: OpenCampaign, summary: Summary) -> None:
     if summary.pick is not None:
         click.echo(f"{summary.pick.in_words(summary.measure)}\n")
     if known is not None:
-        print_verdicts(mission, pool, known)
+        print_verdicts(campaign, known)
     failed = f", {summary.n_failures} failed" if summary.n_failures else ""
     click.echo(f"campaign  {folder}: {counted(summary.n_evaluations, 'evaluations')}{failed}")
     click.echo(f"digest    {summary.digest}")

@@ -8,29 +8,23 @@ import click
 from mrsfi.campaign_folders import OpenCampaign
 from mrsfi.weaknesses import untried
 from mrsfi_runtime.analysis.verdicts import State, facts, headline, verdicts
-from mrsfi_runtime.analysis.weaknesses import (
-    harmless,
-    matrix_table,
-    not_found,
-    way_table,
-)
+from mrsfi_runtime.analysis.weaknesses import harmless, matrix_table, not_found, way_table
 from mrsfi_runtime.causes.harvest import Harvest
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import Known
 from mrsfi_runtime.cli.console import print_json
 from mrsfi_runtime.cli.terminal import print_table, print_words
 from mrsfi_runtime.errors import counted
-from mrsfi_runtime.model.faults import FaultPool
-from mrsfi_runtime.model.mission import Mission
 
 _MOST_UNTRIED = 10
 """Faults and pairs that are named at most, of those that were never flown."""
 
 
 def print_verdicts(
-    mission: Mission, pool: FaultPool, known: Harvest, goals: Sequence[str] | None = None
+    campaign: OpenCampaign, known: Harvest, goals: Sequence[str] | None = None
 ) -> None:
     """Print of some goals in a sentence each whether they break, by what, and how sure that is."""
+    mission, pool = campaign.mission, campaign.pool
     wanted = mission.goal_ids if goals is None else goals
     found = [each for each in verdicts(mission, pool, known) if each.goal in wanted]
     print_words((headline(found), "bold"))
@@ -53,7 +47,7 @@ def print_all(
 ) -> None:
     """Print ways to break goals, what was not found of these, and what was never flown."""
     mission, pool = campaign.mission, campaign.pool
-    print_verdicts(mission, pool, known, goals)
+    print_verdicts(campaign, known, goals)
     if found:
         print_table(matrix_table(mission, pool, found))
         print_table(way_table("How, in one of the forms that do", mission, pool, found))
@@ -87,15 +81,14 @@ def print_bounds(known: Known, goals: Sequence[str]) -> None:
     )
 
 
-def print_mildest(
-    mission: Mission, pool: FaultPool, found: Sequence[Way], *, is_json: bool
-) -> None:
+def print_mildest(campaign: OpenCampaign, found: Sequence[Way], *, is_json: bool) -> None:
     """Print the mildest form of each of some ways to break a goal."""
     told = [(way, way.mildest) for way in found if way.mildest is not None]
     if is_json:
         print_json([{"number": way.number, **each.as_json()} for way, each in told])
         return
     shown = [replace(way, by=(each.weakness,)) for way, each in told]
-    print_table(way_table("The mildest form that was found", mission, pool, shown))
+    title = "The mildest form that was found"
+    print_table(way_table(title, campaign.mission, campaign.pool, shown))
     for way, each in told:
         click.echo(f"{way.number}  {each.sentence} ({counted(each.n_flights, 'flights')})")

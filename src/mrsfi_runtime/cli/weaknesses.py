@@ -90,10 +90,11 @@ def command(
     if is_bounds and not is_json:
         raise click.UsageError("--bounds needs --json; without, they stand below the weaknesses")
     with open_campaign(run) as campaign:
-        mission, pool = campaign.mission, campaign.pool
-        if goal is not None and goal not in mission.goal_ids:
-            raise UsageError(f"--goal: found '{goal}'; {expected(goal, mission.goal_ids)}")
-        goals = mission.goal_ids if goal is None else (goal,)
+        goals = campaign.mission.goal_ids
+        if goal is not None:
+            if goal not in goals:
+                raise UsageError(f"--goal: found '{goal}'; {expected(goal, goals)}")
+            goals = (goal,)
         known = harvested(campaign)
         found = [way for way in known.ways if way.goal in goals]
         is_told = not is_bounds or any(files.values())
@@ -104,7 +105,7 @@ def command(
         if is_bounds:
             ways.print_bounds(known.known, goals)
         elif is_mildest:
-            ways.print_mildest(mission, pool, found, is_json=is_json)
+            ways.print_mildest(campaign, found, is_json=is_json)
         elif is_json:
             print_json([each for way in found for each in way.as_json()])
         else:
