@@ -53,23 +53,12 @@ def _save(files: FigureFiles, stem: Path) -> None:
         stem.with_suffix(suffix).write_bytes(content)
 
 
-def drawn(drawing: Drawing) -> FigureFiles:
-    """Draw a figure in this process."""
+def drawn(drawing: Drawing, suffixes: Sequence[str] = (".png", ".svg")) -> FigureFiles:
+    """Draw a figure in this process, for files of some suffixes."""
     from mrsfi_runtime.analysis.plots import rendered  # noqa: PLC0415 - matplotlib takes its time
 
-    return rendered(_figure(drawing))
-
-
-def drawn_as_pdf(drawing: Drawing) -> bytes:
-    """Draw a figure for print in this process."""
-    from mrsfi_runtime.analysis.plots import as_pdf  # noqa: PLC0415 - matplotlib takes its time
-
-    return as_pdf(_figure(drawing))
-
-
-def _figure(drawing: Drawing) -> Any:
     module = import_module(f"{__package__}.{drawing.module}")
-    return getattr(module, drawing.function)(*drawing.arguments)
+    return rendered(getattr(module, drawing.function)(*drawing.arguments), suffixes)
 
 
 class DrawingProcess:

@@ -8,10 +8,11 @@ References
 Source paper, section V, figures 6 to 12.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from itertools import accumulate
+from types import MappingProxyType
 from typing import Any
 
 from matplotlib import rc_context
@@ -67,30 +68,30 @@ STYLE: dict[Any, Any] = {
     "ytick.color": SOFT,
 }
 
-_DPI = 150  # of a PNG
+_CANVASES: Mapping[str, tuple[Any, int, Sequence[str]]] = MappingProxyType(
+    {
+        ".png": (FigureCanvasAgg, 150, ("Software",)),
+        ".svg": (FigureCanvasSVG, 150, ("Date", "Creator")),
+        ".pdf": (FigureCanvasPdf, 100, ("CreationDate", "Creator", "Producer")),
+    }
+)
+"""What draws a figure by the suffix of its file, dots per inch, and what is not said in it."""
+
 MANY_POINTS = 4000  # beyond, the cloud of an SVG is a picture inside it
 _MOST_GENERATIONS = 2000  # beyond, a point stands for several
 
 
-def rendered(figure: Figure) -> dict[str, bytes]:
-    """Return a figure as PNG and as SVG, by the suffixes of their files."""
-    png, svg = BytesIO(), BytesIO()
+def rendered(figure: Figure, suffixes: Iterable[str] = (".png", ".svg")) -> dict[str, bytes]:
+    """Return what the files of a figure hold, by their suffixes: the same each time."""
+    files = {}
     with rc_context(STYLE):  # not ``savefig``, which draws twice: once for the layout
-        figure.dpi = _DPI
-        raster: Any = FigureCanvasAgg(figure)
-        raster.print_png(png, metadata={"Software": None})
-        vector: Any = FigureCanvasSVG(figure)
-        vector.print_svg(svg, metadata={"Date": None, "Creator": None})
-    return {".png": png.getvalue(), ".svg": svg.getvalue()}
-
-
-def as_pdf(figure: Figure) -> bytes:
-    """Return a figure as PDF, the same each time."""
-    pdf = BytesIO()
-    with rc_context(STYLE):
-        vector: Any = FigureCanvasPdf(figure)
-        vector.print_pdf(pdf, metadata={"CreationDate": None, "Creator": None, "Producer": None})
-    return pdf.getvalue()
+        for suffix in suffixes:
+            canvas, figure.dpi, unsaid = _CANVASES[suffix]
+            content = BytesIO()
+            write = getattr(canvas(figure), f"print_{suffix[1:]}")
+            write(content, metadata=dict.fromkeys(unsaid))
+            files[suffix] = content.getvalue()
+    return files
 
 
 def mean_fitness(trend: Trend, label: str) -> Figure:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from mrsfi_runtime.analysis.campaign_tables import MOST_LISTED, evaluations_table
-from mrsfi_runtime.analysis.drawing import Draw, Drawing, draw_here, drawn_as_pdf
+from mrsfi_runtime.analysis.drawing import Draw, Drawing, draw_here, drawn
 from mrsfi_runtime.analysis.illustrations import Illustration, illustrate
 from mrsfi_runtime.analysis.latex import report_latex
 from mrsfi_runtime.analysis.markdown import report_text
@@ -118,7 +118,7 @@ def write_report(  # noqa: PLR0913 - most have a default
                 finish()
                 for each in shown if latex else ():
                     path = layout.figures / f"{each.name}.pdf"
-                    path.write_bytes(drawn_as_pdf(each.drawing))
+                    path.write_bytes(drawn(each.drawing, (".pdf",))[".pdf"])
     return summary
 
 
