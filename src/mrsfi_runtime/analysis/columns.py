@@ -6,7 +6,7 @@ three in a hundred million; one of them would then not be counted as distinct.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any, Self, TypeAlias
@@ -20,6 +20,9 @@ from mrsfi_runtime.record.store import CampaignStore, Evaluation
 
 Rows: TypeAlias = NDArray[np.intp]
 """Indexes of evaluations, ascending."""
+
+Keys: TypeAlias = NDArray[np.uint64]
+"""Hashes of specifications."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +41,7 @@ class Columns:
     costs: NDArray[np.int64]
     distinct: Rows
     tried: Counter[str]
-    _keys: NDArray[np.uint64]
+    _keys: Keys
 
     @classmethod
     def read(cls, store: CampaignStore, measure: Measure, goals: Sequence[str] = ()) -> Self:
@@ -47,18 +50,23 @@ class Columns:
         A goal whose violations the record lacks is a ``UsageError``.
         """
         measure.require(goals)
-        reading = _Reading(measure, goals, store.n_evaluations)
-        for stored in store.stored(reading.columns, len(reading.fitness), reading.decoded):
-            reading.take(*stored)
-        return cls(
-            goals=tuple(goals),
-            fitness=reading.fitness,
-            violations=reading.violations,
-            costs=reading.costs,
-            distinct=np.flatnonzero(reading.is_first),
-            tried=reading.tried,
-            _keys=reading.keys,
-        )
+        n, n_read = store.n_evaluations, 0
+        names, decoded = _decoding(measure, goals)
+        fitness, violations = np.empty(n), np.empty((n, len(goals)), _type(measure))
+        costs, keys = np.empty(n, np.int64), np.empty(n, np.uint64)
+        is_first, known = np.zeros(n, bool), np.empty(0, np.uint64)
+        tried: Counter[str] = Counter()
+        for faults, texts, *numbers in store.stored(names, n, decoded):
+            these = slice(n_read, n_read + len(faults))
+            fitness[these], violations[these], costs[these] = numbers
+            keys[these] = np.frombuffer(b"".join(map(_key, texts)), np.uint64)
+            known, places = _met(known, keys[these])
+            for place in places:
+                is_first[n_read + place] = True
+                tried.update(faults[place])
+            n_read = these.stop
+        distinct = np.flatnonzero(is_first)
+        return cls(tuple(goals), fitness, violations, costs, distinct, tried, keys)
 
     def __len__(self) -> int:
         return len(self.fitness)
@@ -86,69 +94,49 @@ def top(store: CampaignStore, measure: Measure, n: int) -> tuple[Evaluation, ...
     return tuple(store.evaluation(index) for index in Columns.read(store, measure).top(n))
 
 
-class _Reading:
-    """Fills arrays with what a campaign has stored."""
+def _type(measure: Measure) -> type[np.generic]:
+    """Return what violations are numbers of: means are no whole ones."""
+    return np.float64 if measure.n_seeds > 1 else np.int64
 
-    def __init__(self, measure: Measure, goals: Sequence[str], n: int) -> None:
-        self._is_mean = measure.n_seeds > 1
-        self._recorded = measure.chosen if self._is_mean else measure.goals
-        self._places = [self._recorded.index(goal) for goal in goals]
-        self._minimised = measure.minimised
-        counted = () if self._is_mean or not goals else (measure.kind,)
-        self.columns = ("specification", "fitness", "fault_ticks", *counted)
-        self.fitness = np.empty(n)
-        self.violations = np.empty((n, len(goals)), np.float64 if self._is_mean else np.int64)
-        self.costs = np.zeros(n, np.int64)
-        self.keys = np.empty(n, np.uint64)
-        self.is_first = np.zeros(n, bool)
-        self.tried: Counter[str] = Counter()
-        self._known = np.empty(0, np.uint64)  # all keys so far, ascending
-        self._n_read = 0
 
-    def decoded(self, stored: Sequence[Sequence[Any]]) -> tuple[Any, ...]:
-        """Return faults, texts of timed faults, fitness, violations and costs of some rows."""
+def _decoding(
+    measure: Measure, goals: Sequence[str]
+) -> tuple[tuple[str, ...], Callable[[Sequence[Sequence[Any]]], tuple[Any, ...]]]:
+    """Return which columns of a store are read, and what decodes some rows of them.
+
+    It returns faults, texts of timed faults, fitness, violations and costs.
+    """
+    is_mean = measure.n_seeds > 1
+    recorded = measure.chosen if is_mean else measure.goals
+    places = [recorded.index(goal) for goal in goals]
+    counted = () if is_mean or not goals else (measure.kind,)
+
+    def decoded(stored: Sequence[Sequence[Any]]) -> tuple[Any, ...]:
         specifications, fitness_texts, fault_ticks, *counts = stored
         faults, texts = zip(*map(encoding.fault_texts, specifications), strict=True)
         fitness = encoding.lists(fitness_texts)
         violations: NDArray[Any] = np.empty((len(faults), 0))
-        if self._places:
+        if places:
             found = (
                 encoding.integers(encoding.lists(counts[0]))
                 if counts
                 else [each[1:] for each in fitness]
             )
-            table = np.array(found, self.violations.dtype)
-            violations = table.reshape(len(faults), len(self._recorded))[:, self._places]
-        costs = [*map(len, faults)] if self._minimised == "faults" else fault_ticks
-        return faults, texts, np.array([float(first) for first, *_ in fitness]), violations, costs
+            table = np.array(found, _type(measure))
+            violations = table.reshape(len(faults), len(recorded))[:, places]
+        costs = [*map(len, faults)] if measure.minimised == "faults" else fault_ticks
+        ranked_by = np.array([float(first) for first, *_ in fitness])
+        return faults, texts, ranked_by, violations, costs if measure.minimised else 0
 
-    def take(
-        self,
-        faults: Sequence[Sequence[str]],
-        texts: Sequence[Sequence[str]],
-        fitness: NDArray[np.float64],
-        violations: NDArray[Any],
-        costs: Sequence[int],
-    ) -> None:
-        """Take the next rows."""
-        these = slice(self._n_read, self._n_read + len(faults))
-        self._n_read = these.stop
-        self.fitness[these] = fitness
-        self.violations[these] = violations
-        if self._minimised:
-            self.costs[these] = costs
-        self.keys[these] = np.frombuffer(b"".join(map(_key, texts)), np.uint64)
-        for place in self._first_of(self.keys[these]):
-            self.is_first[these.start + place] = True
-            self.tried.update(faults[place])
+    return ("specification", "fitness", "fault_ticks", *counted), decoded
 
-    def _first_of(self, keys: NDArray[np.uint64]) -> list[int]:
-        """Return where keys stand that were not met before, each once, and remember them."""
-        new, first = np.unique(keys, return_index=True)
-        places = np.searchsorted(self._known, new)
-        is_new = np.append(self._known, new[-1] + 1)[places] != new
-        self._known = np.insert(self._known, places[is_new], new[is_new])
-        return sorted(first[is_new].tolist())
+
+def _met(known: Keys, keys: Keys) -> tuple[Keys, list[int]]:
+    """Return all keys that were met, ascending, and where those stand that were not before."""
+    new, first = np.unique(keys, return_index=True)
+    places = np.searchsorted(known, new)
+    is_new = np.append(known, new[-1] + 1)[places] != new
+    return np.insert(known, places[is_new], new[is_new]), sorted(first[is_new].tolist())
 
 
 def _key(texts: Sequence[str]) -> bytes:
