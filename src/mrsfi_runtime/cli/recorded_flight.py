@@ -141,8 +141,7 @@ def _page(
     recorder = Recorder(initial_state(mission, engine.seed))
 
     def write(outcome: Outcome) -> None:
-        silent = [""] * len(faults)
-        told = PageEntry(subject.title, "", faults, silent, outcome, subject.command, subject.xmi)
+        told = PageEntry(subject.title, "", faults, (), outcome, subject.command, subject.xmi)
         facts = {
             "mission": mission.name,
             "ticks": mission.duration,
