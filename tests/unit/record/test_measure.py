@@ -3,10 +3,8 @@ from dataclasses import replace
 import pytest
 
 from mrsfi_runtime.errors import UsageError
-from mrsfi_runtime.model.faults import TimedFault
 from mrsfi_runtime.record.measure import Measure, missed_from, ticks
 from mrsfi_runtime.record.settings import CampaignSettings
-from tests.support.campaigns import evaluation
 from tests.support.measures import MEANS
 from tests.support.search import outcome_of, paper_mission
 
@@ -44,12 +42,3 @@ def test_a_goal_is_missed_from_a_tick_on_or_not_or_an_older_record_does_not_say(
 
 def test_a_count_is_whole_and_a_mean_of_counts_is_not():
     assert (ticks(3), ticks(2.5)) == ("3", "2.50")
-
-
-@pytest.mark.parametrize(("minimised", "cost"), [(None, 0), ("faults", 2), ("fault_ticks", 15)])
-def test_what_is_minimised_is_counted_of_a_specification(minimised, cost):
-    settings = CampaignSettings(algorithm="nsga2", minimise=minimised)
-    flown = (TimedFault("f26", 0, 9), TimedFault("f25", 20, 24))
-    found = replace(evaluation(0, (0,) * 6), specification=flown)
-
-    assert Measure.of(settings, paper_mission()).cost(found) == cost
