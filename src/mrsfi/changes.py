@@ -9,7 +9,7 @@ from mrsfi.campaign_folders import FlyableCampaign, open_campaign
 from mrsfi.engines import Choice, Tell, Workers, silent
 from mrsfi.weaknesses import flying_again, harvested
 from mrsfi_runtime.analysis.table import Table
-from mrsfi_runtime.analysis.verdicts import cause_in_words, label_of
+from mrsfi_runtime.analysis.verdicts import cause_in_words
 from mrsfi_runtime.causes.ways import Way
 from mrsfi_runtime.causes.weakness import MEASURES, yardstick_of
 from mrsfi_runtime.engine.flights import Evaluator
@@ -116,7 +116,7 @@ def changes(
         for way in ways:
             old_one, new_one = (way, others.get(_key(way))) if is_before else (None, way)
             cause = cause_in_words(mission, pool, way)
-            name = label_of(mission, mission.goals[mission.goal_ids.index(way.goal)])
+            name = mission.label_of(mission.goals[mission.goal_ids.index(way.goal)])
             told.append(Change(name, cause, old_one, new_one, *there[way.number]))
     order = (WENT, CAME, UNKNOWN, STAYED)
     return tuple(sorted(told, key=lambda each: order.index(each.verdict)))

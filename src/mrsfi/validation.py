@@ -15,11 +15,11 @@ from m2t.load import (
 from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.loading import load_fresh
-from mrsfi_runtime.analysis.verdicts import held_in_words
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.region_lint import lint_regions
 from mrsfi_runtime.errors import EvaluationError, MrsfiError, UsageError
 from mrsfi_runtime.files import changing
+from mrsfi_runtime.model.starving import starvation
 
 _LONGEST_FLIGHT = 100_000
 """Ticks that a validation flies at most, which takes a few seconds."""
@@ -139,7 +139,7 @@ def _flown(folders: MissionFolders, loaded: LoadedModels, tell: Tell) -> Iterato
         loaded.mission.goals, mission.goals, counts, strict=True
     ):
         if believed or true or missed:
-            held = held_in_words(mission, goal)
+            held = starvation(mission, goal)
             advice = "let it react before that one" if held else "make the goal easier"
             message = (
                 f"goals '{goal.id}' is violated without any fault, at {believed} ticks as "

@@ -21,7 +21,7 @@ from mrsfi_runtime.errors import counted
 from mrsfi_runtime.model.fault_types import OF_SENSOR, UNITS, Field, Mode
 from mrsfi_runtime.model.faults import Fault, FaultPool
 from mrsfi_runtime.model.mission import Goal, Mission
-from mrsfi_runtime.model.starving import holders
+from mrsfi_runtime.model.starving import starvation
 from mrsfi_runtime.model.targets import Target, robots_of, touched
 from mrsfi_runtime.record.named_faults import NamedFault, named_faults
 
@@ -135,13 +135,13 @@ def _verdict(
         state = State.BROKEN_ANYWAY
     cause = heard = ""
     if state is State.BROKEN_ANYWAY:  # not by what it would break
-        cause = held_in_words(mission, goal)
+        cause = starvation(mission, goal)
     elif way is not None:
         cause, heard = f"if {cause_in_words(mission, pool, way)}", noticed(way.shown)
     return GoalVerdict(
         goal=goal.id,
-        name=name_of(mission, goal),
-        label=label_of(mission, goal),
+        name=mission.name_of(goal),
+        label=mission.label_of(goal),
         state=state,
         way=way,
         n_others=sum(each.goal == goal.id for each in known.ways) - (way is not None),
@@ -159,34 +159,6 @@ def _is_broken_anyway(known: Harvest, goal: str) -> bool:
         most > 0 and column.goal == goal and column.kind != MEASURES[0]
         for column, most in zip(yardstick.columns, yardstick.most, strict=True)
     )
-
-
-def held_in_words(mission: Mission, goal: Goal) -> str:
-    """Say as a sentence goes on which goals keep robots of a goal where it cannot be met, if any.
-
-    That is so unless the regions of those make them react otherwise.
-    """
-    held = [
-        f"{label_of(mission, holder)}, which reacts first, keeps "
-        f"{' and '.join(robot.name or robot.id for robot in robots)} in area {area.id}"
-        for holder, area, robots in holders(mission, goal)
-    ]
-    return f"as {' and '.join(held)}" if held else ""
-
-
-def label_of(mission: Mission, goal: Goal) -> str:
-    """Return the name of a goal before its ID, which stands alone where it has no other name."""
-    name = name_of(mission, goal)
-    return name if name == goal.id else f"{name} {goal.id}"
-
-
-def name_of(mission: Mission, goal: Goal) -> str:
-    """Return what a goal is called; where several are called so, with its robots."""
-    name = goal.name or goal.id
-    if sum(each.name == goal.name for each in mission.goals) < 2 or not goal.name:
-        return name
-    robots = (mission.robots[mission.robot_index[each]] for each in goal.members)
-    return f"{name} · {', '.join(robot.name or robot.id for robot in robots)}"
 
 
 def _sure(weakness: Weakness) -> tuple[str, str]:

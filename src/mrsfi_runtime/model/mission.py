@@ -276,6 +276,19 @@ class Mission:
         """IDs of the goals in model order."""
         return tuple(goal.id for goal in self.goals)
 
+    def name_of(self, goal: Goal) -> str:
+        """Return what a goal is called; where several are called so, with its robots."""
+        name = goal.name or goal.id
+        if sum(each.name == goal.name for each in self.goals) < 2 or not goal.name:
+            return name
+        robots = (self.robots[self.robot_index[each]] for each in goal.members)
+        return f"{name} · {', '.join(robot.name or robot.id for robot in robots)}"
+
+    def label_of(self, goal: Goal) -> str:
+        """Return the name of a goal before its ID, which stands alone if it has no other name."""
+        name = self.name_of(goal)
+        return name if name == goal.id else f"{name} {goal.id}"
+
     @cached_property
     def goal_discs(self) -> tuple[GoalDisc, ...]:
         """The discs that the goals' tasks read, in model order; not every task reads its area."""

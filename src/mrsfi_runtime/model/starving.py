@@ -25,6 +25,16 @@ def holders(mission: Mission, goal: Goal) -> Iterator[tuple[Goal, Area, list[Rob
                 yield other, area, kept
 
 
+def starvation(mission: Mission, goal: Goal) -> str:
+    """Say as a sentence goes on which goals keep robots of one where it cannot be met, if any do."""
+    held = [
+        f"{mission.label_of(holder)}, which reacts first, keeps "
+        f"{' and '.join(robot.name or robot.id for robot in robots)} in area {area.id}"
+        for holder, area, robots in holders(mission, goal)
+    ]
+    return f"as {' and '.join(held)}" if held else ""
+
+
 def _robots(mission: Mission, goal: Goal) -> list[Robot]:
     """Return the robots that a goal steers: that of its sensor, or else its members."""
     sensor = goal.terms.sensor

@@ -10,7 +10,6 @@ from mrsfi_runtime.analysis.verdicts import (
     State,
     deed,
     headline,
-    name_of,
     noticed,
     owner_of,
     verdicts,
@@ -80,9 +79,9 @@ def test_every_mode_has_its_words():
 def test_a_goal_whose_name_others_have_is_told_by_its_robots():
     goals = CODE.mission.goals
 
-    assert name_of(CODE.mission, goals[0]) == "AvoidCollision"
-    assert name_of(CODE.mission, goals[3]) == "GatherSamples · JEN"
-    assert name_of(CODE.mission, replace(goals[0], name="")) == "g1"
+    assert CODE.mission.name_of(goals[0]) == "AvoidCollision"
+    assert CODE.mission.name_of(goals[3]) == "GatherSamples · JEN"
+    assert CODE.mission.name_of(replace(goals[0], name="")) == "g1"
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from mrsfi_runtime.analysis.verdicts import (
     GoalVerdict,
     State,
     cause_in_words,
-    name_of,
     noticed,
     owner_of,
     when_noticed,
@@ -91,7 +90,7 @@ def _goal(each: GoalVerdict) -> dict[str, Any]:
 
 
 def _name(mission: Mission, way: Way) -> str:
-    return name_of(mission, mission.goals[mission.goal_ids.index(way.goal)])
+    return mission.name_of(mission.goals[mission.goal_ids.index(way.goal)])
 
 
 def _matrix(summary: Summary) -> dict[str, Any]:
