@@ -26,7 +26,7 @@ def holders(mission: Mission, goal: Goal) -> Iterator[tuple[Goal, Area, list[Rob
 
 
 def starvation(mission: Mission, goal: Goal) -> str:
-    """Say as a sentence goes on which goals keep robots of one where it cannot be met, if any do."""
+    """Say, as a sentence goes on, which goals keep robots of one elsewhere, if any do."""
     held = [
         f"{mission.label_of(holder)}, which reacts first, keeps "
         f"{' and '.join(robot.name or robot.id for robot in robots)} in area {area.id}"
