@@ -1,29 +1,26 @@
 """What m2t does with models and says of them, for the command line and for scripts.
 
-Each part of m2t is imported when it is first needed.
+What brings Jinja is imported when it is first needed.
 """
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from m2t.difference import difference as difference  # noqa: PLC0414 - for importers, as below
+from m2t.importing.importer import Imported as Imported  # noqa: PLC0414
+from m2t.importing.importer import import_published as import_published  # noqa: PLC0414
+from m2t.importing.notes import Note as Note  # noqa: PLC0414
+from m2t.metamodels import FAULTS_FILE, MISSION_FILE, installed_metamodels, metamodel_folder
+from m2t.read.nodes import MAX_BYTES
+from m2t.write.xmi import dumps
 from mrsfi_runtime.files import changing
 
 if TYPE_CHECKING:
-    from m2t.difference import Change
     from m2t.emit import GenerationPlan
-    from m2t.importing.importer import Imported as Imported  # noqa: PLC0414 - for importers
-    from m2t.importing.notes import Note as Note  # noqa: PLC0414 - for importers
 
 
 def own_metamodels() -> Path | None:
     """Return the folder of metamodels that are read and are not those of mrsfi, if they are not."""
-    from m2t.metamodels import (  # noqa: PLC0415 - brings pyecore
-        FAULTS_FILE,
-        MISSION_FILE,
-        installed_metamodels,
-        metamodel_folder,
-    )
-
     read, ours = metamodel_folder(), installed_metamodels()
     names = (MISSION_FILE, FAULTS_FILE)
     try:
@@ -47,29 +44,13 @@ def generation_difference(models: Path, target: Path) -> str:
     return generation.diff(models, target)
 
 
-def difference(old: Path, new: Path) -> "tuple[Change, ...]":
-    """Return how a model differs from an older one, in the words of the model."""
-    from m2t.difference import difference as found  # noqa: PLC0415 - needs no Jinja
-
-    return found(old, new)
-
-
 def piped(pipe: Path, folder: Path) -> Path:
     """Keep in a new folder what comes from a pipe, which can be read once; return its file."""
-    from m2t.read.nodes import MAX_BYTES  # noqa: PLC0415 - as above
-
     folder.mkdir()
     file = folder / "pipe.xmi"
     with pipe.open("rb") as content:
         file.write_bytes(content.read(MAX_BYTES + 1))
     return file
-
-
-def import_published(file: Path, folder: Path, *, is_forced: bool = False) -> "Imported":
-    """Make a mission folder from a model of the paper's prototype."""
-    from m2t.importing.importer import import_published as imported  # noqa: PLC0415 - seldom used
-
-    return imported(file, folder, is_forced=is_forced)
 
 
 def write_models(folder: Path | str, mission: Any, faults: Any) -> None:
@@ -89,8 +70,6 @@ def write_models(folder: Path | str, mission: Any, faults: Any) -> None:
     UsageError
         If the folder cannot be made or written.
     """
-    from m2t.write.xmi import dumps  # noqa: PLC0415 - as above
-
     place = Path(folder)
     with changing(place) as change:
         change.replace(
