@@ -132,25 +132,6 @@ def _found(weaknesses: Iterable[Weakness]) -> str:
     return f"{counted(len(found), 'ways')} to break {counted(len(goals), 'goals')}"
 
 
-def mildest(
-    campaign: FlyableCampaign,
-    evaluator: Evaluator,
-    record: Record,
-    found: Sequence[Way],
-    n_seeds: int = shrinking.N_SEEDS,
-) -> tuple[shrinking.Mildest, ...]:
-    """Find the mildest form of each of some ways to break a goal, by its gravest measure.
-
-    That takes some 30 flights for each; ``record`` flies with the campaign's mission seed, without
-    faults, to see what is true, and each form. A form has to break the goal in ``n_seeds`` mission
-    seeds, from the campaign's on.
-    """
-    space, known = SearchSpace.of(campaign.mission, campaign.pool), harvested(campaign).known
-    shown = [way.shown for way in found]
-    seeds = following(campaign.store.settings.mission_seed, n_seeds)
-    return shrinking.mildest(space, known, shown, evaluator.evaluate_many, record, seeds)
-
-
 def refined(
     campaign: FlyableCampaign,
     evaluator: Evaluator,
@@ -160,12 +141,21 @@ def refined(
     *,
     is_mildest: bool,
 ) -> list[Way]:
-    """Return ways, each with its mildest form if asked for, in as many mission seeds as asked."""
-    least = mildest(campaign, evaluator, record, found) if is_mildest else ()
-    told = [one.weakness for one in least] or [one for way in found for one in way.by]
+    """Return ways, each with its mildest form if asked for, in as many mission seeds as asked.
+
+    To seek the mildest form, by the gravest measure, takes some 30 flights for each; ``record``
+    flies without faults, to see what is true, and each form.
+    """
+    evaluate_many, seed = evaluator.evaluate_many, campaign.store.settings.mission_seed
+    told = [one for way in found for one in way.by]
+    if is_mildest:
+        space, known = SearchSpace.of(campaign.mission, campaign.pool), harvested(campaign).known
+        shown, seeds = [way.shown for way in found], following(seed, shrinking.N_SEEDS)
+        least = shrinking.mildest(space, known, shown, evaluate_many, record, seeds)
+        told = [one.weakness for one in least]
     if n_seeds is not None:
-        seeds = following(campaign.store.settings.mission_seed, n_seeds)
-        told = [*in_seeds(campaign.mission, told, evaluator.evaluate_many, seeds)]
+        seeds = following(seed, n_seeds)
+        told = [*in_seeds(campaign.mission, told, evaluate_many, seeds)]
     flown = iter(told)
     if is_mildest:
         forms = (replace(each, weakness=next(flown)) for each in least)
