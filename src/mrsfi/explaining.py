@@ -17,6 +17,7 @@ from mrsfi_runtime.causes.explanation import explain as find_out
 from mrsfi_runtime.engine.flights import Engine, Evaluator
 from mrsfi_runtime.engine.settings import AUTO, EngineSettings
 from mrsfi_runtime.errors import ReplayMismatch, UsageError
+from mrsfi_runtime.files import telling
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.model.faults import Specification, numbered
 from mrsfi_runtime.record.measure import Measure
@@ -97,13 +98,9 @@ class Explainer:
             rows = specification_rows(self.code.pool, specification)
             identifier = f"{subject.name}_{kind}".replace("-", "_")
             names = [subject.faults[place].name for place in places]
-            try:
+            with telling(path, "name another folder with --out"):
                 self.folder.mkdir(parents=True, exist_ok=True)
                 self.write(rows, path, identifier, names)
-            except OSError as error:
-                raise UsageError(
-                    f"{path}: cannot be written: {error.strerror}; name another folder with --out"
-                ) from error
             paths[what] = path
         return paths
 
@@ -140,7 +137,7 @@ def explainer_of_file(
         code=replace(code, pool=pool),
         measure=Measure.of(CampaignSettings(violations=kind or VIOLATIONS[0]), code.mission),
         mission_seeds=(1 if seed is None else seed,),
-        write=written.write,
+        write=specification_writer(written.models),
         folder=path.parent if out is None else out,
         source=path,
     )

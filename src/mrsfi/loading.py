@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,10 +37,10 @@ def load_fresh(folders: MissionFolders, loaded: LoadedModels | None = None) -> M
 
 
 def specification_writer(
-    folder: Path, put: Callable[[Path, bytes], object] = write_atomically
+    source: Path | LoadedModels, put: Callable[[Path, bytes], object] = write_atomically
 ) -> "SpecificationWriter":
-    """Return what writes specifications of the pool in a mission folder, loaded for the first."""
-    models = cache(partial(load_mission_folder, folder))
+    """Return what writes specifications of a pool; a mission folder is loaded for the first."""
+    models = cache(lambda: load_mission_folder(source) if isinstance(source, Path) else source)
 
     def write(
         rows: Sequence[SpecificationRow], path: Path, identifier: str, names: Sequence[str]
@@ -63,12 +63,6 @@ class Written:
     specification: Specification
     unknown: tuple[str, ...]
     late: Specification
-
-    def write(
-        self, rows: Sequence[SpecificationRow], path: Path, identifier: str, names: Sequence[str]
-    ) -> None:
-        """Write some of its faults as a model."""
-        write_specification(self.models, rows, path, identifier=identifier, names=names)
 
     def oddities(self, path: Path, mission: Mission) -> Iterator[str]:
         """Yield what is odd about it, in words: it may be a specification of another mission."""
