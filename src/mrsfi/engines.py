@@ -69,15 +69,9 @@ def recorded_engine(settings: EngineSettings) -> EngineRecord:
     )
 
 
-def opened(
-    code: "MissionCode",
-    seed: int,
-    engine: EngineSettings,
-    tell: Tell = silent,
-    n_workers: int = 1,
-) -> "Engine":
+def opened(code: "MissionCode", seed: int, engine: EngineSettings, tell: Tell = silent) -> "Engine":
     """Return an engine of this process; auto is compiled, or else says what does not compile."""
-    return engine.named(code, seed, tell).open(code, seed, n_workers)
+    return engine.named(code, seed, tell).open(code, seed)
 
 
 @contextmanager

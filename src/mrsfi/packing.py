@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from mrsfi.campaign_folders import fly_all, open_campaign, open_to_fly
-from mrsfi.engines import Choice, Tell, silent
+from mrsfi.engines import Choice, Tell, opened, silent
 from mrsfi_runtime.errors import MrsfiError, RecordError
 from mrsfi_runtime.files import whole_file
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
@@ -62,8 +62,8 @@ def repeat(archive: Path, engine: Choice, tell: Tell = silent) -> tuple[int, str
     with _unpacked(archive) as run, open_to_fly(run, tell) as campaign:
         store = campaign.store
         seed, settings = store.settings.mission_seed, engine(store.manifest.engine)
-        with settings.named(campaign.code, seed, tell).open(campaign.code, seed) as opened:
-            return sum(1 for _ in fly_all(campaign, opened)), store.digest()
+        with opened(campaign.code, seed, settings, tell) as flown_by:
+            return sum(1 for _ in fly_all(campaign, flown_by)), store.digest()
 
 
 @contextmanager
@@ -71,10 +71,10 @@ def _unpacked(archive: Path) -> Iterator[Path]:
     """Yield the folder of a campaign in an archive, unpacked for as long as the body runs."""
     with TemporaryDirectory() as place:
         try:
-            with zipfile.ZipFile(archive) as opened:
-                if sum(each.file_size for each in opened.infolist()) > _MOST_BYTES:
+            with zipfile.ZipFile(archive) as content:
+                if sum(each.file_size for each in content.infolist()) > _MOST_BYTES:
                     raise RecordError(f"{archive}: holds more than {_MOST_BYTES} bytes")
-                opened.extractall(place)  # which leaves the folder with no name in it
+                content.extractall(place)  # which leaves the folder with no name in it
         except _UNREADABLE as error:
             raise RecordError(
                 f"{archive}: is no archive of a campaign ({error}); expected one of `mrsfi pack`"

@@ -5,6 +5,7 @@ from contextlib import ExitStack, contextmanager
 from functools import cache
 
 from mrsfi.campaign_folders import OpenCampaign, load_own
+from mrsfi.engines import opened
 from mrsfi.loading import specification_writer
 from mrsfi.weaknesses import harvested, way_of
 from mrsfi_runtime.analysis.drawing import Draw, DrawingProcess
@@ -32,7 +33,7 @@ def report(
     as ``g3:g1=2:1``, that makes no sense is a ``UsageError``.
     """
     writer = specification_writer(campaign.folder.model)
-    with _flying(campaign) as record, ExitStack() as opened:
+    with _flying(campaign) as record, ExitStack() as stack:
         write_report(
             campaign.folder.path,
             campaign.mission,
@@ -40,7 +41,7 @@ def report(
             writer,
             record=record,
             ratio=ratio,
-            draw=draw or opened.enter_context(DrawingProcess()).draw,
+            draw=draw or stack.enter_context(DrawingProcess()).draw,
             show=show,
             latex=latex,
         )
@@ -63,7 +64,7 @@ def show(campaign: OpenCampaign, number: int | None = None) -> Iterator[Shown]:
 def _flying(campaign: OpenCampaign) -> Iterator[Record]:
     """Yield what flies specifications again, or says why nothing does."""
     store = campaign.store
-    with ExitStack() as opened:
+    with ExitStack() as stack:
 
         @cache
         def engine() -> Engine:
@@ -71,7 +72,6 @@ def _flying(campaign: OpenCampaign) -> Iterator[Record]:
                 path = campaign.folder.path
                 raise RecordError(f"{path}: somebody else's simulation flew it, and is not asked")
             code, seed = load_own(campaign.folder, store), store.settings.mission_seed
-            found = EngineSettings(AUTO).named(code, seed, lambda _: None)
-            return opened.enter_context(found.open(code, seed))
+            return stack.enter_context(opened(code, seed, EngineSettings(AUTO)))
 
         yield lambda specification: engine().record(specification)
