@@ -8,17 +8,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from m2t.line_difference import unified_difference
-from m2t.new_ids import with_new_ids
+from m2t.new_ids import WithNewIds, with_new_ids
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.errors import UsageError
 from mrsfi_runtime.files import changing
 from mrsfi_runtime.record.regressions import folder_of
-
-if TYPE_CHECKING:
-    from m2t.emit import GenerationPlan
 
 _BARE = re.compile(r"[A-Za-z0-9_-]*")
 
@@ -45,19 +42,12 @@ _LIMITS = _Place(
 
 
 @dataclass(frozen=True, slots=True)
-class Renaming:
-    """What other IDs would change.
+class Renaming(WithNewIds):
+    """What other IDs would change, also in campaign files and limits.
 
-    New content by path, of models, specifications, campaign files and limits; the plan of the
-    generated files, if there are any; lines of the unified diff of all this; models that change
-    beyond their IDs, as they are not spelt as Eclipse writes them; and where Python files beside
-    the models name an old ID: path, line and ID.
+    ``scripts`` are where Python files beside the models name an old ID: path, line and ID.
     """
 
-    contents: Mapping[Path, bytes]
-    code: "GenerationPlan | None"
-    difference: tuple[str, ...]
-    respelt: tuple[Path, ...]
     scripts: tuple[tuple[Path, int, str], ...]
 
     @property
@@ -101,7 +91,7 @@ def renaming(folders: MissionFolders, names: Mapping[str, str]) -> Renaming:
             named = str(path)
             lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
     scripts = tuple(_named(folders.models, names))
-    return Renaming(contents, found.code, tuple(lines), found.respelt, scripts)
+    return Renaming(contents, found.respelt, found.code, tuple(lines), scripts)
 
 
 def _edited(path: Path, place: _Place, names: Mapping[str, str]) -> tuple[str, str]:
