@@ -54,38 +54,31 @@ def difference(old: Path, new: Path) -> tuple[Change, ...]:
     first; removed elements come before those that remained in the same place.
     """
     olds, news = read_models(old), read_models(new)
-    kinds = list(dict.fromkeys((*olds, *news)))
-    if not (old.is_dir() and new.is_dir()):
-        kinds = [kind for kind in kinds if kind in olds and kind in news]
+    shared = olds.keys() & news.keys()
+    kinds = {*olds, *news} if old.is_dir() and new.is_dir() else shared
     if not kinds:
         found = f"{_listed(olds)} in {old} and {_listed(news)} in {new}"
         raise ModelError(
             f"found {found}; expected two models of the same kind; give the right files"
         )
-    kinds.sort(key=lambda name: name != "Mission")
-    both = [kind for kind in kinds if kind in olds and kind in news]
-    pairs = renamed([olds[kind] for kind in both], [news[kind] for kind in both])
+    ordered = sorted(kinds, key=lambda name: name != "Mission")
+    both = [(olds[kind], news[kind]) for kind in ordered if kind in shared]
+    pairs = renamed(both)
     before = {now.key: earlier.identity for now, earlier in pairs.items()}
-    rename([olds[kind] for kind in both], pairs)
+    rename([root for root, _ in both], pairs)
     changes: list[Change] = []
-    for kind in kinds:
-        changes.extend(_compare_roots(olds.get(kind), news.get(kind), before))
+    for kind in ordered:
+        if kind in shared:
+            comparison = _Comparison(olds[kind], news[kind], before)
+            changes.extend(comparison.compare(olds[kind], news[kind]))
+        else:
+            is_new = kind in news
+            changes.append(_whole("added", news[kind]) if is_new else _whole("removed", olds[kind]))
     return tuple(changes)
 
 
-def _listed(kinds: Sequence[str] | dict[str, Outline]) -> str:
+def _listed(kinds: Iterable[str]) -> str:
     return " and ".join(f"a {kind}" for kind in kinds) or "no model"
-
-
-def _compare_roots(
-    old: Outline | None, new: Outline | None, before: Mapping[Key, str]
-) -> Iterator[Change]:
-    if old is not None and new is not None:
-        yield from _Comparison(old, new, before).compare(old, new)
-    elif new is not None:
-        yield _whole("added", new)
-    elif old is not None:
-        yield _whole("removed", old)
 
 
 def _whole(what: What, outline: Outline) -> Change:
@@ -124,7 +117,10 @@ class _Comparison:
         stayed = {outline.key for outline in before} & {outline.key for outline in after}
         orders = [[each for each in outlines if each.key in stayed] for outlines in (before, after)]
         if [each.key for each in orders[0]] != [each.key for each in orders[1]]:
-            yield _reordered(new, name, *map(_ids, orders))
+            before_ids, after_ids = map(_ids, orders)
+            where = f"{new.label}: " if new.container is not None else ""
+            text = f"{where}{name} reordered: {before_ids} → {after_ids}"
+            yield Change("reordered", new.label, name, before_ids, after_ids, text)
 
     def _compare_element(self, outline: Outline, container: Outline) -> Iterator[Change]:
         earlier = self._old.get(outline.key)
@@ -132,8 +128,9 @@ class _Comparison:
             yield _placed("added", outline, "to")
             yield from self._moved_into(outline)
             return
-        if outline.key in self._before:
-            yield _renamed(outline, self._before[outline.key])
+        if (known := self._before.get(outline.key)) is not None:
+            text = f"{word(outline.kind)} {known} renamed {outline.identity}"
+            yield Change("renamed", outline.label, "ID", known, outline.identity, text)
         source = earlier.container
         if source is not None and not _is_alike(source, container):
             text = f"{outline.label} moved from {source.label} to {container.label}"
@@ -142,22 +139,16 @@ class _Comparison:
 
     def _moved_into(self, added: Outline) -> Iterator[Change]:
         """Yield what an added element took over from elsewhere."""
-        for children in added.children.values():
-            for outline in children:
-                if outline.key in self._old:
-                    yield from self._compare_element(outline, added)
-                else:
-                    yield from self._moved_into(outline)
+        for outline in added.below:
+            if outline.key in self._old:
+                yield from self._compare_element(outline, added)
+            else:
+                yield from self._moved_into(outline)
 
 
 def _is_alike(one: Outline, other: Outline) -> bool:
     """Return whether two outlines are of the same element, or both of a root."""
     return one.key == other.key or one.container is other.container is None
-
-
-def _renamed(outline: Outline, before: str) -> Change:
-    text = f"{word(outline.kind)} {before} renamed {outline.identity}"
-    return Change("renamed", outline.label, "ID", before, outline.identity, text)
 
 
 def _changed(outline: Outline, name: str, before: Value, after: Value) -> Change:
@@ -176,27 +167,21 @@ def _placed(what: What, outline: Outline, preposition: str) -> Change:
     return Change(what, outline.label, "", old, new, f"{outline.label} {what}{where}{about}")
 
 
-def _reordered(outline: Outline, name: str, old: str, new: str) -> Change:
-    where = f"{outline.label}: " if outline.container is not None else ""
-    return Change(
-        "reordered", outline.label, name, old, new, f"{where}{name} reordered: {old} → {new}"
-    )
-
-
 def _ids(outlines: Sequence[Outline]) -> str:
     ids = [outline.identity for outline in outlines]
     return " ".join(ids[:_SHOWN_IDS]) + (" ..." if len(ids) > _SHOWN_IDS else "")
 
 
-def renamed(olds: Sequence[Outline], news: Sequence[Outline]) -> dict[Outline, Outline]:
-    """Return the elements of an older model that have another ID now, by those of the newer one.
+def renamed(roots: Sequence[tuple[Outline, Outline]]) -> dict[Outline, Outline]:
+    """Return the elements of older models that have another ID now, by those of the newer ones.
 
     An element that is gone and one that is new, in the same place, are one if they say the same
     with all in them; references to what was renamed count as the same.
     """
+    olds, news = [old for old, _ in roots], [new for _, new in roots]
     gone, added = _without(olds, news), _without(news, olds)
     found: dict[Outline, Outline] = {}
-    for old, new in zip(olds, news, strict=True):
+    for old, new in roots:
         found |= _within(old, new, gone, added)
     return found
 
@@ -238,17 +223,12 @@ def _within(
             if same is not None:
                 lost.remove(same)
                 found[each] = same
-    kept = {each.key: each for each in _children(old)}
-    for each in _children(new):
+    kept = {each.key: each for each in old.below}
+    for each in new.below:
         earlier = found.get(each, kept.get(each.key))
         if earlier is not None:
             found |= _within(earlier, each, gone, added)
     return found
-
-
-def _children(outline: Outline) -> Iterator[Outline]:
-    for children in outline.children.values():
-        yield from children
 
 
 def _signature(outline: Outline, own: Mapping[str, Outline]) -> tuple[object, ...]:

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -54,12 +55,16 @@ class Outline:
         """What a reader wants to know of an element that is new."""
         return next(filter(None, map(self.values.get, ("task", "type", "name"))), "")
 
+    @property
+    def below(self) -> Iterator["Outline"]:
+        """The outlines directly below, in the order of the model."""
+        return chain.from_iterable(self.children.values())
+
     def walk(self) -> Iterator["Outline"]:
         """Yield the outline and all below it, in the order of the model."""
         yield self
-        for children in self.children.values():
-            for child in children:
-                yield from child.walk()
+        for child in self.below:
+            yield from child.walk()
 
 
 def word(kind: str) -> str:
