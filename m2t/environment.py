@@ -1,8 +1,9 @@
 """The Jinja environment and its filters: the only way for a model's text into code.
 
 ``literal`` turns a value into a Python literal, ``expression`` a tree of calls into a
-formatted expression, ``remark`` free text into something that is safe after a ``#``. No
-other way is open to model text that is not a checked identifier.
+formatted expression, ``remark`` free text into something that is safe after a ``#``,
+``docstring`` free text into a docstring. No other way is open to model text that is not a checked
+identifier.
 """
 
 import math
@@ -100,6 +101,12 @@ def remark(text: str) -> str:
     return ascii(text[:_REMARK_LENGTH])[:_REMARK_LENGTH].replace("#", "?")
 
 
+def docstring(text: str) -> str:
+    """Return free text as a docstring, in ASCII."""
+    escaped = text.encode("unicode_escape").decode("ascii").replace('"', '\\"')
+    return f'"""{escaped}"""'
+
+
 def expression(value: Expression, indent: int = 0, used: int = 0) -> str:
     """Return a Python expression, laid out as a formatter would leave it.
 
@@ -163,4 +170,5 @@ def template_environment(folder: str = "templates") -> Environment:
         keep_trailing_newline=True,
     )
     environment.filters |= {"literal": literal, "expression": expression, "remark": remark}
+    environment.filters["docstring"] = docstring
     return environment

@@ -36,8 +36,9 @@ class PackageTask(EcoreTask):  # type: ignore[misc] # pyecoregen has no types
 
     element_type = EPackage
 
-    def __init__(self, suffix: str) -> None:
+    def __init__(self, environment: Environment, suffix: str) -> None:
         super().__init__()
+        self.environment = environment
         self.template_name = f"package{suffix}.j2"
         self._suffix = suffix
 
@@ -53,18 +54,9 @@ class PackageTask(EcoreTask):  # type: ignore[misc] # pyecoregen has no types
 class ClassGenerator(EcoreGenerator):  # type: ignore[misc] # pyecoregen has no types
     """Generates classes and stubs of packages; see the notes of this module."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.tasks = [PackageTask(".py"), PackageTask(".pyi")]
-        self.environment = self.create_environment()
-        for task in self.tasks:
-            task.environment = self.environment
-
-    def create_environment(self, **_: Any) -> Environment:
-        """Return the environment of ``m2t/templates/metamodel``."""
-        environment = template_environment("templates/metamodel")
-        environment.filters["docstring"] = _docstring
-        return environment
+    def __init__(self, environment: Environment) -> None:
+        super().__init__(environment=environment)
+        self.tasks = [PackageTask(environment, suffix) for suffix in (".py", ".pyi")]
 
     def generate(self, model: Any, outfolder: str, **_: Any) -> None:
         """Write the files of one package.
@@ -80,8 +72,9 @@ def class_files(packages: tuple[Any, ...]) -> dict[str, str]:
 
     A package with a name that Python or the classes themselves use is a ``ModelError``.
     """
-    generator = ClassGenerator()
-    shared = {name: generator.environment.get_template(f"{name}.j2") for name in _SHARED}
+    environment = template_environment("templates/metamodel")
+    generator = ClassGenerator(environment)
+    shared = {name: environment.get_template(f"{name}.j2") for name in _SHARED}
     files = {name: template.render(header=HEADER) for name, template in shared.items()}
     with TemporaryDirectory() as folder:
         for package in packages:
@@ -116,8 +109,3 @@ def stale_files(folder: Path, files: Mapping[str, str]) -> tuple[str, ...]:
         for name, text in files.items()
         if not (folder / name).is_file() or (folder / name).read_bytes() != text.encode("utf-8")
     )
-
-
-def _docstring(text: str) -> str:
-    escaped = text.encode("unicode_escape").decode("ascii").replace('"', '\\"')
-    return f'"""{escaped}"""'
