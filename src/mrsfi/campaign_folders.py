@@ -8,9 +8,9 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from m2t.generate import fault_loader_text, mission_loader_text
-from m2t.load import load_mission_folder
+from m2t.load import MISSION_XMI, load_mission_folder
 from mrsfi.engines import Tell, silent
-from mrsfi.folders import MISSION_FILE, MissionFolders, find_mission
+from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.project import from_here, project, root
 from mrsfi.versions import installed_version
 from mrsfi_runtime.analysis.columns import top
@@ -152,7 +152,7 @@ def mission_of(campaign: OpenCampaign) -> MissionFolders:
         str(from_here((root() / manifest.place).resolve())) if manifest.place else manifest.mission
     )
     folders = find_mission(place)
-    if manifest.sha256.get(MISSION_FILE) != hashes(folders.models).get(MISSION_FILE):
+    if manifest.sha256.get(MISSION_XMI) != hashes(folders.models).get(MISSION_XMI):
         found = mission_from_text(mission_loader_text(load_mission_folder(folders.models)))
         if found.name != campaign.mission.name:
             raise UsageError(

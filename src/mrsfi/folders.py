@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from m2t.generate import stale
-from m2t.load import LoadedModels
+from m2t.load import MISSION_XMI, LoadedModels
 from mrsfi.project import from_here, project, root
 from mrsfi_runtime.errors import GenerationError, UsageError, expected
 from mrsfi_runtime.files import settle
 from mrsfi_runtime.semantics_of_code import require_semantics
 
 _MODELS, _GENERATED = "models", "generated"
-MISSION_FILE = "mission.xmi"
 _MISSION_CODE = "mission_loader.py"
 
 
@@ -60,8 +59,8 @@ def find_mission(mission: str, generated: Path | None = None) -> MissionFolders:
     for models in _places(mission):
         return folders_at(models, generated)
     place = project().models
-    known = sorted(path.parent.name for path in place.glob(f"*/{MISSION_FILE}"))
-    what = f"the path of a folder that holds {MISSION_FILE}, or the name of one in {place}/:"
+    known = sorted(path.parent.name for path in place.glob(f"*/{MISSION_XMI}"))
+    what = f"the path of a folder that holds {MISSION_XMI}, or the name of one in {place}/:"
     raise UsageError(f"found no mission '{mission}'; {expected(mission, known, what)}")
 
 
@@ -84,7 +83,7 @@ def is_mission(mission: str) -> bool:
 def _places(mission: str) -> Iterator[Path]:
     """Yield the folders of models that a name or path stands for."""
     for models in (project().models / mission, Path(mission)):
-        if (models / MISSION_FILE).is_file():
+        if (models / MISSION_XMI).is_file():
             yield models
 
 

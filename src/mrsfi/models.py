@@ -10,6 +10,7 @@ from m2t.difference import difference as difference  # noqa: PLC0414 - for impor
 from m2t.importing.importer import Imported as Imported  # noqa: PLC0414
 from m2t.importing.importer import import_published as import_published  # noqa: PLC0414
 from m2t.importing.notes import Note as Note  # noqa: PLC0414
+from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metamodels import FAULTS_FILE, MISSION_FILE, installed_metamodels, metamodel_folder
 from m2t.read.nodes import MAX_BYTES
 from m2t.write.xmi import dumps
@@ -74,7 +75,7 @@ def write_models(folder: Path | str, mission: Any, faults: Any) -> None:
     with changing(place) as change:
         change.replace(
             {
-                place / "mission.xmi": dumps(mission),
-                place / "faults.xmi": dumps(faults, hrefs={mission: "mission.xmi"}),
+                place / MISSION_XMI: dumps(mission),
+                place / FAULTS_XMI: dumps(faults, hrefs={mission: MISSION_XMI}),
             }
         )
