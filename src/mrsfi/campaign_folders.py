@@ -26,7 +26,7 @@ from mrsfi_runtime.record.manifest import EngineRecord, Manifest
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.store import CampaignStore, Evaluation
 
-_VERSIONED = ("mrsfi", "deap", "numpy", "pyecore")
+_VERSIONED = ("python", "mrsfi", "deap", "numpy", "pyecore")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,10 +87,7 @@ def manifest_of(
         place=folders.place,
         case=case,
         engine=engine,
-        versions={
-            "python": platform.python_version(),
-            **{name: installed_version(name) for name in _VERSIONED},
-        },
+        versions={name: installed_version(name) for name in _VERSIONED},
         machine=platform.machine(),
         sha256=folder.hashes(),
     )

@@ -1,6 +1,5 @@
 """Campaigns from the first evaluation to the last."""
 
-import platform
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
@@ -123,7 +122,7 @@ def _require_ratio(settings: CampaignSettings, mission: Mission, ratio: str | No
 
 def _tell_other_versions(recorded: Mapping[str, str], tell: Tell) -> None:
     for name, version in recorded.items():
-        now = platform.python_version() if name == "python" else installed_version(name)
+        now = installed_version(name)
         if now != version:
             tell(
                 f"warning: begun with {name} {version}, going on with {now}: "
