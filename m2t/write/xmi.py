@@ -7,6 +7,7 @@ and truncates the file before it knows that it can write the new content.
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
+from functools import cache
 from types import MappingProxyType
 from typing import Any
 
@@ -113,7 +114,7 @@ class _Writer:
         }
         self._tops: dict[Any, Any] = {root: root for root in self._addresses}
         self._starts = dict(_starts(roots, hrefs))
-        self._positions: dict[tuple[Any, str], dict[Any, int]] = {}
+        self._positions = cache(_positions)
 
     def lines(self) -> Iterator[str]:
         """Return the lines of the root element, or of those within ``xmi:XMI``."""
@@ -230,16 +231,14 @@ class _Writer:
         if container is None or self._top(element) is element:
             return str(self._starts.get(element, "/"))
         feature = element.eContainmentFeature()
-        index = f".{self._position(container, feature, element)}" if feature.many else ""
+        index = f".{self._positions(container, feature)[element]}" if feature.many else ""
         parent = self._path(container)
         return f"{'/' if parent == '/' else parent}/@{feature.name}{index}"
 
-    def _position(self, container: Any, feature: Any, element: Any) -> int:
-        key = (container, feature.name)
-        if key not in self._positions:
-            values = container.eGet(feature)
-            self._positions[key] = {value: index for index, value in enumerate(values)}
-        return self._positions[key][element]
+
+def _positions(container: Any, feature: Any) -> dict[Any, int]:
+    """Return where each element stands among those that one contains as a feature."""
+    return {element: index for index, element in enumerate(container.eGet(feature))}
 
 
 def _starts(roots: Sequence[Any], hrefs: Mapping[Any, str]) -> Iterator[tuple[Any, str]]:
