@@ -52,10 +52,7 @@ def saved(models: LoadedModels) -> dict[Path, bytes]:
     xmi_ids = models.xmi_ids
     return {
         file.path: dumps_file(
-            file.roots,
-            file.spelling,
-            hrefs=addresses(models, file.path.parent, without=file),
-            xmi_ids=xmi_ids,
+            file.roots, file.spelling, addresses(models, file.path.parent, without=file), xmi_ids
         )
         for file in models.files
     }

@@ -40,15 +40,11 @@ def dumps(
     an ID that holds a space, by path. One to a file that ``hrefs`` does not know, or a character
     that XML cannot hold, is a ``ModelError``.
     """
-    return dumps_file((root,), Spelling(encoding), hrefs=hrefs, xmi_ids=xmi_ids)
+    return dumps_file((root,), Spelling(encoding), hrefs, xmi_ids)
 
 
 def dumps_file(
-    roots: Sequence[Any],
-    spelling: Spelling,
-    *,
-    hrefs: Mapping[Any, str] = MappingProxyType({}),
-    xmi_ids: Mapping[Any, str] = MappingProxyType({}),
+    roots: Sequence[Any], spelling: Spelling, hrefs: Mapping[Any, str], xmi_ids: Mapping[Any, str]
 ) -> bytes:
     """Return a file with any number of roots as ``dumps`` does; several stand in ``xmi:XMI``."""
     writer = _Writer(roots, hrefs, xmi_ids, spelling.schema_location)

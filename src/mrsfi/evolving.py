@@ -82,11 +82,7 @@ def made(
 
 @contextmanager
 def resumed(
-    path: Path,
-    engine: EngineSettings,
-    *,
-    ratio: str | None = None,
-    tell: Tell = silent,
+    path: Path, engine: EngineSettings, *, ratio: str | None, tell: Tell
 ) -> Iterator[tuple[FlyableCampaign, EngineSettings]]:
     """Yield a campaign from before to its only writer, with what it goes on with."""
     with only_writer(CampaignFolder(path)), open_to_fly(path, tell) as campaign:

@@ -10,7 +10,7 @@ from time import monotonic
 from types import MappingProxyType
 
 from mrsfi.campaign_folders import FlyableCampaign, OpenCampaign, open_to_fly
-from mrsfi.engines import Choice, Tell, Workers, flying, silent
+from mrsfi.engines import Choice, Tell, Workers, flying
 from mrsfi_runtime.analysis import fault_tree, fmea
 from mrsfi_runtime.analysis.drawing import Drawing, drawn
 from mrsfi_runtime.analysis.table import as_csv
@@ -92,10 +92,7 @@ def untried(campaign: OpenCampaign) -> tuple[tuple[str, ...], ...]:
 
 @contextmanager
 def flying_again(
-    run: Path,
-    engine: Choice,
-    workers: Workers,
-    tell: Tell = silent,
+    run: Path, engine: Choice, workers: Workers, tell: Tell
 ) -> Iterator[tuple[FlyableCampaign, Evaluator, Engine]]:
     """Yield a campaign, what evaluates specifications of it, and an engine of this process."""
     with open_to_fly(run, tell) as campaign:
