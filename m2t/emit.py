@@ -14,7 +14,6 @@ from typing import Any
 
 from m2t.protected_regions import (
     FileRecord,
-    GeneratedFile,
     is_hand_written,
     merge,
     parse,
@@ -102,7 +101,11 @@ def plan_files(
         contents[name] = merge(generated, old, known.get(name, ()), force=force) if old else text
     removed = tuple(name for name in known if name in standing and name not in rendered)
     for name in removed:
-        _require_no_code(standing[name], known[name])
+        if is_hand_written(standing[name], known[name]):
+            raise ProtectedRegionError(
+                f"{target / name}: is no longer generated but holds hand-written code; "
+                "move the code elsewhere and delete the file"
+            )
     existing |= {} if recorded is None else {MANIFEST: recorded}
     return GenerationPlan(target, existing, contents, removed, dumps(sources, coming))
 
@@ -118,14 +121,6 @@ def _read(path: Path) -> str | None:
             f"{path}: cannot be read as text in UTF-8 ({error}); mend or remove it"
         ) from error
     return text.replace("\r\n", "\n")
-
-
-def _require_no_code(file: GeneratedFile, records: tuple[FileRecord, ...]) -> None:
-    if is_hand_written(file, records):
-        raise ProtectedRegionError(
-            f"{file.name}: is no longer generated but holds hand-written code; "
-            "move the code elsewhere and delete the file"
-        )
 
 
 def dumps(sources: Mapping[str, str], files: Mapping[str, FileRecord]) -> str:

@@ -7,7 +7,6 @@ offered to an element too many.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -62,18 +61,12 @@ def mend(inspection: Inspection) -> Mending | None:
 
 
 def _fix(defects: Iterable[Diagnostic], draft: LoadedModels) -> None:
-    elements = _elements_by_place(draft)
+    elements: dict[tuple[object, ...], list[Any]] = {}
+    for element, node in draft.nodes.items():
+        elements.setdefault((node.path, node.line, node.description), []).append(element)
     for found in defects:
         for element in elements[found.path, found.line, found.element]:
             FIXES[found.constraint].mend(element)
-
-
-def _elements_by_place(draft: LoadedModels) -> Mapping[tuple[Path, int, str], list[Any]]:
-    """Return the elements that a diagnostic may speak of: those of its name in its line."""
-    found: dict[tuple[Path, int, str], list[Any]] = {}
-    for element, node in draft.nodes.items():
-        found.setdefault((node.path, node.line, node.description), []).append(element)
-    return found
 
 
 def _delete_self_dependence(goal: Any) -> None:

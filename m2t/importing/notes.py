@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args
 
 from m2t.diagnostics import Diagnostic, Report
 
 Kind: TypeAlias = Literal["renamed", "dropped", "default", "inconsistent"]
-KINDS: tuple[Kind, ...] = ("renamed", "dropped", "default", "inconsistent")
+KINDS: tuple[Kind, ...] = get_args(Kind)
 """ID given or changed; left out; filled in; contradicting the rest of the model."""
 
 
