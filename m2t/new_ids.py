@@ -67,7 +67,9 @@ def with_new_ids(models: Path, target: Path, names: Mapping[str, str]) -> WithNe
     code = None
     if target.is_dir():
         code = _code(target, before, rendered(loaded), sources(loaded, contents))
-        lines += _code_difference(code)
+        for name in code.written:
+            named, old, new = str(target / name), code.existing.get(name, ""), code.contents[name]
+            lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
     respelt = tuple(path for edit in edits for path in edit.respelt)
     return WithNewIds(contents, respelt, code, tuple(lines))
 
@@ -131,13 +133,6 @@ def _code(
         return text if old is None or new is None else _rewritten(path, text, old, new)
 
     return plan_files(target, after, hashes, force=True, rewrite=rewrite)
-
-
-def _code_difference(code: GenerationPlan) -> Iterator[str]:
-    for name in code.written:
-        path = str(code.target / name)
-        old, new = code.existing.get(name, ""), code.contents[name]
-        yield from unified_difference(old.splitlines(), new.splitlines(), path, path, "")
 
 
 def _rewritten(path: Path, text: str, old: str, new: str) -> str:
