@@ -71,14 +71,14 @@ def plain(value: Any, slot: Slot) -> str | int | float | bool:
 
 def functions(expression: Expression) -> tuple[str, ...]:
     """Return the names that an expression calls or takes members of, sorted: its imports."""
-    found: dict[str, None] = {}
+    found: set[str] = set()
     pending = [expression]
     for value in pending:
         if isinstance(value, Call):
-            found[value.function] = None
+            found.add(value.function)
             pending.extend(argument for _, argument in value.arguments)
         elif isinstance(value, tuple):
             pending.extend(value)
         elif isinstance(value, Name) and "." in value.text:
-            found[value.text.partition(".")[0]] = None
+            found.add(value.text.partition(".")[0])
     return tuple(sorted(found))
