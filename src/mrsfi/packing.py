@@ -3,7 +3,7 @@
 import lzma
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -43,8 +43,7 @@ def _put(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
     archive.writestr(info, content)
 
 
-def _told(out: Path, versions: object, digest: str) -> str:
-    assert isinstance(versions, dict)
+def _told(out: Path, versions: Mapping[str, str], digest: str) -> str:
     listed = "\n".join(f"- {name} {version}" for name, version in versions.items())
     return (
         f"# A campaign of mrsfi\n\nIn `campaign/` are its models, its generated code, its settings "

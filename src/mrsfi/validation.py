@@ -6,12 +6,7 @@ from pathlib import Path
 
 from m2t.diagnostics import Diagnostic
 from m2t.fixes import Mending, mend
-from m2t.load import (
-    Inspection,
-    LoadedModels,
-    inspect_folder,
-    inspect_specification,
-)
+from m2t.load import Inspection, LoadedModels, inspect_folder, inspect_specification
 from mrsfi.engines import Tell, silent
 from mrsfi.folders import MissionFolders, find_mission
 from mrsfi.loading import load_fresh
