@@ -31,16 +31,11 @@ def pack(run: Path, out: Path) -> None:
         whole_file(out) as file,
         zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive,
     ):
-        _put(archive, _TOLD, told.encode())
+        archive.writestr(zipfile.ZipInfo(_TOLD, _EPOCH), told, zipfile.ZIP_DEFLATED)
         for path in sorted(path for path in run.rglob("*") if path.is_file()):
             if path != folder.lock:
-                _put(archive, f"campaign/{path.relative_to(run).as_posix()}", path.read_bytes())
-
-
-def _put(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
-    info = zipfile.ZipInfo(name, _EPOCH)
-    info.compress_type = zipfile.ZIP_DEFLATED
-    archive.writestr(info, content)
+                info = zipfile.ZipInfo(f"campaign/{path.relative_to(run).as_posix()}", _EPOCH)
+                archive.writestr(info, path.read_bytes(), zipfile.ZIP_DEFLATED)
 
 
 def _told(out: Path, versions: Mapping[str, str], digest: str) -> str:
