@@ -82,7 +82,8 @@ def compared(
         results: list[RunResult] = []
         with evaluating(code) as evaluator:
             for place in places:
-                kept = _kept(place)
+                with CampaignStore.open(place.path) as store:
+                    kept = store.kept(_RESULT, RunResult.from_text)
                 results.append(kept or _flown(place, evaluator, source))
                 progress(results[-1], len(results), kept is None)
         algorithms = tuple(dict.fromkeys(one.algorithm for one in runs))
@@ -141,11 +142,6 @@ def _hash_of_ours() -> str:
             content = file.read_bytes()
             digest.update(f"{file.name} {len(content)}\n".encode() + content)
     return digest.hexdigest()
-
-
-def _kept(place: CampaignFolder) -> RunResult | None:
-    with CampaignStore.open(place.path) as store:
-        return store.kept(_RESULT, RunResult.from_text)
 
 
 def _flown(place: CampaignFolder, evaluator: Evaluator, source: str) -> RunResult:
