@@ -1,6 +1,6 @@
 """What flies: the code of missions, and fault specifications in files."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from m2t.generate import fault_loader_text
 from m2t.load import LoadedModels, load_mission_folder, load_specification
-from m2t.specification import SpecificationRow, write_specification
+from m2t.specification import write_specification
 from mrsfi.folders import MissionFolders
 from mrsfi_runtime.engine.flights import require_effects
 from mrsfi_runtime.errors import SpecificationError, UsageError
@@ -41,13 +41,9 @@ def specification_writer(
 ) -> "SpecificationWriter":
     """Return what writes specifications of a pool; a mission folder is loaded for the first."""
     models = cache(lambda: load_mission_folder(source) if isinstance(source, Path) else source)
-
-    def write(
-        rows: Sequence[SpecificationRow], path: Path, identifier: str, names: Sequence[str]
-    ) -> None:
-        write_specification(models(), rows, path, identifier=identifier, names=names, write=put)
-
-    return write
+    return lambda rows, path, identifier, names: write_specification(
+        models(), rows, path, identifier=identifier, names=names, write=put
+    )
 
 
 @dataclass(frozen=True, slots=True)
