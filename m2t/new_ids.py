@@ -66,7 +66,9 @@ def with_new_ids(models: Path, target: Path, names: Mapping[str, str]) -> WithNe
     lines = [line for edit in edits for line in edit.difference]
     code = None
     if target.is_dir():
-        code = _code(target, before, rendered(loaded), sources(loaded, contents))
+        after = rendered(loaded)
+        rewrite = partial(_rewritten, target, before, after)
+        code = plan_files(target, after, sources(loaded, contents), force=True, rewrite=rewrite)
         for name in code.written:
             named, old, new = str(target / name), code.existing.get(name, ""), code.contents[name]
             lines += unified_difference(old.splitlines(), new.splitlines(), named, named, "")
@@ -123,23 +125,17 @@ def _require_ids(models: LoadedModels, names: Mapping[str, str]) -> None:
                 )
 
 
-def _code(
-    target: Path, before: Mapping[str, str], after: Mapping[str, str], hashes: Mapping[str, str]
-) -> GenerationPlan:
-    """Return the plan of the generated files, which are fresh, with new names in regions."""
-
-    def rewrite(name: str, text: str) -> str:
-        path, old, new = target / name, before.get(name), after.get(name)
-        return text if old is None or new is None else _rewritten(path, text, old, new)
-
-    return plan_files(target, after, hashes, force=True, rewrite=rewrite)
-
-
-def _rewritten(path: Path, text: str, old: str, new: str) -> str:
+def _rewritten(
+    target: Path, before: Mapping[str, str], after: Mapping[str, str], name: str, text: str
+) -> str:
     """Return a generated file with the names of a newer rendering in place of an older one's.
 
-    Attributes, strings and comments stay as they are, but for the markers of regions.
+    Attributes, strings and comments stay as they are, but for the markers of regions, and so does
+    a file that is generated no longer.
     """
+    if name not in before:
+        return text
+    path, old, new = target / name, before[name], after[name]
     try:
         ast.parse(text, str(path))
     except SyntaxError as error:
@@ -147,7 +143,7 @@ def _rewritten(path: Path, text: str, old: str, new: str) -> str:
             f"{path}:{error.lineno}: is not Python: {error.msg}; mend the region first"
         ) from error
     pairs = zip(_names_in(old), _names_in(new), strict=True)
-    names = {before: after for before, after in pairs if before != after}
+    names = {earlier: later for earlier, later in pairs if earlier != later}
     ids = dict(zip(parse(old, "").regions, parse(new, "").regions, strict=True))
     _require_free(path, text, names)
     lines = text_lines(text)
