@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from m2t.generate import diff as diff  # noqa: PLC0414 - for importers, as the next
+from m2t.generate import generate as generate  # noqa: PLC0414
 from m2t.generate import stale
 from m2t.load import MISSION_XMI, LoadedModels
 from mrsfi.project import from_here, project, root

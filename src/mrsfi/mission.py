@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrsfi.engines import Tell, Workers, evaluator, opened, silent
-from mrsfi.folders import MissionFolders, campaign_file, find_mission
+from mrsfi.folders import MissionFolders, campaign_file, find_mission, generate
 from mrsfi.project import choose_metamodels
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import UsageError, expected
@@ -136,8 +136,6 @@ class Mission:
         GenerationError, ProtectedRegionError
             If hand-written code would be lost.
         """
-        from mrsfi.models import generate  # noqa: PLC0415 - brings m2t
-
         done = generate(self.folders.models, self.folders.generated, force=force)
         self.__dict__.pop("code", None)
         return (*done.written, *done.removed)

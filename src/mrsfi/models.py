@@ -1,10 +1,7 @@
-"""What m2t does with models and says of them, for the command line and for scripts.
-
-What brings Jinja is imported when it is first needed.
-"""
+"""What m2t does with models and says of them, for the command line and for scripts."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from m2t.difference import difference as difference  # noqa: PLC0414 - for importers, as below
 from m2t.importing.importer import Imported as Imported  # noqa: PLC0414
@@ -16,9 +13,6 @@ from m2t.read.nodes import MAX_BYTES
 from m2t.write.xmi import dumps
 from mrsfi_runtime.files import changing
 
-if TYPE_CHECKING:
-    from m2t.emit import GenerationPlan
-
 
 def own_metamodels() -> Path | None:
     """Return the folder of metamodels that are read and are not those of mrsfi, if they are not."""
@@ -29,20 +23,6 @@ def own_metamodels() -> Path | None:
     except OSError:  # whoever reads them says what is wrong
         is_same = False
     return None if is_same else read
-
-
-def generate(models: Path, target: Path, *, force: bool = False) -> "GenerationPlan":
-    """Bring the generated code of a mission up to date, as ``m2t.generate.generate`` does."""
-    from m2t import generate as generation  # noqa: PLC0415 - brings Jinja
-
-    return generation.generate(models, target, force=force)
-
-
-def generation_difference(models: Path, target: Path) -> str:
-    """Return what generating would change, as a unified diff."""
-    from m2t import generate as generation  # noqa: PLC0415 - brings Jinja
-
-    return generation.diff(models, target)
 
 
 def piped(pipe: Path, folder: Path) -> Path:

@@ -34,8 +34,8 @@ Examples:
 @click.option("--force", is_flag=True, help="Overwrite edits made outside protected regions.")
 def command(mission: str, generated: Path | None, check: bool, diff: bool, force: bool) -> None:
     """Generate the middleware of MISSION into generated/NAME/."""
+    from mrsfi.folders import diff as difference
     from mrsfi.folders import find_mission
-    from mrsfi.models import generation_difference
 
     folders = find_mission(mission, generated)
     if sum((check, diff, force)) > 1:
@@ -45,13 +45,13 @@ def command(mission: str, generated: Path | None, check: bool, diff: bool, force
         folders.require_fresh()
         click.echo(f"fresh: {folders.generated}")
     elif diff:
-        click.echo(generation_difference(folders.models, folders.generated), nl=False)
+        click.echo(difference(folders.models, folders.generated), nl=False)
     else:
         _write(folders, force=force)
 
 
 def _write(folders: "MissionFolders", *, force: bool) -> None:
-    from mrsfi.models import generate
+    from mrsfi.folders import generate
     from mrsfi_runtime.unfilled import unfilled_regions
 
     result = generate(folders.models, folders.generated, force=force)
