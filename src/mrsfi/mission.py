@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 
 from mrsfi.engines import Tell, Workers, evaluator, opened, silent
 from mrsfi.folders import MissionFolders, campaign_file, find_mission, generate
+from mrsfi.loading import load_fresh, read_specification
 from mrsfi.project import choose_metamodels
+from mrsfi.renaming import rename
 from mrsfi_runtime.engine.settings import AUTO, REFERENCE, EngineSettings
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.model.faults import FaultPool, Specification, TimedFault
@@ -95,8 +97,6 @@ class Mission:
         EvaluationError
             If a region is not sound, or the code cannot be loaded.
         """
-        from mrsfi.loading import load_fresh  # noqa: PLC0415 - brings m2t
-
         return load_fresh(self.folders)
 
     @property
@@ -117,7 +117,7 @@ class Mission:
         tell
             Told why the mission was not flown without faults.
         """
-        from mrsfi.validation import validate  # noqa: PLC0415 - brings m2t
+        from mrsfi.validation import validate  # noqa: PLC0415 - brings numpy
 
         return validate(str(self.folders.models), self.folders.generated, tell).diagnostics
 
@@ -157,8 +157,6 @@ class Mission:
         GenerationError
             If generated code is stale, or was edited outside its regions.
         """
-        from mrsfi.renaming import rename  # noqa: PLC0415 - brings m2t
-
         renamed = rename(self.folders, names)
         self.__dict__.pop("code", None)
         return renamed.paths
@@ -408,8 +406,6 @@ class Mission:
     ) -> tuple[FaultPool, Specification]:
         if not isinstance(faults, Path | str):
             return self.pool, Gate(self.model, self.pool).admitted(faults)
-        from mrsfi.loading import read_specification  # noqa: PLC0415 - brings m2t
-
         written = read_specification(Path(faults), self.code)
         return written.pool, written.specification
 
