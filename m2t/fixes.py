@@ -65,7 +65,8 @@ def _fix(defects: Iterable[Diagnostic], draft: LoadedModels) -> None:
     for element, node in draft.nodes.items():
         elements.setdefault((node.path, node.line, node.description), []).append(element)
     for found in defects:
-        for element in elements[found.path, found.line, found.element]:
+        # What stands alone in its line and names an element, loading has mended: it is no element.
+        for element in elements.get((found.path, found.line, found.element), ()):
             FIXES[found.constraint].mend(element)
 
 
