@@ -23,6 +23,7 @@ import roslibpy
 from mrsfi_runtime.errors import TransportClosed, TransportTimeout, UsageError
 from mrsfi_runtime.transport.listened import ListenedTransport
 from mrsfi_runtime.transport.server_address import Client, without_token
+from mrsfi_runtime.transport.wire import WireRos
 from mrsfi_runtime.transport.topics import (
     Payload,
     Provider,
@@ -58,7 +59,7 @@ class RosbridgeTransport(ListenedTransport):
         self._closed = Event()
         _require_listener(url, timeout)
         try:
-            self._ros = roslibpy.Ros(url, transport=client)
+            self._ros = WireRos(url) if client == "wire" else roslibpy.Ros(url, transport=client)
         except RuntimeError as error:
             raise UsageError(
                 f"--client {client}: this process already uses roslibpy's other client"
@@ -139,7 +140,7 @@ class RosbridgeTransport(ListenedTransport):
         if self._client == "twisted":
             protocol.transport.setTcpNoDelay(True)  # asyncio sets it itself
             _acknowledge_at_once(protocol, "dataReceived", protocol.transport.socket)
-        else:
+        elif self._client == "asyncio":
             connection = protocol.transport.get_extra_info("socket")
             _acknowledge_at_once(protocol, "data_received", connection)
             protocol.transport = _JoinedWrites(protocol.transport, self._ros.factory.manager.loop)

@@ -2,10 +2,10 @@
 
 from typing import Literal, TypeAlias
 
-Client: TypeAlias = Literal["asyncio", "twisted"]
+Client: TypeAlias = Literal["wire", "asyncio", "twisted"]
 """Kind of roslibpy's connection; a process can have one kind only."""
 
-CLIENTS: tuple[Client, ...] = ("asyncio", "twisted")
+CLIENTS: tuple[Client, ...] = ("wire", "asyncio", "twisted")
 
 
 def without_token(url: str) -> str:
