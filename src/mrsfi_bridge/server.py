@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any, cast
 from urllib.parse import parse_qs, urlsplit
 
-from websockets.frames import OP_BINARY, OP_CONT, OP_TEXT, CloseCode, Frame
+from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.protocol import State
 from websockets.server import ServerProtocol
@@ -22,8 +22,10 @@ from mrsfi_bridge.errors import ListenError
 from mrsfi_bridge.rosapi import provide_rosapi
 from mrsfi_bridge.session import LOGGER, Hub, Session
 from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.stream import Message, Stream
 
 _BACKLOG = 512
+_READ_BYTES = 1 << 18
 _CHECKS_S = 0.25
 _SHAKING = 256
 """Sockets beside those of clients: shaking hands, refused, or closing."""
@@ -37,7 +39,7 @@ _FEW_BYTES = 1 << 16
 """What may wait for or from a client before it is counted."""
 
 
-class Connection(asyncio.Protocol):
+class Connection(asyncio.BufferedProtocol):
     """The server's end of one socket."""
 
     def __init__(self, server: "BridgeServer") -> None:
@@ -49,10 +51,10 @@ class Connection(asyncio.Protocol):
             max_size=self._limits.frame_bytes,
             logger=_WIRE,
         )
+        self._stream = Stream(self._protocol)
         self._session: Session | None = None
         self._outbox: list[bytes] = []
-        self._message = bytearray()
-        self._is_text = True
+        self._is_answered = False
         self._since = self._heard = self._now()
         self._pinged: float | None = None
         self._ending: float | None = None
@@ -77,20 +79,29 @@ class Connection(asyncio.Protocol):
         if not self._server.enter(self):
             self.abort("too many sockets")
 
-    def data_received(self, data: bytes) -> None:
+    def get_buffer(self, sizehint: int) -> memoryview:
+        """Return where asyncio may put what a client sends."""
+        return self._server.buffer
+
+    def buffer_updated(self, nbytes: int) -> None:
         """Carry out what a client sent."""
-        if _QUICKACK is not None:  # acknowledged at once: no client waits for it before it sends
-            with suppress(OSError):
-                self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
         self._heard = self._now()
         self._pinged = None
-        self._protocol.receive_data(data)
-        self._take_events()
+        self._is_answered = False
+        for event in self._stream.receive(self._server.buffer[:nbytes]):
+            if isinstance(event, Message):
+                self._take_message(event)
+            elif isinstance(event, Request):
+                self._shake_hands(event)
+        self._flush()
+        if _QUICKACK is not None and not self._is_answered:  # no client waits for it to send more
+            with suppress(OSError):
+                self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
 
     def eof_received(self) -> bool:
         """Close, since the client did."""
         self._protocol.receive_eof()
-        self._take_events()
+        self._flush()
         return False
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -134,6 +145,7 @@ class Connection(asyncio.Protocol):
         content = b"".join(writes)
         if content:
             transport.write(content)
+            self._is_answered = True  # which acknowledges what came
         if is_end and transport.can_write_eof():
             transport.write_eof()
         self._count_held()
@@ -164,12 +176,7 @@ class Connection(asyncio.Protocol):
 
     # What comes in.
 
-    def _take_events(self) -> None:
-        for event in self._protocol.events_received():
-            if isinstance(event, Request):
-                self._shake_hands(event)
-            elif isinstance(event, Frame):
-                self._take_frame(event)
+    def _flush(self) -> None:
         self._server.dirty(self)
         self._server.flush()
 
@@ -195,23 +202,13 @@ class Connection(asyncio.Protocol):
             return self._protocol.reject(http.HTTPStatus.UNAUTHORIZED, text)
         return self._protocol.accept(request)
 
-    def _take_frame(self, frame: Frame) -> None:
-        if frame.opcode in {OP_TEXT, OP_BINARY}:
-            self._is_text = frame.opcode is OP_TEXT
-        elif frame.opcode is not OP_CONT:
-            return
-        self._message += frame.data
-        if frame.fin:
-            content, self._message = self._message, bytearray()
-            self._take_message(content)
-
-    def _take_message(self, content: bytearray) -> None:
+    def _take_message(self, message: Message) -> None:
         if self._session is None or self._ending is not None:
             return  # a client that took leave itself is heard to the end
         try:
-            text = content.decode()
+            text = message.content.decode()
         except UnicodeDecodeError as error:
-            kind = "text" if self._is_text else "binary"
+            kind = "text" if message.is_text else "binary"
             self.close(CloseCode.INVALID_DATA, f"a {kind} frame that is no UTF-8: {error.reason}")
             return
         self._session.receive(text)
@@ -230,7 +227,7 @@ class Connection(asyncio.Protocol):
             self.refuse(
                 f"too slow: {n_bytes} bytes wait for you, the limit is {self._limits.queue_bytes}"
             )
-        n_bytes += len(self._message) + len(self._protocol.reader.buffer)
+        n_bytes += self._stream.n_bytes
         if self._session is not None:
             n_bytes += self._session.fragments.n_bytes
         self._server.hold(self, n_bytes if n_bytes > _FEW_BYTES else 0)
@@ -260,6 +257,7 @@ class BridgeServer:
         self._connections: set[Connection] = set()
         self._dirty: dict[Connection, None] = {}
         self._held: dict[Connection, int] = {}
+        self.buffer = memoryview(bytearray(_READ_BYTES))  # asyncio would make one for each read
         self.n_held_bytes = 0  # wait for and from clients, but for less than 64 KiB of each
         self._checks: asyncio.TimerHandle | None = None
 

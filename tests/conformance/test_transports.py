@@ -30,7 +30,7 @@ from tests.support.two_sides import TwoSides
 from tests.tiers import slow
 
 CLIENT = os.environ.get("MRSFI_TEST_CLIENT", "asyncio")
-OTHER = {"asyncio": "twisted", "twisted": "asyncio"}
+OTHER = {"wire": "twisted", "asyncio": "twisted", "twisted": "asyncio"}
 SPEED = Topic("/r1/speed", "std_msgs/Float64")
 ENERGY = Topic("/r1/energy", "std_msgs/Float64")
 NUMBERS = Topic("/mission/go", "std_msgs/Int64MultiArray")

@@ -23,7 +23,6 @@ import roslibpy
 from mrsfi_runtime.errors import TransportClosed, TransportTimeout, UsageError
 from mrsfi_runtime.transport.listened import ListenedTransport
 from mrsfi_runtime.transport.server_address import Client, without_token
-from mrsfi_runtime.transport.wire import WireRos
 from mrsfi_runtime.transport.topics import (
     Payload,
     Provider,
@@ -59,7 +58,7 @@ class RosbridgeTransport(ListenedTransport):
         self._closed = Event()
         _require_listener(url, timeout)
         try:
-            self._ros = WireRos(url) if client == "wire" else roslibpy.Ros(url, transport=client)
+            self._ros = _ros(url, client)
         except RuntimeError as error:
             raise UsageError(
                 f"--client {client}: this process already uses roslibpy's other client"
@@ -161,6 +160,14 @@ class RosbridgeTransport(ListenedTransport):
             self._ros.factory.stopTrying()
         else:
             self._ros.factory.maxRetries = 0
+
+
+def _ros(url: str, client: Client) -> Any:
+    if client != "wire":
+        return roslibpy.Ros(url, transport=client)
+    from mrsfi_runtime.transport.wire import WireRos  # noqa: PLC0415 - binds asyncio, as roslibpy's
+
+    return WireRos(url)
 
 
 class _JoinedWrites:
