@@ -30,6 +30,7 @@ class Topic:
 
     name: str
     structure: Structure
+    n_numbered: int = 0
     publishers: dict[Hashable, Publication] = field(default_factory=dict)
     subscribers: dict[Hashable, Receive] = field(default_factory=dict)
 
@@ -77,7 +78,11 @@ class Broker:
             raise ProtocolError(
                 f"topic '{name}' is not advertised; advertise it before you publish"
             )
-        outgoing = Outgoing(topic.structure, topic.structure.convert(message))
+        content = topic.structure.convert(message)
+        if topic.structure.has_header:  # numbered by the server, whatever the client says
+            topic.n_numbered += 1
+            content["header"]["seq"] = topic.n_numbered
+        outgoing = Outgoing(topic.structure, content)
         if publication.is_latched:
             self._latch(topic, publication, outgoing)
         for receive in tuple(topic.subscribers.values()):

@@ -5,7 +5,7 @@ done by the node ``/rosbridge_websocket``.
 """
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any, TypeAlias
@@ -26,6 +26,7 @@ Handler: TypeAlias = Callable[[Fields], Fields | None]
 ROSOUT = "/rosout"
 _BRIDGE = "/rosbridge_websocket"
 _ROSAPI = "/rosapi"
+_CLIENT_COUNT, _CLIENTS = "/client_count", "/connected_clients"
 _DEEPEST = 32
 _TOTAL_BYTES = 1 << 24  # of all parameters
 _ACTION_TOPICS = ("goal", "cancel", "status", "feedback", "result")
@@ -113,8 +114,12 @@ def _leaves(path: str, value: Any, n_levels: int) -> Iterator[tuple[str, str]]:
 
 
 def provide_rosapi(hub: Hub) -> None:
-    """Have the server itself provide the services of rosapi, and advertise ``/rosout``."""
-    hub.broker.advertise(OWN, ROSOUT, "rosgraph_msgs/Log")
+    """Have the server itself provide the services of rosapi, and advertise its own topics."""
+    for name in (ROSOUT, f"{ROSOUT}_agg"):
+        hub.broker.advertise(OWN, name, "rosgraph_msgs/Log")
+    hub.broker.advertise(OWN, _CLIENT_COUNT, "std_msgs/Int32", is_latched=True)
+    hub.broker.advertise(OWN, _CLIENTS, "rosbridge_msgs/ConnectedClients", is_latched=True)
+    tell_clients(hub, [])
     handlers = {
         "get_time": lambda _: {"time": now()},
         **_about_topics(hub),
@@ -125,6 +130,12 @@ def provide_rosapi(hub: Hub) -> None:
     }
     for name, handler in handlers.items():
         hub.services.advertise(OWN, f"{_ROSAPI}/{name}", _type_name(name), _ask(hub, handler))
+
+
+def tell_clients(hub: Hub, clients: Sequence[Fields]) -> None:
+    """Publish who is connected: address and time of each client."""
+    hub.broker.publish(OWN, _CLIENT_COUNT, {"data": len(clients)})
+    hub.broker.publish(OWN, _CLIENTS, {"clients": list(clients)})
 
 
 def _type_name(service: str) -> str:

@@ -19,10 +19,11 @@ from websockets.typing import Origin
 
 from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ListenError
-from mrsfi_bridge.rosapi import provide_rosapi
+from mrsfi_bridge.rosapi import provide_rosapi, tell_clients
 from mrsfi_bridge.session import LOGGER, Hub, Session
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_bridge.stream import Message, Stream
+from mrsfi_bridge.structures import now
 
 _BACKLOG = 512
 _READ_BYTES = 1 << 18
@@ -74,6 +75,7 @@ class Connection(asyncio.BufferedProtocol):
         self._transport: asyncio.Transport = cast("asyncio.Transport", transport)
         peer = transport.get_extra_info("peername") or ("?", 0)
         self.name = f"{peer[0]}:{peer[1]}"
+        self.seen = {"ip_address": str(peer[0]), "connection_time": now()}
         self._socket: socket.socket = transport.get_extra_info("socket")
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         if not self._server.enter(self):
@@ -110,6 +112,7 @@ class Connection(asyncio.BufferedProtocol):
             LOGGER.info("%s: left%s", self.name, f" ({exc})" if exc else "")
             self._session.leave()
             self._session = None
+            self._server.tell_clients()
         self._outbox.clear()
         self._server.gone(self)
         self._server.flush()
@@ -191,6 +194,7 @@ class Connection(asyncio.BufferedProtocol):
         self._session = Session(self._server.hub, self.name, self._send)
         self._server.hub.counts.clients += 1
         LOGGER.info("%s: connected", self.name)
+        self._server.tell_clients()
 
     def _answer(self, request: Request) -> Response:
         if not self._server.admits_client():
@@ -339,6 +343,12 @@ class BridgeServer:
         self._connections.discard(connection)
         self._dirty.pop(connection, None)
         self.n_held_bytes -= self._held.pop(connection, 0)
+
+    def tell_clients(self) -> None:
+        """Publish who is connected."""
+        clients = [each for each in self._connections if each.is_client]
+        clients.sort(key=lambda each: each.seen["connection_time"]["secs"])
+        tell_clients(self.hub, [each.seen for each in clients])
 
     def _check(self) -> None:
         now = self._loop.time()

@@ -183,8 +183,11 @@ class Session:
     def _call_service(self, operation: Operation) -> None:
         encoding = wanted_encoding(operation)
         answer = {"op": "service_response", "service": operation["service"]}
+        name, mark, call_id = operation["service"].partition("#")
         if operation.get("id") is not None:
             answer["id"] = operation["id"]
+        elif mark:  # as older clients write it
+            answer["id"] = call_id
 
         def reply(is_ok: bool, values: Any) -> None:
             self._send(text_frames({**answer, "values": values, "result": is_ok}, encoding))
@@ -192,8 +195,8 @@ class Session:
         arguments = operation.get("args")
         if arguments is None:
             arguments = {}
-        name = absolute(operation["service"])
-        self._hub.services.call(self, name, arguments, reply, operation.get("timeout") or 0)
+        timeout = operation.get("timeout") or 0
+        self._hub.services.call(self, absolute(name), arguments, reply, timeout)
 
     def _service_response(self, operation: Operation) -> None:
         """Pass an answer on: as with the genuine server, values count for more than result."""

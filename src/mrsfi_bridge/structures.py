@@ -59,7 +59,7 @@ def mismatch(value: Any, expected: str) -> FieldError:
 class Structure:
     """The checks of one message type; ``find`` returns those of a message type in a field."""
 
-    __slots__ = ("_fields", "definition", "nested")
+    __slots__ = ("_defaults", "_fields", "definition", "has_header", "nested")
 
     def __init__(self, definition: Definition, find: Callable[[str], "Structure"]) -> None:
         self.definition = definition
@@ -73,7 +73,9 @@ class Structure:
             if field.length != SCALAR:
                 convert, default = _array(field, convert, default)
             fields.append((field.name, convert, default))
-        if definition.name == HEADER:
+        self.has_header = any((f.name, f.type) == ("header", HEADER) for f in definition.fields)
+        self._defaults = tuple((name, default) for name, _, default in fields)
+        if definition.name == HEADER:  # one that is there has the time, one left out has none
             fields = [(name, c, now if name == "stamp" else d) for name, c, d in fields]
         self._fields: tuple[tuple[str, Convert, Default], ...] = tuple(fields)
 
@@ -84,7 +86,7 @@ class Structure:
 
     def default(self) -> dict[str, Any]:
         """Return the message whose fields were all left out."""
-        return {name: default() for name, _, default in self._fields}
+        return {name: default() for name, default in self._defaults}
 
     def convert(self, value: Any) -> dict[str, Any]:
         """Return the normal form of a message; ``FieldError`` if it is not of this type."""

@@ -90,12 +90,11 @@ def wish(operation: dict[str, Any]) -> Wish:
 
 
 def wanted_encoding(operation: dict[str, Any]) -> Encoding:
-    """Return the encoding that an operation asks for; an unknown one is a ``ProtocolError``."""
+    """Return the encoding that an operation asks for; an unknown compression counts as none."""
     compression = operation.get("compression", "none")
     size = operation.get("fragment_size")
     if compression not in COMPRESSIONS:
-        known = ", ".join(COMPRESSIONS)
-        raise ProtocolError(f"compression '{compression:.20}', expected one of {known}")
+        compression = "none"
     if size is not None and size <= 0:
         raise ProtocolError("fragment_size: expected more than 0")
     return Encoding(compression, size)

@@ -146,6 +146,22 @@ def test_one_client_too_many_is_refused_until_another_leaves():
     assert b"2 clients are connected, the limit" in refusal.value.response.body
 
 
+def test_who_is_connected_is_told_to_those_who_ask():
+    with bridge() as server, client(server) as peer:
+        for topic in ("/client_count", "/connected_clients"):
+            peer.send("subscribe", topic=topic)
+        first = [peer.receive()["msg"] for _ in range(2)]
+        with client(server):
+            then = [peer.receive()["msg"] for _ in range(2)]
+        after = [peer.receive()["msg"] for _ in range(2)]
+
+    counts = [told[0]["data"] for told in (first, then, after)]
+    clients = [told[1]["clients"] for told in (first, then, after)]
+    assert counts == [len(each) for each in clients] == [1, 2, 1]
+    assert {each["ip_address"] for each in clients[1]} == {"127.0.0.1"}
+    assert abs(clients[1][1]["connection_time"]["secs"] - time.time()) < 60
+
+
 def test_hundreds_of_sockets_that_say_nothing_keep_nobody_out():
     with bridge(Limits(handshake_s=2.0)) as server, ExitStack() as stack:
         sockets = [stack.enter_context(raw(server)) for _ in range(300)]

@@ -26,6 +26,9 @@ def test_topics_and_their_types(peer):
 
     assert dict(zip(topics["topics"], topics["types"], strict=True)) == {
         "/rosout": "rosgraph_msgs/Log",
+        "/rosout_agg": "rosgraph_msgs/Log",
+        "/client_count": "std_msgs/Int32",
+        "/connected_clients": "rosbridge_msgs/ConnectedClients",
         "/a": FLOAT,
         "/b": POINT,
     }

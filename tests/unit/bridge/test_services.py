@@ -48,6 +48,16 @@ def test_a_call_reaches_its_provider_and_the_answer_its_caller(hub, args):
     assert answer_of(caller) == (True, {"sum": 42})
 
 
+def test_an_id_may_follow_the_name_of_a_service(hub):
+    provider, caller = provider_of(hub), Peer(hub)
+    caller.tell(op="call_service", service="/add#5", args=[2, 40])
+
+    respond(provider, values={"sum": 42}, result=True)
+
+    (answer,) = caller.take()
+    assert (answer["service"], answer["id"], answer["values"]) == ("/add#5", "5", {"sum": 42})
+
+
 def test_names_without_leading_slash_are_the_same_service_and_keep_their_spelling(hub):
     provider = provider_of(hub, "add")
     caller = called(hub, "/add")

@@ -129,7 +129,6 @@ def test_latched_messages_are_bounded():
         ({"op": "advertise", "topic": "/u v", "type": TEXT}, "'/u v' is no topic name"),
         ({"op": "advertise", "topic": "/", "type": TEXT}, "'/' is no topic name"),
         ({"op": "subscribe", "topic": "/u"}, "topic '/u' has no type yet"),
-        ({"op": "subscribe", "topic": "/t", "compression": "zip"}, "compression 'zip', expected"),
         ({"op": "subscribe", "topic": "/t", "throttle_rate": -1}, "throttle_rate: expected"),
         ({"op": "subscribe", "topic": "/t", "throttle_rate": 10**400}, "throttle_rate: expected"),
         ({"op": "subscribe", "topic": "/t", "queue_length": -1}, "queue_length: expected"),
@@ -167,6 +166,31 @@ def test_a_client_may_publish_on_a_topic_in_use_without_advertising(hub):
     assert values(peer) == [1.0]
 
 
+def test_an_unknown_compression_counts_as_none(hub):
+    peer, publisher = Peer(hub), advertised(hub)
+    peer.tell(op="subscribe", topic="/t", compression="zip")
+
+    publish(publisher, 1)
+
+    assert values(peer) == [1.0]
+
+
+def test_the_server_numbers_headers_and_gives_those_that_are_there_the_time(hub):
+    peer, publisher = Peer(hub), Peer(hub)
+    kind = "geometry_msgs/PointStamped"
+    publisher.tell(op="advertise", topic="/p", type=kind)
+    peer.tell(op="subscribe", topic="/p", type=kind)
+
+    for message in ({}, {"header": {"seq": 9}}, {"header": {"stamp": {"secs": 7}}}):
+        publisher.tell(op="publish", topic="/p", msg=message)
+
+    none, now, given = (each["msg"]["header"] for each in peer.take())
+    assert [each["seq"] for each in (none, now, given)] == [1, 2, 3]
+    assert none["stamp"] == {"secs": 0, "nsecs": 0}
+    assert now["stamp"]["secs"] > 1_700_000_000
+    assert given["stamp"] == {"secs": 7, "nsecs": 0}
+
+
 def test_a_topic_without_users_is_forgotten_and_may_change_its_type(hub):
     publisher, peer = advertised(hub), subscribed(hub)
 
@@ -192,12 +216,12 @@ def test_a_client_that_leaves_takes_everything_with_it(hub):
 
 
 def test_topics_are_limited():
-    hub, _ = new_hub(Limits(topics=2))
-    peer = advertised(hub)  # beside /rosout
+    hub, _ = new_hub(Limits(topics=5))
+    peer = advertised(hub)  # beside the server's four
 
     peer.tell(op="advertise", topic="/u", type=FLOAT)
 
-    assert "there are 2 topics, the limit" in peer.take()[0]["msg"]
+    assert "there are 5 topics, the limit" in peer.take()[0]["msg"]
 
 
 @pytest.mark.parametrize("op", ["advertise", "subscribe"])
