@@ -11,10 +11,12 @@ import pytest
 from tests.support.cli import (
     command_line,
     contents,
+    disturbed,
     execute,
-    interrupted,
     mrsfi,
     mrsfi_json,
+    press,
+    terminate,
     workspace,
 )
 from tests.support.interrupted import MISSION, evaluations
@@ -81,12 +83,13 @@ def killed(seconds: float, *arguments: str | Path, cwd: Path) -> None:
 
 
 @slow
-def test_ctrl_c_says_how_to_go_on_and_the_result_is_that_of_one_run(place, whole):
-    out = place / "runs" / "stopped"
+@pytest.mark.parametrize("end", [press, terminate])
+def test_who_ends_it_is_told_how_to_go_on_and_the_result_is_that_of_one_run(place, whole, end):
+    out = place / "runs" / f"stopped-{end.__name__}"
 
     # Compiled, the rest may be over before the signal.
     slow = (*EVOLVE, "--engine", "reference", "--workers", "2")
-    done = interrupted(*slow, "--out", str(out), cwd=place, sign="generation 2/")
+    done = disturbed(*slow, "--out", out, cwd=place, sign="generation 2/", disturb=end)
     n_before = len(evaluations(out))
     reported = mrsfi_json("report", out, cwd=place)
     mrsfi("replay", out, cwd=place)

@@ -171,6 +171,17 @@ def test_a_simulation_that_is_killed_is_told_with_tick_and_signal():
     assert time.monotonic() - started < 20
 
 
+def test_a_simulation_that_is_killed_on_a_server_is_told_at_once(server):
+    patient = EngineSettings(url=server.url, patience=Patience(tick=60.0, handshake=60.0))
+    started = time.monotonic()
+    with RosbridgeEngine(SHORT, FLIGHT_SEED, patient) as opened:
+        observe = killer(opened, 20, opened.simulation.pid)
+        with pytest.raises(TransportClosed, match=r"run 1, tick 2\d: .*SIGKILL"):
+            opened.evaluate((), observer=observe)
+
+    assert time.monotonic() - started < 20
+
+
 @slow
 def test_a_stopped_simulation_times_out():
     def observe(world, belief, verdicts):

@@ -88,12 +88,18 @@ def mrsfi_json(*arguments: str | Path, cwd: Path) -> Any:
     return json.loads(mrsfi(*arguments, "--json", cwd=cwd).stdout)
 
 
+def press(pid: int) -> None:
+    """Press Ctrl-C."""
+    os.killpg(pid, signal.SIGINT)  # as a terminal does: the workers get it too
+
+
+def terminate(pid: int) -> None:
+    """End a command as a job scheduler does."""
+    os.kill(pid, signal.SIGTERM)
+
+
 def interrupted(*arguments: str | Path, cwd: Path, sign: str) -> subprocess.CompletedProcess[str]:
     """Run ``mrsfi``, and press Ctrl-C once it wrote the sign to standard error."""
-
-    def press(pid: int) -> None:
-        os.killpg(pid, signal.SIGINT)  # as a terminal does: the workers get it too
-
     return disturbed(*arguments, cwd=cwd, sign=sign, disturb=press)
 
 

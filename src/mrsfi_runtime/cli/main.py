@@ -1,8 +1,10 @@
 """The command ``mrsfi``: the group of subcommands, and what every error ends with."""
 
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from threading import current_thread, main_thread
 from types import MappingProxyType
 from typing import Any, cast
 
@@ -164,6 +166,8 @@ def cli(traceback: bool) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line, that of this process or some words, and return its exit code."""
     output = steady_output()
+    if current_thread() is main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # it ends as by Ctrl-C
     try:
         code = cli.main(args=arguments, prog_name="mrsfi", standalone_mode=False)
     except click.ClickException as error:

@@ -14,6 +14,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import replace
 from multiprocessing import Pipe
 from subprocess import DEVNULL, Popen, TimeoutExpired
+from threading import Thread
 
 from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
@@ -67,6 +68,10 @@ class SimulationProcess:
             reason = said.get("error") or self._ending()
             raise TransportError(f"the simulation process did not start: {reason}")
         self.url, self.pid = said["url"], self._process.pid
+
+    def wait(self) -> None:
+        """Return when the process has ended."""
+        self._process.wait()
 
     def last_words(self) -> str:
         """Return why the process ended, or nothing if it has not."""
@@ -129,10 +134,17 @@ class RosbridgeEngine(PlainEngine):
         transport = BundlingTransport.of_ci(self._transport) if is_bundled else self._transport
         self._lockstep = BusLockstep(transport, code.mission, code.interface, code.truth, patience)
         self.interface = self._lockstep.interface
+        if self.simulation is not None:
+            Thread(target=self._watch, args=(self.simulation,), daemon=True).start()
 
     def close(self) -> None:
         """Close the connection and end the simulation process."""
         self._opened.close()
+
+    def _watch(self, simulation: SimulationProcess) -> None:
+        """Let nobody wait for a simulation that has ended; a server that lives on is silent."""
+        simulation.wait()
+        self._transport.tell(TransportClosed("nobody flies the simulation any more"))
 
     def _fly(self, flight: Flight, seed: int) -> None:
         _require_seed(seed)

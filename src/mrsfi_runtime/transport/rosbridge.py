@@ -14,6 +14,7 @@ import logging
 import socket
 from collections.abc import Callable
 from contextlib import suppress
+from http import HTTPStatus
 from threading import Event
 from typing import Any
 from urllib.parse import urlsplit
@@ -128,6 +129,11 @@ class RosbridgeTransport(ListenedTransport):
             return
         self._is_closing = True
         self._ros.call_later(0, self._stop_reconnecting)
+        if is_open and getattr(self._ros.factory, "status", None) == HTTPStatus.UNAUTHORIZED:
+            raise TransportClosed(
+                f"{self.url} asks for a token, and got none or a wrong one; expected --url "
+                f"{self.url}/?token=TOKEN"
+            )
         if is_open:
             raise TransportClosed(f"{self.url} refused the connection; expected a rosbridge server")
         raise TransportTimeout(

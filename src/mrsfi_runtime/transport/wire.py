@@ -19,7 +19,7 @@ from roslibpy.comm import RosBridgeProtocol
 from roslibpy.comm.comm_asyncio import LOGGER, AsyncioRosBridgeClientFactory
 from roslibpy.core import MessageEncoder
 
-from mrsfi_bridge.stream import Message, client_stream
+from mrsfi_bridge.stream import Message, Response, client_stream
 
 _ENCODER = MessageEncoder(separators=(",", ":"))
 _DECODER = json.JSONDecoder()
@@ -57,6 +57,8 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):
                 self._take(event.content)
             elif self._stream.is_open:
                 self.factory.ready(self)
+            elif isinstance(event, Response):
+                self.factory.status = event.status_code
         if not self._flush() and _QUICKACK is not None:
             with suppress(OSError):  # the connection ended just now
                 self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
@@ -135,7 +137,12 @@ def _decoded(payload: bytes | bytearray) -> Any:
 
 
 class WireFactory(AsyncioRosBridgeClientFactory):
-    """roslibpy's factory of asyncio, which makes connections of ours."""
+    """roslibpy's factory of asyncio, which makes connections of ours.
+
+    ``status`` is that of HTTP by which the server refused the last one.
+    """
+
+    status: int | None = None
 
     def __call__(self) -> WireProtocol:
         return WireProtocol(self)
