@@ -8,7 +8,6 @@ http://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes.
 """
 
 import base64
-import json
 import math
 import struct
 import zlib
@@ -21,8 +20,8 @@ from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
 from mrsfi_bridge.definitions import SCALAR, TIMES, VARIABLE, Field
 from mrsfi_bridge.structures import BYTE_ARRAYS, Structure, now
+from mrsfi_bridge.texts import to_json
 
-_encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 _MAX_FRAGMENTS = 4096
 _MAX_KEPT = 8
 """Encodings of one message that are kept."""
@@ -115,12 +114,12 @@ class Outgoing:
 
 def text_frames(operation: dict[str, Any], encoding: Encoding = PLAIN) -> bytes:
     """Return the frames that carry an operation as text, ready to be written to a socket."""
-    text = json_text(operation)
+    content = to_json(operation)
     if encoding.compression == "png":
-        text = json_text({"op": "png", "data": png(text)})
+        content = to_json({"op": "png", "data": png(content)})
     size = encoding.fragment_size
-    if size is None or len(text) <= size:
-        return _frame(OP_TEXT, text.encode())
+    if size is None or len(text := content.decode()) <= size:
+        return _frame(OP_TEXT, content)
     size = max(size, math.ceil(len(text) / _MAX_FRAGMENTS))
     fragment = {"op": "fragment", "id": str(next(_fragment_ids))}
     starts = range(0, len(text), size)
@@ -128,20 +127,11 @@ def text_frames(operation: dict[str, Any], encoding: Encoding = PLAIN) -> bytes:
         {**fragment, "data": text[start : start + size], "num": number, "total": len(starts)}
         for number, start in enumerate(starts)
     )
-    return b"".join(_frame(OP_TEXT, json_text(each).encode()) for each in fragments)
+    return b"".join(_frame(OP_TEXT, to_json(each)) for each in fragments)
 
 
-def json_text(value: Any) -> str:
-    """Return a value as JSON; a number that is none becomes null."""
-    try:
-        return _encode(value)
-    except ValueError:
-        return _encode(_finite(value))
-
-
-def png(text: str) -> str:
+def png(content: bytes) -> str:
     """Return a text as the pixels of a square PNG image in base64, padded with newlines."""
-    content = text.encode()
     n_pixels = math.ceil(len(content) / 3)
     width = max(math.isqrt(n_pixels), 1)
     height = max(math.ceil(n_pixels / width), 1)
@@ -174,16 +164,6 @@ def _frame(opcode: Opcode, content: bytes) -> bytes:
     if len(content) < 1 << 16:
         return struct.pack("!BBH", 0x80 | opcode, 126, len(content)) + content
     return struct.pack("!BBQ", 0x80 | opcode, 127, len(content)) + content
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {key: _finite(part) for key, part in value.items()}
-    if isinstance(value, list):
-        return [_finite(part) for part in value]
-    return value
 
 
 def _tagged(structure: Structure, message: dict[str, Any]) -> dict[str, Any]:

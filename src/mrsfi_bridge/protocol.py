@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
+from mrsfi_bridge.texts import from_json
 
 Operation: TypeAlias = dict[str, Any]
 
@@ -85,7 +86,7 @@ def operations(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
     ``refuse`` is told once if a part of the text is no JSON.
     """
     try:
-        value = json.loads(text)
+        value = from_json(text)
     except (ValueError, RecursionError):
         yield from _several(text, refuse)
     else:

@@ -11,12 +11,12 @@ from functools import partial
 from typing import Any, TypeAlias
 
 from mrsfi_bridge.definitions import SCALAR, TIMES, Definition, Field
-from mrsfi_bridge.encodings import json_text
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import absolute, check_name
 from mrsfi_bridge.services import OWN
 from mrsfi_bridge.session import Hub
 from mrsfi_bridge.structures import Structure, now
+from mrsfi_bridge.texts import to_json
 from mrsfi_bridge.type_table import TypeTable, full_name
 
 Fields: TypeAlias = dict[str, Any]
@@ -246,9 +246,9 @@ def _about_nodes(hub: Hub) -> dict[str, Handler]:
 def _about_parameters(parameters: _Parameters) -> dict[str, Handler]:
     def get(request: Fields) -> Fields:
         try:
-            return {"value": json_text(parameters.get(request["name"]))}
+            return {"value": to_json(parameters.get(request["name"])).decode()}
         except KeyError:
-            return {"value": json_text(_value(request["default"] or "null"))}
+            return {"value": to_json(_value(request["default"] or "null")).decode()}
 
     def search(request: Fields) -> Fields:
         name = request["name"]

@@ -81,7 +81,7 @@ class Connection(asyncio.BufferedProtocol):
         if not self._server.enter(self):
             self.abort("too many sockets")
 
-    def get_buffer(self, sizehint: int) -> memoryview:
+    def get_buffer(self, _: int) -> memoryview:
         """Return where asyncio may put what a client sends."""
         return self._server.buffer
 
@@ -258,7 +258,7 @@ class BridgeServer:
         provide_rosapi(self.hub)
         self.url = ""
         self._server: asyncio.Server | None = None
-        self._connections: set[Connection] = set()
+        self._connections: dict[Connection, None] = {}
         self._dirty: dict[Connection, None] = {}
         self._held: dict[Connection, int] = {}
         self.buffer = memoryview(bytearray(_READ_BYTES))  # asyncio would make one for each read
@@ -305,7 +305,7 @@ class BridgeServer:
         """Take a new socket in; return whether there is room for it to shake hands."""
         if len(self._connections) >= self.settings.limits.clients + _SHAKING:
             return False
-        self._connections.add(connection)
+        self._connections[connection] = None
         return True
 
     def admits_client(self) -> bool:
@@ -340,15 +340,13 @@ class BridgeServer:
 
     def gone(self, connection: Connection) -> None:
         """Forget a connection."""
-        self._connections.discard(connection)
+        self._connections.pop(connection, None)
         self._dirty.pop(connection, None)
         self.n_held_bytes -= self._held.pop(connection, 0)
 
     def tell_clients(self) -> None:
         """Publish who is connected."""
-        clients = [each for each in self._connections if each.is_client]
-        clients.sort(key=lambda each: each.seen["connection_time"]["secs"])
-        tell_clients(self.hub, [each.seen for each in clients])
+        tell_clients(self.hub, [each.seen for each in self._connections if each.is_client])
 
     def _check(self) -> None:
         now = self._loop.time()

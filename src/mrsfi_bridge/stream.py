@@ -8,12 +8,17 @@ from collections.abc import Iterator
 from typing import NamedTuple, TypeAlias
 
 from websockets.client import ClientProtocol
+from websockets.exceptions import InvalidStatus
 from websockets.frames import OP_BINARY, OP_CONT, OP_TEXT, Frame
-from websockets.frames import apply_mask  # type: ignore[attr-defined] # in C, where it may be
 from websockets.http11 import Request, Response
 from websockets.protocol import SERVER, State
 from websockets.server import ServerProtocol
 from websockets.uri import parse_uri
+
+try:
+    from websockets.speedups import apply_mask
+except ImportError:  # where it has no compiled part
+    from websockets.utils import apply_mask
 
 _END_OF_HEAD = b"\r\n\r\n"
 _WHOLE_TEXT = 0x80 | OP_TEXT
@@ -38,7 +43,7 @@ class Stream:
 
     def __init__(self, protocol: ClientProtocol | ServerProtocol) -> None:
         self.protocol = protocol
-        self._mask = _MASKED if protocol.side is SERVER else 0
+        self._is_masked = protocol.side is SERVER
         self._tail = b""
         self._waiting = bytearray()
         self._parts = bytearray()
@@ -49,6 +54,12 @@ class Stream:
     def is_open(self) -> bool:
         """Whether hands were shaken, and nobody took leave."""
         return self.protocol.state is State.OPEN
+
+    @property
+    def status(self) -> int | None:
+        """The status of HTTP by which the server refused to shake hands, if it did."""
+        error = self.protocol.handshake_exc
+        return error.response.status_code if isinstance(error, InvalidStatus) else None
 
     @property
     def n_bytes(self) -> int:
@@ -62,12 +73,17 @@ class Stream:
             yield from self._judged(head)
         self._waiting += data
         position = 0
-        while (frame := self._frame(position)) is not None:
-            content, end = frame
-            if content is None:
+        while (bounds := self._bounds(position)) is not None:
+            start, end = bounds
+            is_refused = self._is_refused(position, end - start)
+            if is_refused:
+                end = len(self._waiting)  # ``websockets`` says why
+            elif end > len(self._waiting):
+                break
+            if is_refused or not self._is_whole or self._waiting[position] != _WHOLE_TEXT:
                 yield from self._judged(bytes(self._waiting[position:end]))
             else:
-                yield Message(content, is_text=True)
+                yield Message(self._unmasked(start, end), is_text=True)
             position = end
         del self._waiting[:position]
 
@@ -80,37 +96,35 @@ class Stream:
         end += len(_END_OF_HEAD) - len(self._tail)
         return data[:end], data[end:]
 
-    def _frame(self, position: int) -> tuple[bytearray | bytes | None, int] | None:
-        """Return the content of the next frame and its end; ``None`` unless it is there.
-
-        There is no content if it is no whole text, or something is wrong with it: that is for
-        ``websockets`` to say.
-        """
-        waiting = self._waiting
-        n_waiting = len(waiting) - position
-        if n_waiting < 2:
+    def _bounds(self, position: int) -> tuple[int, int] | None:
+        """Return where the content of the next frame begins and ends, once that is known."""
+        waiting, start = self._waiting, position + 2
+        if len(waiting) < start:
             return None
-        if not self.is_open:
-            return None, len(waiting)
-        start, length = position + 2, waiting[position + 1] ^ self._mask
+        length = waiting[position + 1] & ~_MASKED
         if n_more := _LENGTH_BYTES.get(length, 0):
-            if n_waiting < 2 + n_more:
+            if len(waiting) < start + n_more:
                 return None
             length = int.from_bytes(waiting[start : start + n_more], "big")
             start += n_more
-        most = self.protocol.max_message_size
-        if length >= _MASKED and not n_more or (most is not None and length > most):
-            return None, len(waiting)  # masked where it must not be or the reverse, or too much
-        if self._mask:
+        if self._is_masked:
             start += _MASK_BYTES
-        end = start + length
-        if end > len(waiting):
-            return None
-        if waiting[position] != _WHOLE_TEXT or not self._is_whole:
-            return None, end
-        if self._mask:
-            return apply_mask(waiting[start:end], waiting[start - _MASK_BYTES : start]), end
-        return waiting[start:end], end
+        return start, start + length
+
+    def _is_refused(self, position: int, length: int) -> bool:
+        """Return whether a frame comes too late, is too long, or masked where it must not be."""
+        most = self.protocol.max_message_size
+        return (
+            not self.is_open
+            or bool(self._waiting[position + 1] & _MASKED) != self._is_masked
+            or (most is not None and length > most)
+        )
+
+    def _unmasked(self, start: int, end: int) -> bytes | bytearray:
+        content = self._waiting[start:end]
+        if not self._is_masked:
+            return content
+        return apply_mask(content, bytes(self._waiting[start - _MASK_BYTES : start]))
 
     def _judged(self, data: bytes) -> Iterator[Event]:
         """Have ``websockets`` take bytes; yield what they complete."""

@@ -1,6 +1,6 @@
 """What every transport does, whatever carries its messages.
 
-A process has one kind of roslibpy client, so the last test runs the others again for Twisted.
+The last test runs the others again for roslibpy's own clients.
 """
 
 import asyncio
@@ -24,12 +24,13 @@ from mrsfi_runtime.errors import TransportClosed, TransportError, UsageError
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
 from mrsfi_runtime.transport.local_bus import LocalBus
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
+from mrsfi_runtime.transport.server_address import CLIENTS
 from mrsfi_runtime.transport.topics import Service, Topic
 from tests.support.rosbridge import FLIGHT_SEED, code_of, specification
 from tests.support.two_sides import TwoSides
 from tests.tiers import slow
 
-CLIENT = os.environ.get("MRSFI_TEST_CLIENT", "asyncio")
+CLIENT = os.environ.get("MRSFI_TEST_CLIENT", CLIENTS[0])
 OTHER = {"wire": "twisted", "asyncio": "twisted", "twisted": "asyncio"}
 SPEED = Topic("/r1/speed", "std_msgs/Float64")
 ENERGY = Topic("/r1/energy", "std_msgs/Float64")
@@ -336,7 +337,8 @@ def test_a_url_where_nobody_listens_is_told_without_its_token():
 
 def test_a_server_that_asks_for_a_token_lets_in_who_shows_it():
     with EmbeddedBridge(ServerSettings(token="0123456789abcdef")) as bridge:
-        with pytest.raises(TransportError, match="expected a rosbridge server"):
+        told = "asks for a token" if CLIENT == "wire" else "expected a rosbridge server"
+        with pytest.raises(TransportError, match=told):
             RosbridgeTransport(bridge.url, CLIENT)
         transport = RosbridgeTransport(f"{bridge.url}/?token=0123456789abcdef", CLIENT)
         replies = SimpleQueue()
@@ -355,14 +357,15 @@ def test_one_process_has_one_kind_of_client():
 
 
 @slow
-@pytest.mark.skipif(CLIENT != "asyncio", reason="the run that this test starts")
-def test_all_of_this_holds_for_the_twisted_client():
+@pytest.mark.skipif(CLIENTS[0] != CLIENT, reason="the run that this test starts")
+@pytest.mark.parametrize("client", CLIENTS[1:])
+def test_all_of_this_holds_for_roslibpys_own_clients(client):
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n0", __file__],
         check=False,
         capture_output=True,
         encoding="utf-8",
-        env={**os.environ, "MRSFI_TEST_CLIENT": "twisted"},
+        env={**os.environ, "MRSFI_TEST_CLIENT": client},
         timeout=240,
     )
 

@@ -11,6 +11,7 @@ from contextlib import closing
 import pytest
 
 from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.transport.server_address import CLIENTS
 from tests.support.cli import (
     MISSION,
     SMALL,
@@ -89,7 +90,7 @@ def test_logs_traces_and_bags_are_the_same(place):
 def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_how(quick):
     local = mrsfi_json("evolve", QUICK, *TINY, *REFERENCE, "--out", "runs/local", cwd=quick)
     replayed = bus_json("replay", "runs/local", "--best", *ROSBRIDGE, cwd=quick)
-    how = {"url": None, "client": "asyncio", "side": "both"}
+    how = {"url": None, "client": "wire", "side": "both"}
     assert replayed["is_same"]
     for options, expected in (
         (("--client", "twisted"), how | {"client": "twisted"}),
@@ -119,7 +120,7 @@ def test_replications_share_one_server(quick, url):
 
 
 @slow
-@pytest.mark.parametrize("client", ["asyncio", pytest.param("twisted", marks=slow)])
+@pytest.mark.parametrize("client", CLIENTS)
 def test_two_sides_meet_on_a_server(place, url, client):
     faults = ("--faults", stop_specification(place / "models" / MISSION / "stop.xmi", [(9, 99)]))
     meet = (*ROSBRIDGE, "--url", url, "--client", client)

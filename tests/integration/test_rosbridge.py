@@ -17,6 +17,7 @@ from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import TransportClosed, TransportError, TransportTimeout, UsageError
+from mrsfi_runtime.transport.server_address import CLIENTS
 from tests.support.processes import is_running
 from tests.support.rosbridge import (
     FLIGHT_SEED,
@@ -31,9 +32,8 @@ from tests.tiers import in_turn, slow
 
 PATIENCE = Patience(tick=3.0, handshake=10.0)
 SHORT = code_of("tight_margins", 60)
-CLIENTS = ("asyncio", "twisted")
-FEW_CLIENTS = [CLIENTS[0], pytest.param(CLIENTS[1], marks=slow)]
-"""The other one where a flight says it all is left to the rest."""
+FEW_CLIENTS = [CLIENTS[0], *(pytest.param(client, marks=slow) for client in CLIENTS[1:])]
+"""The other ones where a flight says it all are left to the rest."""
 
 
 @lru_cache
@@ -108,7 +108,7 @@ def test_strangers_cannot_join_an_embedded_server():
     simulation = SimulationProcess(SHORT, None, "asyncio", PATIENCE)
     url, _, token = simulation.url.partition("/?token=")
     try:
-        with pytest.raises(TransportError, match=f"^{url} refused the connection"):
+        with pytest.raises(TransportError, match=f"^{url} asks for a token, and got none"):
             engine(SHORT, url=url, has_simulation=False)
         with engine(SHORT, url=simulation.url, has_simulation=False) as opened:
             assert digests(opened, [1]) == reference_digests(SHORT, [1])

@@ -167,7 +167,7 @@ def engine_options(
             "--client",
             type=OneOf(CLIENTS),
             show_default=CLIENTS[0],
-            help="With --engine rosbridge: kind of roslibpy's connection.",
+            help="With --engine rosbridge: kind of connection: ours, or one of roslibpy's.",
         ),
         click.option(
             "--side",

@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import EvaluationError, UsageError, expected
-from mrsfi_runtime.transport.server_address import Client
+from mrsfi_runtime.transport.server_address import CLIENTS, Client
 
 if TYPE_CHECKING:
     from mrsfi_runtime.engine.flights import Engine
@@ -36,7 +36,7 @@ class EngineSettings:
 
     name: str = REFERENCE
     url: str | None = None
-    client: Client = "asyncio"
+    client: Client = CLIENTS[0]
     has_simulation: bool = True
     is_bundled: bool = False
     patience: Patience = field(default_factory=Patience)

@@ -23,7 +23,7 @@ import roslibpy
 
 from mrsfi_runtime.errors import TransportClosed, TransportTimeout, UsageError
 from mrsfi_runtime.transport.listened import ListenedTransport
-from mrsfi_runtime.transport.server_address import Client, without_token
+from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
 from mrsfi_runtime.transport.topics import (
     Payload,
     Provider,
@@ -50,7 +50,7 @@ class RosbridgeTransport(ListenedTransport):
     rosbridge server, is ``TransportClosed``; no answer in time is ``TransportTimeout``.
     """
 
-    def __init__(self, url: str, client: Client = "asyncio", timeout: float = 10.0) -> None:
+    def __init__(self, url: str, client: Client = CLIENTS[0], timeout: float = 10.0) -> None:
         super().__init__()
         self.url = without_token(url)
         self._client = client

@@ -3,7 +3,7 @@
 from typing import Literal, TypeAlias
 
 Client: TypeAlias = Literal["wire", "asyncio", "twisted"]
-"""Kind of roslibpy's connection; a process can have one kind only."""
+"""Kind of connection: ours, or one of roslibpy's; ``twisted`` goes with none other in a process."""
 
 CLIENTS: tuple[Client, ...] = ("wire", "asyncio", "twisted")
 

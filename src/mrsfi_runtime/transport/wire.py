@@ -4,30 +4,25 @@ What a callback sends leaves in one write, and what comes is acknowledged at onc
 """
 
 import asyncio
-import json
 import socket
 from contextlib import suppress
 from threading import get_ident
 from typing import Any, cast
 
-try:
-    import orjson
-except ImportError:  # of the extra ``fast``
-    orjson = None  # type: ignore[assignment]
 import roslibpy
 from roslibpy.comm import RosBridgeProtocol
 from roslibpy.comm.comm_asyncio import LOGGER, AsyncioRosBridgeClientFactory
 from roslibpy.core import MessageEncoder
 
-from mrsfi_bridge.stream import Message, Response, client_stream
+from mrsfi_bridge.stream import Message, client_stream
+from mrsfi_bridge.texts import from_json, to_json
 
 _ENCODER = MessageEncoder(separators=(",", ":"))
-_DECODER = json.JSONDecoder()
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)  # Linux
 _READ_BYTES = 1 << 18
 
 
-class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):
+class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore[misc]
     """A connection; all but ``send_message`` and ``send_close`` run in the loop's thread."""
 
     def __init__(self, factory: "WireFactory") -> None:
@@ -46,7 +41,7 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):
         self._socket = transport.get_extra_info("socket")
         self._flush()
 
-    def get_buffer(self, sizehint: int) -> memoryview:
+    def get_buffer(self, _: int) -> memoryview:
         """Return where asyncio may put what comes; it would make a buffer for each read."""
         return self._buffer
 
@@ -57,8 +52,8 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):
                 self._take(event.content)
             elif self._stream.is_open:
                 self.factory.ready(self)
-            elif isinstance(event, Response):
-                self.factory.status = event.status_code
+            else:
+                self.factory.status = self._stream.status
         if not self._flush() and _QUICKACK is not None:
             with suppress(OSError):  # the connection ended just now
                 self._socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
@@ -69,13 +64,16 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):
         self._flush()
         return False
 
-    def connection_lost(self, exc: Exception | None) -> None:
+    def connection_lost(self, _: Exception | None) -> None:
         """Tell those who listen."""
         self.factory.connection_lost(self)
 
     def send_ros_message(self, message: Any) -> None:
         """Send a message of roslibpy."""
-        self.send_message(_encoded(message.data))
+        content = to_json(message.data)
+        if b"null" in content:  # which may stand for NaN; a genuine server wants it said
+            content = _ENCODER.encode(message.data).encode()
+        self.send_message(content)
 
     def send_message(self, payload: bytes) -> None:
         """Send what was encoded."""
@@ -91,12 +89,12 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):
 
     def _take(self, payload: bytes | bytearray) -> None:
         try:
-            message = _decoded(payload)
+            message = from_json(payload)
             if message["op"] == "publish":
                 self.factory.emit(message["topic"], message["msg"])
             else:
                 self._message_handlers[message["op"]](message)
-        except Exception:
+        except Exception:  # noqa: BLE001 - as roslibpy does; the listener of callbacks was told
             LOGGER.exception("Error in a callback, or a message that makes no sense; skipped.")
 
     def _send(self, payload: bytes) -> None:
@@ -122,21 +120,7 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):
         return bool(data)
 
 
-def _encoded(message: Any) -> bytes:
-    if orjson is not None:
-        with suppress(TypeError):  # integers of more than 64 bits
-            return orjson.dumps(message, default=dict)
-    return _ENCODER.encode(message).encode()
-
-
-def _decoded(payload: bytes | bytearray) -> Any:
-    if orjson is not None:
-        with suppress(ValueError):  # NaN
-            return orjson.loads(payload)
-    return _DECODER.raw_decode(payload.decode())[0]
-
-
-class WireFactory(AsyncioRosBridgeClientFactory):
+class WireFactory(AsyncioRosBridgeClientFactory):  # type: ignore[misc]
     """roslibpy's factory of asyncio, which makes connections of ours.
 
     ``status`` is that of HTTP by which the server refused the last one.
@@ -145,10 +129,11 @@ class WireFactory(AsyncioRosBridgeClientFactory):
     status: int | None = None
 
     def __call__(self) -> WireProtocol:
+        """Return a new connection."""
         return WireProtocol(self)
 
 
-class WireRos(roslibpy.Ros):
+class WireRos(roslibpy.Ros):  # type: ignore[misc]
     """roslibpy's ``Ros`` over a connection of ours."""
 
     def __init__(self, url: str) -> None:

@@ -50,7 +50,7 @@ def test_a_message_is_encoded_once_for_all_who_want_the_same():
 
 @given(st.text(min_size=0, max_size=3000))
 def test_pixels_spell_the_text_padded_with_newlines(text):
-    assert png_text(png(text)).rstrip("\n") == text.rstrip("\n")
+    assert png_text(png(text.encode())).rstrip("\n") == text.rstrip("\n")
 
 
 def test_png_carries_the_operation():
