@@ -15,8 +15,16 @@ from websockets.sync.client import ClientConnection, connect
 
 from benchmarks.bridge_soak import child
 
+
+def said(op: str, **fields: object) -> str:
+    """Return an operation."""
+    return json.dumps({"op": op, **fields}, separators=(",", ":"))
+
+
 AIM_MS = 100
 NUMBERS = "std_msgs/Float64MultiArray"
+NUMBERS_SAID = said("publish", topic="/n", msg={"data": [1.5] * 2_000_000})
+MANY_SAID = said("publish", topic="/m", msg={"data": 1}) * 170_000
 ASK = json.dumps({"op": "call_service", "service": "/rosapi/get_time", "id": "t"})
 
 
@@ -25,23 +33,18 @@ def opened(url: str) -> ClientConnection:
     return connect(url, compression=None, max_size=None)
 
 
-def said(op: str, **fields: object) -> str:
-    """Return an operation."""
-    return json.dumps({"op": op, **fields}, separators=(",", ":"))
-
-
 def numbers(client: ClientConnection, compression: str = "none") -> None:
     """Publish 8 MB of numbers, and wait for them."""
     client.send(said("subscribe", topic="/n", type=NUMBERS, compression=compression))
     client.send(said("advertise", topic="/n", type=NUMBERS))
-    client.send(said("publish", topic="/n", msg={"data": [1.5] * 2_000_000}))
+    client.send(NUMBERS_SAID)
     client.recv()
 
 
 def many(client: ClientConnection) -> None:
     """Publish 170,000 messages in one frame, and wait for the last."""
     client.send(said("advertise", topic="/m", type="std_msgs/Int32"))
-    client.send("".join(said("publish", topic="/m", msg={"data": 1}) for _ in range(170_000)))
+    client.send(MANY_SAID)
     client.send(ASK)
     client.recv()
 

@@ -2,17 +2,26 @@
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from functools import partial
+from typing import Any, Protocol
 
-from mrsfi_bridge.encodings import PLAIN, Outgoing
+from mrsfi_bridge.encodings import PLAIN, Form, Outgoing
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import check_name
 from mrsfi_bridge.settings import Limits
 from mrsfi_bridge.structures import Structure
 from mrsfi_bridge.type_table import TypeTable
 
-Receive: TypeAlias = Callable[[Outgoing], None]
-"""Takes a message for a subscriber."""
+
+class Subscriber(Protocol):
+    """Takes messages for a client."""
+
+    @property
+    def form(self) -> Form | None:
+        """How it encodes them, if it does."""
+
+    def receive(self, outgoing: Outgoing) -> None:
+        """Take one."""
 
 
 @dataclass(slots=True)
@@ -32,7 +41,7 @@ class Topic:
     structure: Structure
     n_numbered: int = 0
     publishers: dict[Hashable, Publication] = field(default_factory=dict)
-    subscribers: dict[Hashable, Receive] = field(default_factory=dict)
+    subscribers: dict[Hashable, Subscriber] = field(default_factory=dict)
 
 
 class Broker:
@@ -72,24 +81,33 @@ class Broker:
         It is a ``ProtocolError`` if the client does not advertise the topic, the message does not
         fit its type, or latched messages take too much.
         """
-        topic = self.topics.get(name)
-        publication = None if topic is None else topic.publishers.get(client)
-        if topic is None or publication is None:
-            raise ProtocolError(
-                f"topic '{name}' is not advertised; advertise it before you publish"
-            )
-        content = topic.structure.convert(message)
-        if topic.structure.has_header:  # numbered by the server, whatever the client says
-            topic.n_numbered += 1
-            content["header"]["seq"] = topic.n_numbered
-        outgoing = Outgoing(topic.structure, content)
+        topic, _ = self._published(client, name)
+        outgoing = Outgoing(topic.structure, topic.structure.convert(message))
+        topic.n_numbered += 1
+        outgoing.number(topic.n_numbered)
+        self.deliver(client, name, outgoing)
+
+    def preparation(self, client: Hashable, name: str, message: Any) -> Callable[[], Outgoing]:
+        """Return what makes a large message ready for ``deliver``, in any thread."""
+        topic, publication = self._published(client, name)
+        topic.n_numbered += 1
+        forms = {form for each in topic.subscribers.values() if (form := each.form) is not None}
+        if publication.is_latched:
+            forms.add((name, PLAIN))
+        return partial(Outgoing.prepared, topic.structure, message, topic.n_numbered, forms)
+
+    def deliver(self, client: Hashable, name: str, outgoing: Outgoing) -> None:
+        """Deliver a message that is ready; what ``publish`` refuses is refused here, too."""
+        topic, publication = self._published(client, name)
+        if topic.structure is not outgoing.structure:
+            raise ProtocolError(f"topic '{name}' carries {topic.structure.name} by now")
         if publication.is_latched:
             self._latch(topic, publication, outgoing)
-        for receive in tuple(topic.subscribers.values()):
-            receive(outgoing)
+        for subscriber in tuple(topic.subscribers.values()):
+            subscriber.receive(outgoing)
 
     def subscribe(
-        self, client: Hashable, name: str, type_name: str | None, receive: Receive
+        self, client: Hashable, name: str, type_name: str | None, subscriber: Subscriber
     ) -> None:
         """Have a client receive what is published on a topic, and at once what is latched.
 
@@ -98,11 +116,11 @@ class Broker:
         """
         topic = self._topic(name, type_name)
         is_known = client in topic.subscribers
-        topic.subscribers[client] = receive
+        topic.subscribers[client] = subscriber
         latched = [publication.last for publication in topic.publishers.values()]
         for outgoing in latched:
             if outgoing is not None and not is_known:
-                receive(outgoing)
+                subscriber.receive(outgoing)
 
     def unsubscribe(self, client: Hashable, name: str) -> None:
         """End the subscription of a client to a topic."""
@@ -115,6 +133,16 @@ class Broker:
         for name in tuple(self.topics):
             self.unadvertise(client, name)
             self.unsubscribe(client, name)
+
+    def _published(self, client: Hashable, name: str) -> tuple[Topic, Publication]:
+        """Return a topic that a client publishes on."""
+        topic = self.topics.get(name)
+        publication = None if topic is None else topic.publishers.get(client)
+        if topic is None or publication is None:
+            raise ProtocolError(
+                f"topic '{name}' is not advertised; advertise it before you publish"
+            )
+        return topic, publication
 
     def _latch(self, topic: Topic, publication: Publication, outgoing: Outgoing) -> None:
         """Keep a message for those who subscribe later."""

@@ -4,7 +4,7 @@ import asyncio
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from mrsfi_bridge.encodings import Outgoing
 from mrsfi_bridge.errors import NotRunningError
@@ -25,6 +25,22 @@ class FirstError(threading.Event):
         if self.error is None:
             self.error = error
         self.set()
+
+
+class _LocalSubscriber(NamedTuple):
+    """Hands messages on as they are."""
+
+    callbacks: list[Callable[[dict[str, Any]], None]]
+    failed: FirstError
+    form: None = None
+
+    def receive(self, outgoing: Outgoing) -> None:
+        """Hand a message on."""
+        for each in self.callbacks:
+            try:
+                each(outgoing.message)
+            except Exception as error:  # noqa: BLE001 - kept for the one who waits for it
+                self.failed.note(error)
 
 
 class LocalClient:
@@ -59,14 +75,8 @@ class LocalClient:
         callbacks = self._callbacks.setdefault(topic, [])
         callbacks.append(callback)
 
-        def receive(outgoing: Outgoing) -> None:
-            for each in callbacks:
-                try:
-                    each(outgoing.message)
-                except Exception as error:  # noqa: BLE001 - kept for the one who waits for it
-                    self._failed.note(error)
-
-        self._hub.broker.subscribe(self, topic, type_name, receive)
+        subscriber = _LocalSubscriber(callbacks, self._failed)
+        self._hub.broker.subscribe(self, topic, type_name, subscriber)
 
     def advertise_service(
         self, name: str, type_name: str, handler: Callable[[dict[str, Any]], dict[str, Any]]

@@ -11,16 +11,16 @@ import base64
 import math
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import count
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import cbor2
 from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
 from mrsfi_bridge.definitions import SCALAR, TIMES, VARIABLE, Field
 from mrsfi_bridge.structures import BYTE_ARRAYS, Structure, now
-from mrsfi_bridge.texts import to_json
+from mrsfi_bridge.texts import to_json, to_large_json
 
 _MAX_FRAGMENTS = 4096
 _MAX_KEPT = 8
@@ -76,6 +76,9 @@ class Encoding(NamedTuple):
 
 PLAIN = Encoding()
 
+Form: TypeAlias = tuple[str, Encoding]
+"""The topic of a message, as a client spells it, and how that wants it."""
+
 
 class Outgoing:
     """A published message in its normal form, which nobody may change.
@@ -88,7 +91,7 @@ class Outgoing:
     def __init__(self, structure: Structure, message: dict[str, Any]) -> None:
         self.structure = structure
         self.message = message
-        self._frames: dict[tuple[str, Encoding], bytes] = {}
+        self._frames: dict[Form, bytes] = {}
 
     def frames(self, topic: str, encoding: Encoding) -> bytes:
         """Return the frames that carry the message, ready for a socket.
@@ -103,18 +106,44 @@ class Outgoing:
             frames = self._frames[key] = self._encode(topic, encoding)
         return frames
 
-    def _encode(self, topic: str, encoding: Encoding) -> bytes:
+    @classmethod
+    def prepared(
+        cls, structure: Structure, message: Any, seq: int, forms: Iterable["Form"]
+    ) -> "Outgoing":
+        """Return a large message of a client, encoded in all forms that are wanted.
+
+        It takes long, and may be done in another thread. ``seq`` is the number of its header.
+        """
+        outgoing = cls(structure, structure.convert(message))
+        outgoing.number(seq)
+        for topic, encoding in forms:
+            outgoing._frames[topic, encoding] = outgoing._encode(topic, encoding, to_large_json)
+        return outgoing
+
+    def number(self, seq: int) -> None:
+        """Give its header, if it has one, a number, whatever the client says."""
+        if self.structure.has_header:
+            self.message["header"]["seq"] = seq
+
+    def _encode(
+        self, topic: str, encoding: Encoding, as_json: Callable[[Any], bytes] = to_json
+    ) -> bytes:
         if encoding.compression == "cbor":
             return _binary(topic, _tagged(self.structure, self.message))
         if encoding.compression == "cbor-raw":
             content = _packed(self.structure, self.message)
             return _binary(topic, {**now(), "bytes": content})
-        return text_frames({"op": "publish", "topic": topic, "msg": self.message}, encoding)
+        operation = {"op": "publish", "topic": topic, "msg": self.message}
+        return text_frames(operation, encoding, as_json)
 
 
-def text_frames(operation: dict[str, Any], encoding: Encoding = PLAIN) -> bytes:
+def text_frames(
+    operation: dict[str, Any],
+    encoding: Encoding = PLAIN,
+    as_json: Callable[[Any], bytes] = to_json,
+) -> bytes:
     """Return the frames that carry an operation as text, ready to be written to a socket."""
-    content = to_json(operation)
+    content = as_json(operation)
     if encoding.compression == "png":
         content = to_json({"op": "png", "data": png(content)})
     size = encoding.fragment_size

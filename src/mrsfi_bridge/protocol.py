@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.texts import from_json
+from mrsfi_bridge.texts import LARGE_DECODER, from_json
 
 Operation: TypeAlias = dict[str, Any]
 
@@ -88,17 +88,19 @@ def operations(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
     try:
         value = from_json(text)
     except (ValueError, RecursionError):
-        yield from _several(text, refuse)
+        yield from several(text, refuse, _DECODER)
     else:
         yield value
 
 
-def _several(text: str, refuse: Callable[[str], None]) -> Iterator[Any]:
-    """Yield the values that follow each other in a text."""
+def several(
+    text: str, refuse: Callable[[str], None], decoder: json.JSONDecoder = LARGE_DECODER
+) -> Iterator[Any]:
+    """Yield the values that follow each other in a text; as it is, of a large one."""
     position = 0
     while position < len(text):
         try:
-            value, position = _DECODER.raw_decode(text, position)
+            value, position = decoder.raw_decode(text, position)
         except (ValueError, RecursionError) as error:
             reason = str(error) if isinstance(error, ValueError) else "nested too deeply"
             refuse(f"bad JSON at letter {position + 1} of {len(text)}: {reason:.{_MAX_SHOWN}}")

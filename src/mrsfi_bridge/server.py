@@ -6,6 +6,9 @@ import http
 import logging
 import re
 import socket
+from collections import deque
+from collections.abc import Callable, Generator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
 from typing import Any, cast
@@ -20,12 +23,15 @@ from websockets.typing import Origin
 from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ListenError
 from mrsfi_bridge.rosapi import provide_rosapi, tell_clients
-from mrsfi_bridge.session import LOGGER, Hub, Session
+from mrsfi_bridge.session import LARGE, LOGGER, Hub, Session, Work
 from mrsfi_bridge.settings import ServerSettings
 from mrsfi_bridge.stream import Message, Stream
 from mrsfi_bridge.structures import now
 
 _BACKLOG = 512
+_TURN_S = 0.005
+"""How long a client is served, of what it said in one frame, before others are."""
+
 _READ_BYTES = 1 << 18
 _CHECKS_S = 0.25
 _SHAKING = 256
@@ -55,6 +61,9 @@ class Connection(asyncio.BufferedProtocol):
         self._stream = Stream(self._protocol)
         self._session: Session | None = None
         self._outbox: list[bytes] = []
+        self._texts: deque[str] = deque()
+        self._n_waiting = 0  # letters of texts that are not carried out yet
+        self._steps: Generator[Work | None, Any, None] | None = None
         self._is_answered = False
         self._since = self._heard = self._now()
         self._pinged: float | None = None
@@ -112,6 +121,8 @@ class Connection(asyncio.BufferedProtocol):
             LOGGER.info("%s: left%s", self.name, f" ({exc})" if exc else "")
             self._session.leave()
             self._session = None
+            self._texts.clear()
+            self._steps = None
             self._server.tell_clients()
         self._outbox.clear()
         self._server.gone(self)
@@ -191,7 +202,7 @@ class Connection(asyncio.BufferedProtocol):
             LOGGER.warning("%s: refused: %s", self.name, response.reason_phrase)
             self._ending = self._now()
             return
-        self._session = Session(self._server.hub, self.name, self._send)
+        self._session = Session(self._server.hub, self.name, self._send, self._take_text)
         self._server.hub.counts.clients += 1
         LOGGER.info("%s: connected", self.name)
         self._server.tell_clients()
@@ -215,7 +226,43 @@ class Connection(asyncio.BufferedProtocol):
             kind = "text" if message.is_text else "binary"
             self.close(CloseCode.INVALID_DATA, f"a {kind} frame that is no UTF-8: {error.reason}")
             return
-        self._session.receive(text)
+        self._take_text(text)
+
+    def _take_text(self, text: str) -> None:
+        """Carry out a text at once, or in its turns if it is large, or others are before it."""
+        if self._session is not None and not self._n_waiting and len(text) < LARGE:
+            self._session.receive(text)
+            return
+        self._texts.append(text)
+        self._n_waiting += len(text)
+        if self._n_waiting == len(text):
+            self._transport.pause_reading()
+            self._go_on()
+
+    def _go_on(self, result: Any = None, error: BaseException | None = None) -> None:
+        """Carry out texts that wait, as long as it is this client's turn."""
+        self._heard = self._now()  # nor is anything heard while it lasts
+        end = self._heard + _TURN_S
+        while self._session is not None and (self._steps is not None or self._texts):
+            if self._steps is None:
+                self._steps = self._session.steps(self._texts.popleft())
+            try:
+                work = self._steps.throw(error) if error else self._steps.send(result)
+            except StopIteration:
+                self._steps, result, error = None, None, None
+                continue
+            result = error = None
+            if work is not None:
+                self._server.beside(work, self._go_on)
+                break
+            if self._now() > end:
+                self._server.hub.scheduler.call_soon(self._go_on)
+                break
+        else:
+            self._n_waiting = 0
+            if not self._transport.is_closing():
+                self._transport.resume_reading()
+        self._flush()
 
     # What goes out.
 
@@ -231,7 +278,7 @@ class Connection(asyncio.BufferedProtocol):
             self.refuse(
                 f"too slow: {n_bytes} bytes wait for you, the limit is {self._limits.queue_bytes}"
             )
-        n_bytes += self._stream.n_bytes
+        n_bytes += self._stream.n_bytes + self._n_waiting
         if self._session is not None:
             n_bytes += self._session.fragments.n_bytes
         self._server.hold(self, n_bytes if n_bytes > _FEW_BYTES else 0)
@@ -264,6 +311,7 @@ class BridgeServer:
         self.buffer = memoryview(bytearray(_READ_BYTES))  # asyncio would make one for each read
         self.n_held_bytes = 0  # wait for and from clients, but for less than 64 KiB of each
         self._checks: asyncio.TimerHandle | None = None
+        self._thread = ThreadPoolExecutor(1, "mrsfi-bridge-large")
 
     async def start(self) -> None:
         """Listen, or raise ``ListenError`` if the address cannot be bound."""
@@ -286,6 +334,7 @@ class BridgeServer:
         if self._server is None:
             return
         self._server.close()
+        self._thread.shutdown(wait=False, cancel_futures=True)
         if self._checks is not None:
             self._checks.cancel()
         for connection in tuple(self._connections):
@@ -343,6 +392,17 @@ class BridgeServer:
         self._connections.pop(connection, None)
         self._dirty.pop(connection, None)
         self.n_held_bytes -= self._held.pop(connection, 0)
+
+    def beside(self, work: Work, on_done: Callable[[Any, BaseException | None], None]) -> None:
+        """Have something done in another thread, and a function told what came of it."""
+
+        def done(future: Future[Any]) -> None:
+            error = future.exception()
+            result = None if error else future.result()
+            with suppress(RuntimeError):  # the loop has ended
+                self._loop.call_soon_threadsafe(on_done, result, error)
+
+        self._thread.submit(work).add_done_callback(done)
 
     def tell_clients(self) -> None:
         """Publish who is connected."""

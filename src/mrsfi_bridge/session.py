@@ -2,14 +2,23 @@
 
 import logging
 from asyncio import AbstractEventLoop
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, TypeAlias
 
 from mrsfi_bridge.broker import Broker
 from mrsfi_bridge.encodings import text_frames
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.protocol import Fragments, Operation, absolute, check_operation, operations
+from mrsfi_bridge.protocol import (
+    Fragments,
+    Operation,
+    absolute,
+    check_operation,
+    operations,
+    several,
+)
 from mrsfi_bridge.services import Services
 from mrsfi_bridge.settings import Limits
 from mrsfi_bridge.subscription import (
@@ -26,6 +35,12 @@ from mrsfi_bridge.type_table import TypeTable
 LOGGER = logging.getLogger("mrsfi.bridge")
 
 LEVELS = ("info", "warning", "error", "none")
+LARGE = 1 << 17
+"""Letters from which on a text is carried out step by step."""
+
+Work: TypeAlias = Callable[[], Any]
+"""What takes long."""
+
 _MAX_REASON = 500
 _LOGGED_FIRST = 10
 _LOGGED_EVERY = 1000
@@ -60,13 +75,21 @@ class Hub:
 class Session:
     """Carries out the operations of one client, whose ``name`` is for the log.
 
-    ``send`` takes frames for it; ``fragments`` are messages whose parts have not all come.
+    ``send`` takes frames for it, ``take`` a text that was put together, if not ``receive``;
+    ``fragments`` are messages whose parts have not all come.
     """
 
-    def __init__(self, hub: Hub, name: str, send: Callable[[bytes], None]) -> None:
+    def __init__(
+        self,
+        hub: Hub,
+        name: str,
+        send: Callable[[bytes], None],
+        take: Callable[[str], None] | None = None,
+    ) -> None:
         self.name = name
         self._hub = hub
         self._send = send
+        self._take = take or self.receive
         self._level = "none"
         self._adverts: Uses[None] = Uses(hub.limits.uses)
         self._wishes: Uses[Wish] = Uses(hub.limits.uses)
@@ -89,13 +112,56 @@ class Session:
 
     def receive(self, text: str) -> None:
         """Carry out the operations of a text; what is wrong is dropped, counted and logged."""
-        for value in operations(text, self._drop):
-            self._hub.counts.received += 1
-            try:
-                operation = check_operation(value)
-                self._operations[operation["op"]](operation)
-            except ProtocolError as error:
-                self._drop(str(error), value.get("id") if isinstance(value, dict) else None)
+        if len(text) < LARGE:
+            for value in operations(text, self._drop):
+                self._carry_out(value)
+            return
+        steps = self.steps(text)
+        with suppress(StopIteration):
+            work = next(steps)
+            while True:
+                try:
+                    result = None if work is None else work()
+                except ProtocolError as error:
+                    work = steps.throw(error)
+                else:
+                    work = steps.send(result)
+
+    def steps(self, text: str) -> Generator[Work | None, Any, None]:
+        """Do the same for a large text, step by step, so that others have their turns.
+
+        What it yields, if it is not ``None``, takes long, and may be done in another thread; the
+        generator is sent what comes of it, or it is thrown the error.
+        """
+        refused: list[str] = []
+        values = yield partial(list, several(text, refused.append))
+        for value in values:
+            if len(values) == 1 and isinstance(value, dict) and value.get("op") == "publish":
+                yield from self._publish_large(value)
+            else:
+                self._carry_out(value)
+                yield None
+        for reason in refused:
+            self._drop(reason)
+
+    def _carry_out(self, value: Any) -> None:
+        self._hub.counts.received += 1
+        try:
+            operation = check_operation(value)
+            self._operations[operation["op"]](operation)
+        except ProtocolError as error:
+            self._drop(str(error), value.get("id") if isinstance(value, dict) else None)
+
+    def _publish_large(self, value: dict[str, Any]) -> Generator[Work, Any, None]:
+        self._hub.counts.received += 1
+        try:
+            operation = check_operation(value)
+            topic = self._joined(operation)
+            message = operation.get("msg", {})
+            outgoing = yield self._hub.broker.preparation(self, topic, message)
+            self._hub.broker.deliver(self, topic, outgoing)
+        except ProtocolError as error:
+            self._drop(str(error), value.get("id"))
 
     def leave(self) -> None:
         """End everything that the client does."""
@@ -138,17 +204,17 @@ class Session:
             self._hub.broker.unadvertise(self, topic)
 
     def _publish(self, operation: Operation) -> None:
-        topic = absolute(operation["topic"])
-        if topic not in self._adverts:
-            self._join(topic, is_latched=operation.get("latch", False))
+        topic = self._joined(operation)
         self._hub.broker.publish(self, topic, operation.get("msg", {}))
 
-    def _join(self, name: str, *, is_latched: bool) -> None:
-        """Advertise a topic in use for a client that publishes on it without further ado."""
+    def _joined(self, operation: Operation) -> str:
+        """Return a topic; one in use is advertised for a client that publishes without more ado."""
+        name = absolute(operation["topic"])
         topic = self._hub.broker.topics.get(name)
-        if topic is not None:
-            type_name = topic.structure.name
+        if name not in self._adverts and topic is not None:
+            type_name, is_latched = topic.structure.name, operation.get("latch", False)
             self._advertise({"topic": name, "type": type_name, "latch": is_latched})
+        return name
 
     def _subscribe(self, operation: Operation) -> None:
         topic, use_id = operation["topic"], operation.get("id")
@@ -161,7 +227,7 @@ class Session:
         wishes = {**self._wishes.get(topic, {}), use_id: wanted}
         subscription.wish = settled(wishes.values())
         self._hub.broker.subscribe(
-            (self, topic), absolute(topic), operation.get("type"), subscription.receive
+            (self, topic), absolute(topic), operation.get("type"), subscription
         )
         self._subscriptions[topic] = subscription
         self._wishes.add(topic, use_id, wanted)
@@ -229,7 +295,7 @@ class Session:
     def _fragment(self, operation: Operation) -> None:
         text = self.fragments.add(operation)
         if text is not None:
-            self.receive(text)
+            self._take(text)
 
     def _deliver(self, frames: bytes) -> None:
         self._hub.counts.sent += 1

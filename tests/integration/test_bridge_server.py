@@ -380,6 +380,29 @@ def test_a_provider_that_leaves_answers_its_callers():
         assert answer["values"] == "Service /s: its provider left"
 
 
+def test_what_is_large_comes_in_its_turn_and_lets_others_have_theirs():
+    numbers = {"data": [1.5] * 300_000}
+    with bridge() as server, client(server) as peer, client(server) as gone:
+        for each in (peer, gone):
+            each.send("advertise", topic="/n", type="std_msgs/Float64MultiArray")
+        peer.send("subscribe", topic="/n")
+        gone.send("publish", topic="/n", msg={"data": [2.5] * 200_000})
+        gone.close()
+        for number in range(3):
+            text = json.dumps({"op": "publish", "topic": "/n", "msg": numbers})
+            for place, part in enumerate((text[:99], text[99:])):
+                peer.send("fragment", id="f", data=part, num=place, total=2)
+            peer.send("publish", topic="/n", msg={"data": [float(number)]})
+            assert is_served(server)
+        lengths, last = [], None
+        while last != 2.0:
+            data = peer.receive()["msg"]["data"]
+            lengths.append(len(data))
+            last = data[0]
+
+    assert [each for each in lengths if each != 200_000] == [300_000, 1] * 3
+
+
 def test_a_service_call_times_out():
     with bridge(replace(Limits(), service_s=0.2)) as server, client(server) as peer:
         peer.send("advertise_service", service="/s", type="std_srvs/Empty")
