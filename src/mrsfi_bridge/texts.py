@@ -15,7 +15,7 @@ from typing import Any
 try:
     import orjson
 except ImportError:  # of the extra ``fast``
-    orjson = None
+    orjson = None  # type: ignore[assignment, unused-ignore]
 
 _PART = 1 << 14
 """Numbers of a list that are written in one go."""
