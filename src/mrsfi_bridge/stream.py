@@ -4,7 +4,7 @@
 which is nearly all that a client and a rosbridge server send, are cut out here, as in C.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
 from websockets.client import ClientProtocol
@@ -142,8 +142,10 @@ class Stream:
                     yield Message(content, self._is_text)
 
 
-def client_stream(url: str) -> Stream:
-    """Return a client's end, which has said what it asks for."""
+def client_stream(url: str, headers: Mapping[str, str]) -> Stream:
+    """Return a client's end, which has said what it asks for, with some headers of HTTP."""
     protocol = ClientProtocol(parse_uri(url), max_size=None)
-    protocol.send_request(protocol.connect())
+    request = protocol.connect()
+    request.headers.update(headers)
+    protocol.send_request(request)
     return Stream(protocol)

@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 
+from mrsfi_runtime.transport.server_address import CLIENTS
 from tests.support.cli import command_line, require_program
 from tests.support.missing import skip
 
@@ -85,17 +86,21 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tests
 
 
-@pytest.mark.parametrize("transport", ["twisted", "asyncio"])
+@pytest.mark.parametrize("transport", CLIENTS)
 def test_roslibpys_own_suite_passes(suite, tmp_path, note, transport):
     report = tmp_path / "report.xml"
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
     command += ["tests/ros1", "tests/test_ws_headers.py", "tests/test_transport.py"]
     command += ["--deselect", "tests/ros1/test_tf.py", f"--junitxml={report}"]
+    variables = {"ROSLIBPY_TRANSPORT": transport}
+    if transport == "wire":
+        command += ["-p", "wire_plugin"]
+        variables = {"ROSLIBPY_TRANSPORT": "asyncio", "PYTHONPATH": str(_CLIENTS)}
     with bridge(tmp_path, free_port()):
         done = subprocess.run(
             command,
             cwd=suite.parent,
-            env={**os.environ, "ROSLIBPY_TRANSPORT": transport},
+            env={**os.environ, **variables},
             capture_output=True,
             encoding="utf-8",
             timeout=_TIMEOUT_S,
