@@ -73,19 +73,15 @@ def main() -> None:
     if arguments.one is not None:
         client, url, bundled = arguments.one or ("", "", "")
         return fly(client, url, bool(bundled)) if client else exchange()
+    ways = list(product(("embedded", "separate"), ("messages", "bundles"), CLIENTS))
     with ExitStack() as opened:
-        url, _ = opened.enter_context(
-            child("-m", "mrsfi_runtime.cli.main", "bridge", "--port", "0")
-        )
-        servers = {"embedded": "", "separate": url}
-        ways = list(product(servers, ("messages", "bundles"), CLIENTS))
-        words = [
-            ["--one"],
-            *(
-                ["--one", client, servers[server], "1" * (what == "bundles")]
-                for server, what, client in ways
-            ),
-        ]
+
+        def words(server: str, what: str, client: str) -> list[str]:
+            """Return the arguments of a way, with a server of its own, as topics are the same."""
+            bridge = ("-m", "mrsfi_runtime.cli.main", "bridge", "--port", "0")
+            url = opened.enter_context(child(*bridge))[0] if server == "separate" else ""
+            return ["--one", client, url, "1" * (what == "bundles")]
+
         processes = [
             opened.enter_context(
                 subprocess.Popen(
@@ -93,7 +89,7 @@ def main() -> None:
                     stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1,
                 )
             )
-            for each in words
+            for each in (['--one'], *(words(*way) for way in ways))
         ]  # fmt: skip
         found: list[list[float]] = [[] for _ in processes]
         for _ in range(arguments.rounds + 1):
