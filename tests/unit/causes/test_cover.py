@@ -1,4 +1,5 @@
 from collections.abc import Iterator
+from hashlib import sha256
 
 import pytest
 
@@ -147,3 +148,16 @@ def test_a_bound_to_end_at_is_of_it_alone_and_lets_it_go_on_for_long():
         CampaignSettings.parse("[search]\nuntil = 0.1\n", "mine.toml")
     with pytest.raises(UsageError, match="option: found until with an algorithm that does not"):
         CampaignSettings.parse("[search]\n", "mine.toml", until=0.1)
+
+
+def test_what_it_flies_for_a_seed_changes_with_intent_only():
+    search = cover()
+    summaries = []
+    tell = search.tell
+    search.tell = lambda scores: summaries.append(tell(scores))
+
+    flown_again = [*turns(search)]
+
+    assert sha256(repr(flown_again).encode()).hexdigest()[:16] == "7db93d206ab51bc6"
+    assert [each.index for each in summaries] == [*range(len(flown_again))]
+    assert [each.statistics["n_evaluations"] for each in summaries] == [*map(len, flown_again)]
