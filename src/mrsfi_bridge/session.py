@@ -136,11 +136,12 @@ class Session:
         refused: list[str] = []
         values = yield partial(list, several(text, refused.append))
         for value in values:
-            if len(values) == 1 and isinstance(value, dict) and value.get("op") == "publish":
-                yield from self._publish_large(value)
+            op = value.get("op") if isinstance(value, dict) else None
+            if op == "fragment" or (op == "publish" and len(values) == 1):
+                yield from self._carry_out_large(value)
             else:
                 self._carry_out(value)
-                yield None
+            yield None
         for reason in refused:
             self._drop(reason)
 
@@ -152,13 +153,18 @@ class Session:
         except ProtocolError as error:
             self._drop(str(error), value.get("id") if isinstance(value, dict) else None)
 
-    def _publish_large(self, value: dict[str, Any]) -> Generator[Work, Any, None]:
+    def _carry_out_large(self, value: dict[str, Any]) -> Generator[Work | None, Any, None]:
+        """Carry out a large publish, or what a fragment completes, step by step."""
         self._hub.counts.received += 1
         try:
             operation = check_operation(value)
+            if operation["op"] == "fragment":
+                text = self.fragments.add(operation)
+                yield from () if text is None else self.steps(text)
+                return
             topic = self._joined(operation)
-            message = operation.get("msg", {})
-            outgoing = yield self._hub.broker.preparation(self, topic, message)
+            work = self._hub.broker.preparation(self, topic, operation.get("msg", {}))
+            outgoing = yield work
             self._hub.broker.deliver(self, topic, outgoing)
         except ProtocolError as error:
             self._drop(str(error), value.get("id"))

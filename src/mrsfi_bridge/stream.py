@@ -4,6 +4,8 @@
 which is nearly all that a client and a rosbridge server send, are cut out here, as in C.
 """
 
+import os
+import struct
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
@@ -24,6 +26,7 @@ _END_OF_HEAD = b"\r\n\r\n"
 _WHOLE_TEXT = 0x80 | OP_TEXT
 _MASKED = 0x80
 _MASK_BYTES = 4
+_MASKS_DRAWN = 1024
 _LENGTH_BYTES = {126: 2, 127: 8}
 """How many bytes a greater length of a frame takes, by what stands in the place of a small one."""
 
@@ -47,6 +50,8 @@ class Stream:
         self._tail = b""
         self._waiting = bytearray()
         self._parts = bytearray()
+        self._said: list[bytes] = []
+        self._masks: Iterator[bytes] = iter(())
         self._is_text = True
         self._is_whole = True
 
@@ -65,6 +70,26 @@ class Stream:
     def n_bytes(self) -> int:
         """What came of messages that are not whole yet."""
         return len(self._waiting) + len(self._parts) + len(self.protocol.reader.buffer)
+
+    def send_text(self, content: bytes) -> None:
+        """Say a text, as a client; ``data_to_send`` has it."""
+        mask = next(self._masks, None)
+        if mask is None:  # a call of the system for each takes longer than all the rest
+            self._masks = _masks()
+            mask = next(self._masks)
+        n_bytes = len(content)
+        if n_bytes < 126:
+            head = struct.pack("!BB", _WHOLE_TEXT, _MASKED | n_bytes)
+        elif n_bytes < 1 << 16:
+            head = struct.pack("!BBH", _WHOLE_TEXT, _MASKED | 126, n_bytes)
+        else:
+            head = struct.pack("!BBQ", _WHOLE_TEXT, _MASKED | 127, n_bytes)
+        self._said += head, mask, apply_mask(content, mask)
+
+    def data_to_send(self) -> list[bytes]:
+        """Return what is to be written, in parts; an empty one last ends the connection."""
+        said, self._said = self._said, []
+        return [*said, *self.protocol.data_to_send()]
 
     def receive(self, data: bytes | memoryview) -> Iterator[Event]:
         """Take bytes; yield what they complete, one after the other."""
@@ -140,6 +165,12 @@ class Stream:
                 if event.fin:
                     content, self._parts = self._parts, bytearray()
                     yield Message(content, self._is_text)
+
+
+def _masks() -> Iterator[bytes]:
+    """Yield some masks that nobody can guess."""
+    drawn = os.urandom(_MASKS_DRAWN * _MASK_BYTES)
+    return (drawn[start : start + _MASK_BYTES] for start in range(0, len(drawn), _MASK_BYTES))
 
 
 def client_stream(url: str, headers: Mapping[str, str]) -> Stream:

@@ -1,7 +1,7 @@
 """Values as JSON and back: by ``orjson`` where that is installed, which is faster.
 
 What is written in C lets no other thread run meanwhile. Of what is large, ``to_large_json`` and
-``from_large_json`` do a part at a time.
+``LARGE_DECODER`` do a part at a time.
 """
 
 import json
@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from json.decoder import JSONArray, JSONObject  # type: ignore[attr-defined]
+from json.encoder import c_make_encoder, encode_basestring_ascii  # type: ignore[attr-defined]
 from json.scanner import py_make_scanner  # type: ignore[attr-defined]
 from typing import Any
 
@@ -22,7 +23,15 @@ _PART = 1 << 14
 
 _PART_LETTERS = 1 << 17
 _NUMBERS = re.compile(r"[-+0-9.eE,\s]*")
-_ENCODE = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=dict).encode
+if c_make_encoder is None:
+    _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=dict).encode
+else:  # the same, which makes what encodes anew for each value
+    _PARTS = c_make_encoder(
+        None, dict, encode_basestring_ascii, None, ":", ",", False, False, False
+    )
+
+    def _encode(o: Any) -> str:
+        return "".join(_PARTS(o, 0))
 
 
 def to_json(value: Any) -> bytes:
@@ -32,9 +41,9 @@ def to_json(value: Any) -> bytes:
             content: bytes = orjson.dumps(value, default=dict)
             return content
     try:
-        return _ENCODE(value).encode()
+        return _encode(value).encode()
     except ValueError:
-        return _ENCODE(_finite(value)).encode()
+        return _encode(_finite(value)).encode()
 
 
 def from_json(content: bytes | bytearray | str) -> Any:

@@ -99,7 +99,7 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore
 
     def _send(self, payload: bytes) -> None:
         if self._stream.is_open:
-            self._stream.protocol.send_text(payload)
+            self._stream.send_text(payload)
             if not self._is_due:
                 self._is_due = True
                 self._loop.call_soon(self._flush)
@@ -112,7 +112,7 @@ class WireProtocol(RosBridgeProtocol, asyncio.BufferedProtocol):  # type: ignore
     def _flush(self) -> bool:
         """Write what waits, in one go; return whether anything did."""
         self._is_due = False
-        data = self._stream.protocol.data_to_send()
+        data = self._stream.data_to_send()
         if data and not self._transport.is_closing():
             self._transport.write(b"".join(data))
             if not data[-1]:
