@@ -19,7 +19,7 @@ import cbor2
 from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
 from mrsfi_bridge.definitions import SCALAR, TIMES, VARIABLE, Field
-from mrsfi_bridge.structures import BYTE_ARRAYS, Structure, now
+from mrsfi_bridge.structures import BYTE_ARRAYS, Ready, Structure, now
 from mrsfi_bridge.texts import to_json, to_large_json
 
 _MAX_FRAGMENTS = 4096
@@ -157,6 +157,15 @@ def text_frames(
         for number, start in enumerate(starts)
     )
     return b"".join(_frame(OP_TEXT, to_json(each)) for each in fragments)
+
+
+def as_service_json(operation: dict[str, Any]) -> bytes:
+    """Return a call or an answer as JSON, of which request or response may be encoded already."""
+    name, part = next((each for each in operation.items() if type(each[1]) is Ready), ("", None))
+    if part is None:
+        return to_json(operation)
+    others = to_json({key: value for key, value in operation.items() if key != name})
+    return b'%s,"%s":%s}' % (others[:-1], name.encode(), part.json)
 
 
 def png(content: bytes) -> str:

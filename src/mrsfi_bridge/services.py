@@ -7,8 +7,9 @@ from itertools import count
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.errors import ProtocolError
-from mrsfi_bridge.protocol import check_name
+from mrsfi_bridge.protocol import absolute, check_name
 from mrsfi_bridge.settings import Limits
+from mrsfi_bridge.structures import Ready, Structure
 from mrsfi_bridge.type_table import ServiceType, TypeTable
 
 Ask: TypeAlias = Callable[[str, dict[str, Any]], None]
@@ -103,7 +104,7 @@ class Services:
             reply(False, f"{self._limits.uses} of your calls are under way, the limit")
             return
         try:
-            request = service.type.request.convert(_named(arguments, service.type))
+            request = _converted(service.type.request, _named(arguments, service.type))
         except ProtocolError as error:
             reply(False, f"request of service {name}: {error}")
             return
@@ -115,6 +116,23 @@ class Services:
         self._n_calls[caller] += 1
         service.ask(call_id, request)
 
+    def preparation(self, operation: dict[str, Any]) -> Callable[[], Ready] | None:
+        """Return what makes a large request or response ready, in any thread, if it is wanted.
+
+        ``call`` and ``respond`` take what comes of it, or the error, in its place.
+        """
+        if operation["op"] == "call_service":
+            service = self.services.get(absolute(operation["service"].partition("#")[0]))
+            arguments = operation.get("args") or {}
+            if service is None:
+                return None
+            return lambda: Ready(service.type.request, _named(arguments, service.type))
+        call = self._calls.get(operation["id"])
+        values = operation.get("values")
+        if call is None or not isinstance(values, dict):
+            return None
+        return lambda: Ready(call.type.response, values)
+
     def respond(self, owner: Hashable, call_id: Any, values: Any) -> None:
         """Pass the response of a provider to the caller.
 
@@ -123,7 +141,7 @@ class Services:
         """
         call = self._taken(owner, call_id)
         try:
-            response = call.type.response.convert(values)
+            response = _converted(call.type.response, values)
         except ProtocolError as error:
             reason = f"response of service {call.service}: {error}"
             call.reply(False, reason)
@@ -166,6 +184,13 @@ class Services:
         call.timer.cancel()
         self._n_calls[call.caller] -= 1
         return call
+
+
+def _converted(structure: Structure, value: Any) -> dict[str, Any]:
+    """Return a request or response in normal form, or raise why it was refused before."""
+    if isinstance(value, ProtocolError):
+        raise value
+    return structure.convert(value)
 
 
 def _named(arguments: Any, service_type: ServiceType) -> Any:

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, TypeAlias
 
 from mrsfi_bridge.broker import Broker
-from mrsfi_bridge.encodings import text_frames
+from mrsfi_bridge.encodings import PLAIN, as_service_json, text_frames
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import (
     Fragments,
@@ -37,6 +37,9 @@ LOGGER = logging.getLogger("mrsfi.bridge")
 LEVELS = ("info", "warning", "error", "none")
 LARGE = 1 << 17
 """Letters from which on a text is carried out step by step."""
+
+_LARGE = ("publish", "call_service", "service_response")
+"""Operations that may hold much."""
 
 Work: TypeAlias = Callable[[], Any]
 """What takes long."""
@@ -137,7 +140,7 @@ class Session:
         values = yield partial(list, several(text, refused.append))
         for value in values:
             op = value.get("op") if isinstance(value, dict) else None
-            if op == "fragment" or (op == "publish" and len(values) == 1):
+            if op == "fragment" or (op in _LARGE and len(values) == 1):
                 yield from self._carry_out_large(value)
             else:
                 self._carry_out(value)
@@ -154,7 +157,7 @@ class Session:
             self._drop(str(error), value.get("id") if isinstance(value, dict) else None)
 
     def _carry_out_large(self, value: dict[str, Any]) -> Generator[Work | None, Any, None]:
-        """Carry out a large publish, or what a fragment completes, step by step."""
+        """Carry out an operation that may hold much, or what a fragment completes, step by step."""
         self._hub.counts.received += 1
         try:
             operation = check_operation(value)
@@ -162,12 +165,25 @@ class Session:
                 text = self.fragments.add(operation)
                 yield from () if text is None else self.steps(text)
                 return
+            if operation["op"] != "publish":
+                yield from self._serve_large(operation)
+                return
             topic = self._joined(operation)
             work = self._hub.broker.preparation(self, topic, operation.get("msg", {}))
             outgoing = yield work
             self._hub.broker.deliver(self, topic, outgoing)
         except ProtocolError as error:
             self._drop(str(error), value.get("id"))
+
+    def _serve_large(self, operation: Operation) -> Generator[Work, Any, None]:
+        work = self._hub.services.preparation(operation)
+        if work is not None:
+            name = "args" if operation["op"] == "call_service" else "values"
+            try:
+                operation[name] = yield work
+            except ProtocolError as error:
+                operation[name] = error  # for the caller to hear of
+        self._operations[operation["op"]](operation)
 
     def leave(self) -> None:
         """End everything that the client does."""
@@ -262,7 +278,8 @@ class Session:
             answer["id"] = call_id
 
         def reply(is_ok: bool, values: Any) -> None:
-            self._send(text_frames({**answer, "values": values, "result": is_ok}, encoding))
+            told = {**answer, "values": values, "result": is_ok}
+            self._send(text_frames(told, encoding, as_service_json))
 
         arguments = operation.get("args")
         if arguments is None:
@@ -284,7 +301,7 @@ class Session:
 
         def ask(call_id: str, request: dict[str, Any]) -> None:
             call = {"op": "call_service", "id": call_id, "service": name, "args": request}
-            self._send(text_frames(call))
+            self._send(text_frames(call, PLAIN, as_service_json))
 
         if self._hub.services.advertise(self, absolute(name), operation["type"], ask):
             self.status("warning", f"service '{name}' had another provider before you")

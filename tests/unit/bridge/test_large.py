@@ -107,3 +107,70 @@ def test_many_operations_of_one_text_leave_others_their_turns():
     assert len(peer.take()) == n
     assert hub.counts.dropped == 1
     assert parse_frames(b"") == []
+
+
+def called(type_name, **request):
+    """Return a caller, and a provider that has its call."""
+    hub, _ = new_hub()
+    provider, caller = Peer(hub), Peer(hub)
+    provider.tell(op="advertise_service", service="/s", type=type_name)
+    caller.tell(op="call_service", service="/s#7", args=request)
+    return caller, provider
+
+
+def test_a_large_request_reaches_its_provider_as_a_small_one_does():
+    caller, provider = called("rosapi/SetParam", name="n", value="é" * LARGE)
+
+    (call,) = provider.take()
+    provider.tell(op="service_response", service="/s", id=call["id"], values={}, result=True)
+
+    assert call == {
+        "op": "call_service",
+        "id": call["id"],
+        "service": "/s",
+        "args": {"name": "n", "value": "é" * LARGE},
+    }
+    (answer,) = caller.take()
+    assert answer["result"] is True
+
+
+@pytest.mark.parametrize(
+    ("values", "result", "expected"),
+    [
+        ({"success": True, "message": "x" * LARGE}, True, (True, "x" * LARGE)),
+        ({"success": True, "message": "x" * LARGE}, False, (True, "x" * LARGE)),
+        ("no" * LARGE, False, (False, "no" * LARGE)),
+        ({"success": 5, "message": "x" * LARGE}, True, (False, "found 5, expected true or false")),
+    ],
+)
+def test_a_large_answer_is_what_a_small_one_would_be(values, result, expected):
+    caller, provider = called("std_srvs/Trigger")
+    (call,) = provider.take()
+
+    provider.tell(op="service_response", service="/s", id=call["id"], values=values, result=result)
+
+    (answer,) = caller.take()
+    is_ok, told = expected
+    assert (answer["id"], answer["service"], answer["result"]) == ("7", "/s#7", is_ok)
+    if is_ok:
+        assert answer["values"] == {"success": True, "message": told}
+    else:
+        assert told in answer["values"]
+
+
+def test_a_large_request_that_is_wrong_is_answered_with_the_reason():
+    caller, provider = called("rosapi/SetParam", name=5, value="x" * LARGE)
+
+    (answer,) = caller.take()
+    assert answer["result"] is False
+    assert "request of service /s: field 'name': found 5, expected text" in answer["values"]
+    assert provider.take() == []
+
+
+def test_a_large_call_of_nobodys_service_is_answered():
+    hub, _ = new_hub()
+    caller = Peer(hub)
+
+    caller.tell(op="call_service", service="/none", args={"name": "x" * LARGE}, id="1")
+
+    assert "Service /none does not exist" in caller.take()[0]["values"]
