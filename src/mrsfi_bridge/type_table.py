@@ -1,23 +1,40 @@
-"""The message and service types that the server knows, read from definition files.
+"""The message and service types that the server knows: those of folders, and of ``rosbags``.
 
 A folder of definitions holds ``PACKAGE/msg/TYPE.msg`` and ``PACKAGE/srv/TYPE.srv``, as ROS
 packages do. Types are named ``PACKAGE/TYPE`` or ``PACKAGE/msg/TYPE``.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from mrsfi_bridge.definitions import parse_message, parse_service
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, get_typestore
+
+from mrsfi_bridge.definitions import (
+    SCALAR,
+    TIMES,
+    VARIABLE,
+    Constant,
+    Definition,
+    Field,
+    parse_message,
+    parse_service,
+)
 from mrsfi_bridge.errors import ProtocolError, SettingsError
 from mrsfi_bridge.structures import Structure
 
 STANDARD = Path(__file__).parent / "types"
-"""Definitions that come with the server."""
+"""Definitions that come with the server: services, and messages that ``rosbags`` lacks."""
 
 _NAME = re.compile(r"([A-Za-z]\w*)/(?:(?:msg|srv)/)?([A-Za-z]\w*)", re.ASCII)
 _MAX_SHOWN = 80
+_NO_FIELD = "structure_needs_at_least_one_member"
+_BASES = {"octet": "byte"}
+_TIMES = {f"builtin_interfaces/msg/{name.capitalize()}": name for name in TIMES}
+"""How ``rosbags`` names what ROS 1 has as types of its own."""
 
 
 class ServiceType(NamedTuple):
@@ -31,8 +48,9 @@ class ServiceType(NamedTuple):
 class TypeTable:
     """Types by name; a definition is read when its type is first asked for.
 
-    Of the user's ``folders`` the first that has a type wins; those that come with the server are
-    the last resort. An unknown type is a ``ProtocolError``, a wrong definition a ``SettingsError``.
+    Of the user's ``folders`` the first that has a type wins; those that come with the server, and
+    the messages of ROS 1 Noetic, are the last resort. An unknown type is a ``ProtocolError``, a
+    wrong definition a ``SettingsError``.
     """
 
     def __init__(self, folders: Sequence[Path] = ()) -> None:
@@ -84,22 +102,58 @@ class TypeTable:
             raise SettingsError(
                 f"type {name} contains itself: {' in '.join((name, *reversed(self._open)))}"
             )
-        path = self._find(name, "msg")
+        path = self._path(name, "msg")
+        known = _standard_message(name) if path is None else None
         self._open.append(name)
         try:
+            if known is not None:
+                return Structure(known, self.message)
+            path = self._find(name, "msg")
             return Structure(parse_message(name, _text(path).splitlines(), path), self.message)
         finally:
             self._open.pop()
 
-    def _find(self, name: str, kind: str) -> Path:
+    def _path(self, name: str, kind: str) -> Path | None:
         package, _, type_name = name.partition("/")
-        for folder in self._folders:
-            path = folder / package / kind / f"{type_name}.{kind}"
-            if path.is_file():
-                return path
+        paths = (folder / package / kind / f"{type_name}.{kind}" for folder in self._folders)
+        return next((path for path in paths if path.is_file()), None)
+
+    def _find(self, name: str, kind: str) -> Path:
+        path = self._path(name, kind)
+        if path is not None:
+            return path
+        package, _, type_name = name.partition("/")
         noun = "message" if kind == "msg" else "service"
         file = f"{package}/{kind}/{type_name}.{kind}"
         raise ProtocolError(f"unknown {noun} type '{name}'; add {file} to a folder of --types")
+
+
+def _standard_message(name: str) -> Definition | None:
+    """Return a message of ROS 1 Noetic, if there is one of this name."""
+    found = _noetic().get(name.replace("/", "/msg/"))
+    if found is None:
+        return None
+    constants, fields = found
+    return Definition(
+        name,
+        tuple(Field(field, *_typed(*node)) for field, node in fields if field != _NO_FIELD),
+        tuple(Constant(constant, str(value)) for constant, _, value in constants),
+    )
+
+
+@cache
+def _noetic() -> Mapping[str, Any]:
+    return get_typestore(Stores.ROS1_NOETIC).fielddefs
+
+
+def _typed(kind: Nodetype, found: Any) -> tuple[str, int]:
+    """Return type and length of a field."""
+    if kind in {Nodetype.ARRAY, Nodetype.SEQUENCE}:
+        element, length = found
+        return _typed(*element)[0], length if kind is Nodetype.ARRAY else VARIABLE
+    if kind is Nodetype.BASE:
+        return _BASES.get(found[0], found[0]), SCALAR
+    return _TIMES.get(found, found.replace("/msg/", "/")), SCALAR
 
 
 def full_name(name: str) -> str:

@@ -9,12 +9,12 @@ https://mcap.dev/spec/registry, schema encoding ``ros2msg``.
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from importlib.resources import files
 from types import MappingProxyType
 from typing import IO, TypeAlias
 
 from mcap.records import Schema
 from mcap_ros2.writer import Writer
+from rosbags.typesys import Stores, get_typestore
 
 from mrsfi_runtime.cosimulation.lockstep_topics import CLOCK
 from mrsfi_runtime.cosimulation.team_topics import RobotTopics, SensorTopics
@@ -48,7 +48,6 @@ _LEVELS: Mapping[Kind, int] = MappingProxyType(
 )
 """Severities of ``rcl_interfaces/Log``: DEBUG, WARN and ERROR."""
 
-_RULE = "=" * 80  # between definitions
 _SECOND = 1_000_000_000  # nanoseconds
 
 
@@ -74,6 +73,7 @@ class Bag:
         self._goals = [f"/goals/{plain_name(goal)}" for goal in mission.goal_ids]
         self._known: dict[str, Message] = {}
         self._writer = Writer(stream)
+        self._types = get_typestore(Stores.ROS2_HUMBLE)
         self._schema = cache(self._registered)
 
     def __call__(self, world: State, belief: State, verdicts: Verdicts) -> None:
@@ -111,7 +111,8 @@ class Bag:
         self._writer.write_message(topic.name, schema, message, tick * _SECOND)
 
     def _registered(self, name: str) -> Schema:
-        return self._writer.register_msgdef(name.replace("/", "/msg/"), _definition(name))
+        full = name.replace("/", "/msg/")
+        return self._writer.register_msgdef(full, self._types.generate_msgdef(full, 2)[0])
 
     def _reported(self, world: State) -> Iterator[Said]:
         """Yield what the simulation says on the bus."""
@@ -194,25 +195,3 @@ def _logged(time: Message, event: Event) -> Message:
         "name": event.kind.value,
         "msg": str(event),
     }
-
-
-def _definition(name: str) -> str:
-    """Return the definition of a message, ``std_msgs/Bool``, and after it those of all in it."""
-    nested = list(dict.fromkeys(_nested(name)))
-    parts = [_definitions()[name], *(f"MSG: {each}\n{_definitions()[each]}" for each in nested)]
-    return f"{_RULE}\n".join(parts)
-
-
-def _nested(name: str) -> Iterator[str]:
-    for line in _definitions()[name].splitlines():
-        kind = line.split()[0].removesuffix("[]")
-        if "/" in kind:
-            yield kind
-            yield from _nested(kind)
-
-
-@cache
-def _definitions() -> Mapping[str, str]:
-    text = files(__package__).joinpath("interfaces.msg").read_text(encoding="utf-8")
-    _, *parts = text.split(f"{_RULE}\nMSG: ")
-    return {name: fields for name, _, fields in (part.partition("\n") for part in parts)}
