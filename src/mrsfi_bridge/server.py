@@ -394,15 +394,21 @@ class BridgeServer:
         self.n_held_bytes -= self._held.pop(connection, 0)
 
     def beside(self, work: Work, on_done: Callable[[Any, BaseException | None], None]) -> None:
-        """Have something done in another thread, and a function told what came of it."""
+        """Have something done in another thread, and a function told what came of it.
+
+        Of a server that ends, nothing comes any more.
+        """
 
         def done(future: Future[Any]) -> None:
+            if future.cancelled():
+                return
             error = future.exception()
             result = None if error else future.result()
             with suppress(RuntimeError):  # the loop has ended
                 self._loop.call_soon_threadsafe(on_done, result, error)
 
-        self._thread.submit(work).add_done_callback(done)
+        with suppress(RuntimeError):  # the server has ended
+            self._thread.submit(work).add_done_callback(done)
 
     def tell_clients(self) -> None:
         """Publish who is connected."""

@@ -403,6 +403,19 @@ def test_what_is_large_comes_in_its_turn_and_lets_others_have_theirs():
     assert [each for each in lengths if each != 200_000] == [300_000, 1] * 3
 
 
+def test_a_server_ends_amid_large_messages_without_a_word(caplog):
+    numbers = {"data": [1.5] * 300_000}
+    with bridge() as server, ExitStack() as stack:
+        for _ in range(4):
+            peer = stack.enter_context(client(server))
+            peer.send("advertise", topic="/n", type="std_msgs/Float64MultiArray")
+            for _ in range(3):
+                peer.send("publish", topic="/n", msg=numbers)
+        server.close()
+
+    assert [each for each in caplog.records if each.levelname in {"ERROR", "CRITICAL"}] == []
+
+
 def test_a_service_call_times_out():
     with bridge(replace(Limits(), service_s=0.2)) as server, client(server) as peer:
         peer.send("advertise_service", service="/s", type="std_srvs/Empty")
