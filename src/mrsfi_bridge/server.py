@@ -241,7 +241,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _go_on(self, result: Any = None, error: BaseException | None = None) -> None:
         """Carry out texts that wait, as long as it is this client's turn."""
-        self._heard = self._now()  # nor is anything heard while it lasts
+        self._heard, self._pinged = self._now(), None  # no pong is read while it lasts
         end = self._heard + _TURN_S
         while self._session is not None and (self._steps is not None or self._texts):
             if self._steps is None:
