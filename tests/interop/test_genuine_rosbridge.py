@@ -79,7 +79,14 @@ class Asked:
         _send(client, {"op": "call_service", "service": "/rosapi/get_time", "id": "the end"})
         while "the end" not in str(found := client.recv(timeout=10.0)):
             told.append(found)
-        return [one if isinstance(one, str) else f"BIN:{len(one)}:{one[:60]!r}" for one in told]
+        return [
+            one if isinstance(one, str) else f"BIN:{len(one)}:{_shown(one[:60])}" for one in told
+        ]
+
+
+def _shown(content: bytes) -> str:
+    """Return bytes in single quotes, whichever quotes are among them."""
+    return "b'" + repr(b'"' + content).removeprefix("b'\"")
 
 
 def _send(client: ClientConnection, *messages: Any) -> None:
