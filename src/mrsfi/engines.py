@@ -63,6 +63,7 @@ def recorded_engine(settings: EngineSettings) -> EngineRecord:
     return EngineRecord(
         settings.name,
         url=None if settings.url is None else without_token(settings.url),
+        ros=settings.ros,
         client=settings.client,
         side=BOTH if settings.has_simulation else CI,
         is_bundled=settings.is_bundled,

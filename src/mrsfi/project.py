@@ -7,6 +7,7 @@ A file ``mrsfi.toml`` at the root of a project says so; commands find it from an
     models = "models"
     generated = "generated"
     runs = "runs"
+    ros = 1
 
 What it leaves out has these values. Without such a file the working folder is the root.
 """
@@ -17,8 +18,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from mrsfi_runtime.errors import UsageError
+from mrsfi_runtime.transport.dialect import ROS_VERSIONS
 
 SETTINGS = "mrsfi.toml"
 _FOLDERS = ("metamodels", "models", "generated", "runs")
@@ -31,13 +34,15 @@ _CHOSEN = "MRSFI_METAMODELS"
 class Project:
     """The folders of a project, each as short as a user would write it.
 
-    ``metamodels`` are those of the team; ``None`` if the project has none.
+    ``metamodels`` are those of the team; ``None`` if the project has none. ``ros`` is the version
+    of ROS that its rosbridge server speaks.
     """
 
     models: Path
     generated: Path
     runs: Path
     metamodels: Path | None
+    ros: int
 
 
 def project() -> Project:
@@ -56,7 +61,11 @@ def project() -> Project:
             f"{' and '.join(_METAMODELS)}"
         )
     return Project(
-        found["models"], found["generated"], found["runs"], metamodels if has_own else None
+        found["models"],
+        found["generated"],
+        found["runs"],
+        metamodels if has_own else None,
+        given.get("ros", 1),
     )
 
 
@@ -86,7 +95,7 @@ def metamodels_chosen() -> Iterator[None]:
             del os.environ[_CHOSEN]
 
 
-def _settings(file: Path) -> dict[str, str]:
+def _settings(file: Path) -> dict[str, Any]:
     """Return what a settings file says, name by name."""
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -97,12 +106,20 @@ def _settings(file: Path) -> dict[str, str]:
         if name != "project" or not isinstance(table, dict):
             raise UsageError(f"{file}: found '{name}'; expected one table, [project]")
     for name, value in table.items():
-        if name not in _FOLDERS:
-            expected = ", ".join(_FOLDERS)
-            raise UsageError(f"{file}: found '{name}'; expected one of {expected}")
-        if not isinstance(value, str) or not value:
-            raise UsageError(f"{file}: found {name} = {value!r}; expected the name of a folder")
+        _require(file, name, value)
     return dict(table)
+
+
+def _require(file: Path, name: str, value: Any) -> None:
+    """Refuse a setting that means nothing."""
+    if name == "ros":
+        if type(value) is not int or value not in ROS_VERSIONS:
+            raise UsageError(f"{file}: found ros = {value!r}; expected 1 or 2")
+    elif name not in _FOLDERS:
+        expected = ", ".join((*_FOLDERS, "ros"))
+        raise UsageError(f"{file}: found '{name}'; expected one of {expected}")
+    elif not isinstance(value, str) or not value:
+        raise UsageError(f"{file}: found {name} = {value!r}; expected the name of a folder")
 
 
 def from_here(path: Path) -> Path:

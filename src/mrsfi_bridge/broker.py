@@ -103,24 +103,21 @@ class Broker:
             raise ProtocolError(f"topic '{name}' carries {topic.structure.name} by now")
         if publication.is_latched:
             self._latch(topic, publication, outgoing)
-        for subscriber in tuple(topic.subscribers.values()):
-            subscriber.receive(outgoing)
+        self._pass_on(topic, outgoing)
 
     def subscribe(
         self, client: Hashable, name: str, type_name: str | None, subscriber: Subscriber
     ) -> None:
-        """Have a client receive what is published on a topic, and at once what is latched.
+        """Have a client receive what is published on a topic, and at once what is kept of before.
 
-        A client that subscribes again gets what is latched only once. What ``advertise`` refuses
+        A client that subscribes again gets what is kept only once. What ``advertise`` refuses
         is refused here, too.
         """
         topic = self._topic(name, type_name)
         is_known = client in topic.subscribers
         topic.subscribers[client] = subscriber
-        latched = [publication.last for publication in topic.publishers.values()]
-        for outgoing in latched:
-            if outgoing is not None and not is_known:
-                subscriber.receive(outgoing)
+        for outgoing in () if is_known else self._kept(topic):
+            subscriber.receive(outgoing)
 
     def unsubscribe(self, client: Hashable, name: str) -> None:
         """End the subscription of a client to a topic."""
@@ -133,6 +130,16 @@ class Broker:
         for name in tuple(self.topics):
             self.unadvertise(client, name)
             self.unsubscribe(client, name)
+
+    def _pass_on(self, topic: Topic, outgoing: Outgoing) -> None:
+        """Give a message to all who subscribe now."""
+        for subscriber in tuple(topic.subscribers.values()):
+            subscriber.receive(outgoing)
+
+    def _kept(self, topic: Topic) -> list[Outgoing]:
+        """Return what those get who subscribe later: what is latched."""
+        lasts = (publication.last for publication in topic.publishers.values())
+        return [last for last in lasts if last is not None]
 
     def _published(self, client: Hashable, name: str) -> tuple[Topic, Publication]:
         """Return a topic that a client publishes on."""

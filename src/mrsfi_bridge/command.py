@@ -17,14 +17,15 @@ _MEBI = 1 << 20
 
 _HELP = """Run a rosbridge server, for simulators and collective intelligences that meet on it.
 
-It speaks the rosbridge v2 protocol of ROS 1 and needs no ROS: roslibpy, roslib.js and every
-other rosbridge client can connect. Its URL is printed to standard output, its log goes to
+It speaks the rosbridge v2 protocol of ROS 1 or ROS 2 and needs no ROS: roslibpy, roslib.js and
+every other rosbridge client can connect. Its URL is printed to standard output, its log goes to
 standard error. It runs until it is interrupted (exit code 130) or terminated (0).
 
 \b
 Examples:
   {program}
   {program} --port 0                    any free port; read it from standard output
+  {program} --ros 2                     as rosbridge_suite on ROS 2 Jazzy answers
   {program} --types my_robots/          definitions in my_robots/PACKAGE/msg/TYPE.msg
   {program} --origin http://ui.example  a web page that may connect
   MRSFI_BRIDGE_TOKEN=… {program} --host 0.0.0.0 --public
@@ -42,6 +43,11 @@ _OPTIONS = (
         default=9090,
         show_default=True,
         help="Port to bind; 0 takes any free one.",
+    ),
+    click.option(
+        "--ros",
+        type=click.Choice(["1", "2"]),
+        help="Version of ROS whose server it is like [default: the project's, or 1].",
     ),
     click.option("--public", "is_public", is_flag=True, help="Let other machines connect."),
     click.option(
@@ -104,13 +110,19 @@ _OPTIONS = (
 )
 
 
-def bridge_command(program: str, run: Callable[[ServerSettings], None]) -> click.Command:
-    """Return the command that has ``run`` run a server; the last word of ``program`` names it."""
+def bridge_command(
+    program: str, run: Callable[[ServerSettings], None], ros_unasked: Callable[[], int] = lambda: 1
+) -> click.Command:
+    """Return the command that has ``run`` run a server; the last word of ``program`` names it.
+
+    ``ros_unasked`` says of which version of ROS it is, unless the command line does.
+    """
 
     def callback(  # noqa: PLR0913 - one parameter per option
         host: str,
         port: int,
         *,
+        ros: str | None,
         is_public: bool,
         token: str | None,
         origins: tuple[str, ...],
@@ -131,7 +143,8 @@ def bridge_command(program: str, run: Callable[[ServerSettings], None]) -> click
             topics=max_topics,
             service_s=service_timeout,
         )
-        run(ServerSettings(host, port, is_public, token, origins, TypeTable(folders), limits))
+        types = TypeTable(folders, int(ros or ros_unasked()))
+        run(ServerSettings(host, port, is_public, token, origins, types, limits))
 
     for option in reversed(_OPTIONS):
         callback = option(callback)

@@ -115,6 +115,8 @@ class EmbeddedBridge:
 
     Attributes
     ----------
+    ros
+        Version of ROS whose server it is like.
     url
         Where clients connect, once started.
     failed
@@ -123,6 +125,7 @@ class EmbeddedBridge:
 
     def __init__(self, settings: ServerSettings | None = None) -> None:
         self._settings = settings or ServerSettings()
+        self.ros = self._settings.types.ros
         self._loop: asyncio.AbstractEventLoop | None = None
         self._server: BridgeServer | None = None
         self._stop: asyncio.Event | None = None

@@ -4,21 +4,22 @@ References
 ----------
 https://github.com/RobotWebTools/rosbridge_suite/blob/ros1/ROSBRIDGE_PROTOCOL.md, sections 3.1
 and 3.2. RFC 8949 (CBOR), RFC 8746 (typed arrays); what ROS nodes send each other:
-http://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes.
+http://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes, and CDR of the Object
+Management Group.
 """
 
 import base64
 import math
 import struct
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Sequence
 from itertools import count
 from typing import Any, NamedTuple, TypeAlias
 
 import cbor2
 from websockets.frames import OP_BINARY, OP_TEXT, Opcode
 
-from mrsfi_bridge.definitions import SCALAR, TIMES, VARIABLE, Field
+from mrsfi_bridge.definitions import SCALAR, TEXTS, TIMES, VARIABLE, Field
 from mrsfi_bridge.structures import BYTE_ARRAYS, Ready, Structure, now
 from mrsfi_bridge.texts import to_json, to_large_json
 
@@ -42,6 +43,9 @@ _FORMATS = {
     "float64": "d",
 }
 """Formats of ``struct``; both binary forms are little-endian."""
+
+_CDR = b"\0\1\0\0"
+"""Says that little-endian CDR follows."""
 
 _TAGS = {
     "uint16": 69,
@@ -122,7 +126,7 @@ class Outgoing:
 
     def number(self, seq: int) -> None:
         """Give its header, if it has one, a number, whatever the client says."""
-        if self.structure.has_header:
+        if self.structure.is_numbered:
             self.message["header"]["seq"] = seq
 
     def _encode(
@@ -213,8 +217,10 @@ def _tagged(structure: Structure, message: dict[str, Any]) -> dict[str, Any]:
 
 
 def _packed(structure: Structure, message: dict[str, Any]) -> bytes:
-    """Return a message as ROS nodes send it to each other."""
-    return b"".join(_packed_parts(structure, message))
+    """Return a message as ROS nodes send it to each other: in ROS 2 as CDR."""
+    packer = _Packer(is_cdr=structure.ros != 1)
+    packer.add_message(structure, message)
+    return bytes(packer.content) if structure.ros == 1 else _CDR + packer.content
 
 
 def _tagged_field(field: Field, structure: Structure, value: Any) -> Any:
@@ -230,37 +236,53 @@ def _tagged_field(field: Field, structure: Structure, value: Any) -> Any:
     return value
 
 
-def _packed_parts(structure: Structure, message: dict[str, Any]) -> Iterator[bytes]:
-    for field in structure.definition.fields:
-        value = message[field.name]
-        nested = structure.nested.get(field.type)
-        if field.length == SCALAR:
-            yield _packed_one(field.type, nested, value)
-            continue
-        content = base64.b64decode(value) if field.type in BYTE_ARRAYS else value
+class _Packer:
+    """Puts what ROS nodes send to each other together, in ``content``."""
+
+    def __init__(self, *, is_cdr: bool) -> None:
+        self._is_cdr = is_cdr
+        self.content = bytearray()
+
+    def add_message(self, structure: Structure, message: dict[str, Any]) -> None:
+        """Add the fields of a message."""
+        for field in structure.definition.fields:
+            value, nested = message[field.name], structure.nested.get(field.type)
+            if field.length == SCALAR:
+                self._add(field.type, nested, value)
+            else:
+                self._add_array(field, nested, value)
+        if self._is_cdr and not structure.definition.fields:
+            self.content.append(0)  # every type has a member there
+
+    def _add_array(self, field: Field, nested: Structure | None, value: Any) -> None:
+        values = base64.b64decode(value) if field.type in BYTE_ARRAYS else value
         if field.length == VARIABLE:
-            yield struct.pack("<I", len(content))
-        if isinstance(content, bytes):
-            yield content
-        elif field.type in _FORMATS:
-            yield _packed_numbers(field.type, content)
+            self._add_numbers("uint32", [len(values)])
+        if field.type in _FORMATS:
+            self._add_numbers(field.type, values)
         else:
-            yield from (_packed_one(field.type, nested, element) for element in content)
+            for each in values:
+                self._add(field.type, nested, each)
+
+    def _add(self, type_name: str, nested: Structure | None, value: Any) -> None:
+        if nested is not None:
+            self.add_message(nested, value)
+        elif type_name in TEXTS:
+            text = value.encode() + bytes(self._is_cdr)
+            self._add_numbers("uint32", [len(text)])
+            self.content += text
+        elif type_name in TIMES:
+            self._add_numbers("uint32" if type_name == "time" else "int32", [*value.values()])
+        else:
+            self._add_numbers(type_name, [value])
+
+    def _add_numbers(self, type_name: str, values: Sequence[Any]) -> None:
+        if self._is_cdr and values:
+            self.content += bytes(-len(self.content) % struct.calcsize(_FORMATS[type_name]))
+        self.content += _packed_numbers(type_name, values)
 
 
-def _packed_one(type_name: str, nested: Structure | None, value: Any) -> bytes:
-    if nested is not None:
-        return _packed(nested, value)
-    if type_name == "string":
-        content: bytes = value.encode()
-        return struct.pack("<I", len(content)) + content
-    if type_name in TIMES:
-        part = "I" if type_name == "time" else "i"
-        return struct.pack(f"<{part}{part}", value["secs"], value["nsecs"])
-    return _packed_numbers(type_name, [value])
-
-
-def _packed_numbers(type_name: str, values: list[Any]) -> bytes:
+def _packed_numbers(type_name: str, values: Sequence[Any]) -> bytes:
     if type_name == "float32":
         values = [_single(value) for value in values]
     return struct.pack(f"<{len(values)}{_FORMATS[type_name]}", *values)

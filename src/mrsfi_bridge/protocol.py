@@ -37,6 +37,7 @@ _TEXT = _Field((str,))
 _NAME = _Field((str,), is_required=True)
 _SOME = _Field((int, type(None)))
 _ID = _Field((str, int, type(None)))
+_CALL = _Field((str, int), is_required=True)
 
 _FIELDS = MappingProxyType(
     {
@@ -63,14 +64,32 @@ _FIELDS = MappingProxyType(
         },
         "service_response": {
             "service": _NAME,
-            "id": _Field((str, int), is_required=True),
+            "id": _CALL,
             "result": _Field((bool, type(None))),
         },
         "advertise_service": {"service": _NAME, "type": _NAME, "id": _ID},
         "unadvertise_service": {"service": _NAME, "id": _ID},
+        "advertise_action": {"action": _NAME, "type": _NAME, "id": _ID},
+        "unadvertise_action": {"action": _NAME, "id": _ID},
+        "send_action_goal": {
+            "action": _NAME,
+            "args": _Field((dict, list, type(None))),
+            "feedback": _Field((bool,)),
+            "fragment_size": _SOME,
+            "compression": _TEXT,
+            "id": _ID,
+        },
+        "cancel_action_goal": {"action": _NAME, "id": _CALL},
+        "action_feedback": {"action": _NAME, "id": _CALL},
+        "action_result": {
+            "action": _NAME,
+            "id": _CALL,
+            "status": _Field((int,)),
+            "result": _Field((bool,)),
+        },
         "set_level": {"level": _NAME, "id": _ID},
         "fragment": {
-            "id": _Field((str, int), is_required=True),
+            "id": _CALL,
             "data": _NAME,
             "num": _Field((int,), is_required=True),
             "total": _Field((int,), is_required=True),

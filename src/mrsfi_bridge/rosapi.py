@@ -115,8 +115,9 @@ def _leaves(path: str, value: Any, n_levels: int) -> Iterator[tuple[str, str]]:
 
 def provide_rosapi(hub: Hub) -> None:
     """Have the server itself provide the services of rosapi, and advertise its own topics."""
-    for name in (ROSOUT, f"{ROSOUT}_agg"):
-        hub.broker.advertise(OWN, name, "rosgraph_msgs/Log")
+    is_ros_1 = hub.types.ros == 1
+    for name in (ROSOUT, f"{ROSOUT}_agg") if is_ros_1 else (ROSOUT,):
+        hub.broker.advertise(OWN, name, f"{'rosgraph_msgs' if is_ros_1 else 'rcl_interfaces'}/Log")
     hub.broker.advertise(OWN, _CLIENT_COUNT, "std_msgs/Int32", is_latched=True)
     hub.broker.advertise(OWN, _CLIENTS, "rosbridge_msgs/ConnectedClients", is_latched=True)
     tell_clients(hub, [])
@@ -129,7 +130,8 @@ def provide_rosapi(hub: Hub) -> None:
         **_about_parameters(_Parameters(hub.limits.parameters, hub.limits.parameter_bytes)),
     }
     for name, handler in handlers.items():
-        hub.services.advertise(OWN, f"{_ROSAPI}/{name}", _type_name(name), _ask(hub, handler))
+        type_name = f"{'rosapi' if is_ros_1 else 'rosapi_msgs'}/{_type_name(name)}"
+        hub.services.advertise(OWN, f"{_ROSAPI}/{name}", type_name, _ask(hub, handler))
 
 
 def tell_clients(hub: Hub, clients: Sequence[Fields]) -> None:
@@ -141,7 +143,7 @@ def tell_clients(hub: Hub, clients: Sequence[Fields]) -> None:
 def _type_name(service: str) -> str:
     """Return the type of a service, which is named after it, but for one."""
     name = "get_action_servers" if service == "action_servers" else service
-    return "rosapi/" + "".join(word.capitalize() for word in name.split("_"))
+    return "".join(word.capitalize() for word in name.split("_"))
 
 
 def _ask(hub: Hub, handler: Handler) -> Callable[[str, Fields], None]:
@@ -162,15 +164,20 @@ def _about_topics(hub: Hub) -> dict[str, Handler]:
     topics = hub.broker.topics
 
     def types() -> dict[str, str]:
-        return {name: topic.structure.name for name, topic in topics.items()}
+        return {name: hub.types.spelled(topic.structure.name) for name, topic in topics.items()}
 
     def all_topics() -> Fields:
         return {"topics": list(topics), "types": list(types().values())}
 
+    def of_type(type_name: str) -> list[str]:
+        if hub.types.ros == 1:
+            return _of_type(type_name, types())
+        return [name for name, found in types().items() if found == type_name]  # in three parts
+
     def action_servers(_: Fields) -> Fields:
         names = [topic.removesuffix("/goal") for topic in topics if topic.endswith("/goal")]
         found = [n for n in names if all(f"{n}/{part}" in topics for part in _ACTION_TOPICS)]
-        return {"action_servers": found}
+        return {"action_servers": [*found, *hub.actions.services]}
 
     def nodes(part: str, request: Fields) -> Fields:
         topic = topics.get(absolute(request["topic"]))
@@ -179,10 +186,12 @@ def _about_topics(hub: Hub) -> dict[str, Handler]:
     return {
         "topics": lambda _: all_topics(),
         "topic_type": lambda request: {"type": types().get(absolute(request["topic"]), "")},
-        "topics_for_type": lambda request: {"topics": _of_type(request["type"], types())},
+        "topics_for_type": lambda request: {"topics": of_type(request["type"])},
         "topics_and_raw_types": lambda _: {
             **all_topics(),
-            "typedefs_full_text": [_full_text(topic.structure) for topic in topics.values()],
+            "typedefs_full_text": [
+                _full_text(topic.structure, hub.types) for topic in topics.values()
+            ],
         },
         "action_servers": action_servers,
         "publishers": partial(nodes, "publishers"),
@@ -194,7 +203,7 @@ def _of_type(type_name: str, types: Mapping[str, str]) -> list[str]:
     """Return the names of what has a type; none for what is no type."""
     with suppress(ProtocolError):
         wanted = full_name(type_name)
-        return [name for name, found in types.items() if found == wanted]
+        return [name for name, found in types.items() if full_name(found) == wanted]
     return []
 
 
@@ -202,7 +211,9 @@ def _about_services(hub: Hub) -> dict[str, Handler]:
     services = hub.services.services
 
     def types() -> dict[str, str]:
-        return {name: service.type.name for name, service in services.items()}
+        return {
+            name: hub.types.spelled(service.type.name, "srv") for name, service in services.items()
+        }
 
     def node(request: Fields) -> Fields:
         service = services.get(absolute(request["service"]))
@@ -220,7 +231,7 @@ def _about_services(hub: Hub) -> dict[str, Handler]:
 
 def _about_types(types: TypeTable) -> dict[str, Handler]:
     def defined(structure: Structure) -> Fields:
-        return {"typedefs": _type_definitions(structure)}
+        return {"typedefs": _type_definitions(structure, types)}
 
     return {
         "message_details": lambda r: defined(types.message(r["type"])),
@@ -280,12 +291,13 @@ def _nodes(clients: Iterable[Any]) -> list[str]:
     return sorted({_node(client) for client in clients})
 
 
-def _type_definitions(structure: Structure) -> list[Fields]:
+def _type_definitions(structure: Structure, types: TypeTable) -> list[Fields]:
     """Return the definitions of a type and of all that it holds."""
-    found = {part.name: _type_definition(part.definition) for part in _parts(structure)}
-    types = [field.type for part in _parts(structure) for field in part.definition.fields]
-    times = {name: _time_definition(name) for name in types if name in TIMES}
-    return [*found.values(), *times.values()]
+    definitions = {part.name: part.definition for part in _parts(structure)}
+    for field in [field for part in _parts(structure) for field in part.definition.fields]:
+        if field.type in TIMES:
+            definitions[field.type] = _time_definition(field.type)
+    return [_type_definition(each, types) for each in definitions.values()]
 
 
 def _parts(structure: Structure) -> Iterator[Structure]:
@@ -294,12 +306,12 @@ def _parts(structure: Structure) -> Iterator[Structure]:
         yield from _parts(nested)
 
 
-def _type_definition(definition: Definition) -> Fields:
+def _type_definition(definition: Definition, types: TypeTable) -> Fields:
     fields, constants = definition.fields, definition.constants
     return {
-        "type": definition.name,
+        "type": types.spelled(definition.name),
         "fieldnames": [field.name for field in fields],
-        "fieldtypes": [field.type for field in fields],
+        "fieldtypes": [types.spelled(field.type) for field in fields],
         "fieldarraylen": [field.length for field in fields],
         "examples": [_example(field) for field in fields],
         "constnames": [constant.name for constant in constants],
@@ -307,10 +319,9 @@ def _type_definition(definition: Definition) -> Fields:
     }
 
 
-def _time_definition(name: str) -> Fields:
+def _time_definition(name: str) -> Definition:
     part = "uint32" if name == "time" else "int32"
-    fields = (Field("secs", part), Field("nsecs", part))
-    return _type_definition(Definition(name, fields))
+    return Definition(name, (Field("secs", part), Field("nsecs", part)))
 
 
 def _example(field: Field) -> str:
@@ -322,19 +333,22 @@ def _example(field: Field) -> str:
     return {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}.get(field.type, "0")
 
 
-def _full_text(structure: Structure) -> str:
+def _full_text(structure: Structure, types: TypeTable) -> str:
     """Return the definition of a type and of all that it holds, as ROS prints them."""
     parts = {part.name: part.definition for part in _parts(structure)}
     own, *others = parts.values()
     border = "=" * 80
     return "\n".join(
-        (_text(own), *(f"{border}\nMSG: {part.name}\n{_text(part)}" for part in others))
+        (
+            _text(own, types),
+            *(f"{border}\nMSG: {part.name}\n{_text(part, types)}" for part in others),
+        )
     )
 
 
-def _text(definition: Definition) -> str:
+def _text(definition: Definition, types: TypeTable) -> str:
     lengths = {SCALAR: "", 0: "[]"}
     return "\n".join(
-        f"{field.type}{lengths.get(field.length, f'[{field.length}]')} {field.name}"
+        f"{types.spelled(field.type)}{lengths.get(field.length, f'[{field.length}]')} {field.name}"
         for field in definition.fields
     )

@@ -12,7 +12,7 @@ from mrsfi_bridge.settings import Limits
 from mrsfi_bridge.structures import Ready, Structure
 from mrsfi_bridge.type_table import ServiceType, TypeTable
 
-Ask: TypeAlias = Callable[[str, dict[str, Any]], None]
+Ask: TypeAlias = Callable[[str, Any], None]
 """Passes a call on to its provider: identifier of the call, and the request."""
 
 Reply: TypeAlias = Callable[[bool, Any], None]
@@ -34,14 +34,14 @@ class Service(NamedTuple):
 
 
 class Call(NamedTuple):
-    """A call that waits for its answer."""
+    """A call that waits for its answer; without a timer as long as it takes."""
 
     service: str
     type: ServiceType
     owner: Hashable
     caller: Hashable
     reply: Reply
-    timer: TimerHandle
+    timer: TimerHandle | None
 
 
 class Services:
@@ -49,6 +49,9 @@ class Services:
 
     ``services`` has them by name, in the order in which they came.
     """
+
+    noun = "service"
+    _id = "service_request"
 
     def __init__(self, types: TypeTable, limits: Limits, scheduler: AbstractEventLoop) -> None:
         self._types = types
@@ -64,11 +67,13 @@ class Services:
 
         It is a ``ProtocolError`` if the type is unknown or the name is the server's own.
         """
-        check_name(name, "service")
-        service_type = self._types.service(type_name)
+        check_name(name, self.noun)
+        service_type = self._typed(type_name)
         known = self.services.get(name)
         if known is None and len(self.services) >= self._limits.services:
-            raise ProtocolError(f"service '{name}': there are {self._limits.services}, the limit")
+            raise ProtocolError(
+                f"{self.noun} '{name}': there are {self._limits.services}, the limit"
+            )
         if known is not None and known.owner == OWN != owner:
             raise ProtocolError(f"service '{name}' is the server's own; choose another name")
         is_taken = known is not None and known.owner != owner
@@ -84,37 +89,37 @@ class Services:
         """
         known = self.services.get(name)
         if known is None or known.owner != owner:
-            raise ProtocolError(f"service '{name}' is not one that you advertised")
+            raise ProtocolError(f"{self.noun} '{name}' is not one that you advertised")
         del self.services[name]
         self._abandon(owner, name)
 
     def call(
         self, caller: Hashable, name: str, arguments: Any, reply: Reply, timeout_s: float = 0
-    ) -> None:
+    ) -> str:
         """Pass a call to its provider; whatever happens, ``reply`` takes one answer.
 
         ``arguments`` are the fields of the request by name, or in order. ``timeout_s`` is the time
-        that the caller gives the provider, at most an hour; 0 leaves it to the server.
+        that the caller gives the provider, at most an hour; 0 leaves it to the server. It returns
+        the identifier of the call, none if it was refused.
         """
         service = self.services.get(name)
         if service is None:
-            reply(False, f"Service {name} does not exist")
-            return
+            reply(False, f"{self.noun.capitalize()} {name} does not exist")
+            return ""
         if self._n_calls[caller] >= self._limits.uses:
             reply(False, f"{self._limits.uses} of your calls are under way, the limit")
-            return
+            return ""
         try:
             request = _converted(service.type.request, _named(arguments, service.type))
         except ProtocolError as error:
-            reply(False, f"request of service {name}: {error}")
-            return
-        call_id = f"service_request:{name}:{next(self._numbers)}"
-        wait_s = min(timeout_s, _LONGEST_S) if timeout_s > 0 else self._limits.service_s
-        reason = f"no answer within {wait_s:g} s"
-        timer = self._scheduler.call_later(wait_s, lambda: self.drop(call_id, reason))
+            reply(False, f"request of {self.noun} {name}: {error}")
+            return ""
+        call_id = f"{self._id}:{name}:{next(self._numbers)}"
+        timer = self._timer(call_id, timeout_s)
         self._calls[call_id] = Call(name, service.type, service.owner, caller, reply, timer)
         self._n_calls[caller] += 1
         service.ask(call_id, request)
+        return call_id
 
     def preparation(self, operation: dict[str, Any]) -> Callable[[], Ready] | None:
         """Return what makes a large request or response ready, in any thread, if it is wanted.
@@ -143,7 +148,7 @@ class Services:
         try:
             response = _converted(call.type.response, values)
         except ProtocolError as error:
-            reason = f"response of service {call.service}: {error}"
+            reason = f"response of {self.noun} {call.service}: {error}"
             call.reply(False, reason)
             raise ProtocolError(reason) from error
         call.reply(True, response)
@@ -156,7 +161,7 @@ class Services:
         """Tell the caller that there will be no answer, unless it had one."""
         if call_id in self._calls:
             call = self._forget(call_id)
-            call.reply(False, f"Service {call.service}: {reason}")
+            call.reply(False, f"{self.noun.capitalize()} {call.service}: {reason}")
 
     def leave(self, client: Hashable) -> None:
         """End the services and the calls of a client, and answer those who wait for it."""
@@ -168,20 +173,35 @@ class Services:
             self.drop(call_id, "its provider left")
         del self._n_calls[client]
 
+    def _typed(self, type_name: str) -> ServiceType:
+        return self._types.service(type_name)
+
+    def _timer(self, call_id: str, timeout_s: float) -> TimerHandle | None:
+        """Return what ends a call that takes too long."""
+        wait_s = min(timeout_s, _LONGEST_S) if timeout_s > 0 else self._limits.service_s
+        reason = f"no answer within {wait_s:g} s"
+        return self._scheduler.call_later(wait_s, lambda: self.drop(call_id, reason))
+
     def _abandon(self, owner: Hashable, name: str) -> None:
         for call_id, call in tuple(self._calls.items()):
             if call.owner == owner and call.service == name:
                 self.drop(call_id, "its provider gave it up")
 
     def _taken(self, owner: Hashable, call_id: Any) -> Call:
+        self._asked(owner, call_id)
+        return self._forget(call_id)
+
+    def _asked(self, owner: Hashable, call_id: Any) -> Call:
+        """Return a call that a provider is asked to answer."""
         call = self._calls.get(call_id) if isinstance(call_id, str) else None
         if call is None or call.owner != owner:
             raise ProtocolError(f"no call {call_id!r:.100} waits for your answer")
-        return self._forget(call_id)
+        return call
 
     def _forget(self, call_id: str) -> Call:
         call = self._calls.pop(call_id)
-        call.timer.cancel()
+        if call.timer is not None:
+            call.timer.cancel()
         self._n_calls[call.caller] -= 1
         return call
 

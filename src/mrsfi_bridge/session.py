@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeAlias
 
+from mrsfi_bridge.actions import SUCCEEDED, Actions
 from mrsfi_bridge.broker import Broker
+from mrsfi_bridge.broker_of_ros2 import BrokerOfRos2
 from mrsfi_bridge.encodings import PLAIN, as_service_json, text_frames
 from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.protocol import (
@@ -69,8 +71,10 @@ class Hub:
         self.types = types
         self.limits = limits
         self.scheduler = scheduler
-        self.broker = Broker(types, limits)
+        is_ros_2 = types.ros == 2
+        self.broker = BrokerOfRos2(types, limits, scheduler) if is_ros_2 else Broker(types, limits)
         self.services = Services(types, limits, scheduler)
+        self.actions = Actions(types, limits, scheduler)
         self.waiting = Budget(limits.total_bytes)
         self.counts = Counts()
 
@@ -97,6 +101,7 @@ class Session:
         self._adverts: Uses[None] = Uses(hub.limits.uses)
         self._wishes: Uses[Wish] = Uses(hub.limits.uses)
         self._subscriptions: dict[str, Subscription] = {}
+        self._goals: dict[str | int, str] = {}
         self.fragments = Fragments(2 * hub.limits.frame_bytes)
         self._n_dropped = 0
         self._operations: dict[str, Callable[[Operation], None]] = {
@@ -109,6 +114,12 @@ class Session:
             "service_response": self._service_response,
             "advertise_service": self._advertise_service,
             "unadvertise_service": self._unadvertise_service,
+            "advertise_action": self._advertise_action,
+            "unadvertise_action": self._unadvertise_action,
+            "send_action_goal": self._send_action_goal,
+            "cancel_action_goal": self._cancel_action_goal,
+            "action_feedback": self._action_feedback,
+            "action_result": self._action_result,
             "set_level": self._set_level,
             "fragment": self._fragment,
         }
@@ -189,6 +200,7 @@ class Session:
         """End everything that the client does."""
         self._hub.broker.leave(self)
         self._hub.services.leave(self)
+        self._hub.actions.leave(self)
         for topic in tuple(self._subscriptions):
             self._end(topic)
         if self._n_dropped:
@@ -308,6 +320,55 @@ class Session:
 
     def _unadvertise_service(self, operation: Operation) -> None:
         self._hub.services.unadvertise(self, absolute(operation["service"]))
+
+    def _advertise_action(self, operation: Operation) -> None:
+        name, type_name = operation["action"], operation["type"]
+
+        def ask(goal_id: str, goal: dict[str, Any] | None) -> None:
+            told = {"id": goal_id, "action": name}
+            asked = {"op": "send_action_goal", "action_type": type_name, "feedback": True}
+            self._send(
+                text_frames(
+                    {"op": "cancel_action_goal", **told}
+                    if goal is None
+                    else {**asked, **told, "args": goal}
+                )
+            )
+
+        if self._hub.actions.advertise(self, absolute(name), type_name, ask):
+            self.status("warning", f"action '{name}' had another provider before you")
+
+    def _unadvertise_action(self, operation: Operation) -> None:
+        self._hub.actions.unadvertise(self, absolute(operation["action"]))
+
+    def _send_action_goal(self, operation: Operation) -> None:
+        encoding = wanted_encoding(operation)
+        name, own_id = operation["action"], operation.get("id")
+        named = {"action": name} if own_id is None else {"id": own_id, "action": name}
+
+        def answer(told: Operation) -> None:
+            if told["op"] == "action_result":
+                self._goals.pop(own_id or "", None)
+            elif not operation.get("feedback", False):
+                return
+            self._send(text_frames({"op": told["op"], **named, **told}, encoding))
+
+        goal_id = self._hub.actions.send_goal(
+            self, absolute(name), operation.get("args") or {}, answer
+        )
+        if goal_id:
+            self._goals[own_id or ""] = goal_id
+
+    def _cancel_action_goal(self, operation: Operation) -> None:
+        self._hub.actions.cancel(self, self._goals.get(operation["id"]))
+
+    def _action_feedback(self, operation: Operation) -> None:
+        self._hub.actions.feed_back(self, operation["id"], operation.get("values", {}))
+
+    def _action_result(self, operation: Operation) -> None:
+        is_ok = operation.get("result", True)
+        values, status = operation.get("values", {}), operation.get("status", SUCCEEDED)
+        self._hub.actions.finish(self, operation["id"], values, status, is_ok=is_ok)
 
     def _set_level(self, operation: Operation) -> None:
         if operation["level"] not in LEVELS:

@@ -1,7 +1,8 @@
 """Checks of messages against their types: every field there, of the right kind, none besides.
 
 A message in normal form is what JSON carries: a dictionary with all fields in the order of
-the definition, times as ``secs`` and ``nsecs``, arrays of bytes as base64 text.
+the definition, times as ``secs`` and ``nsecs`` (in ROS 2 ``sec`` and ``nanosec``), arrays of bytes
+as base64 text.
 """
 
 import base64
@@ -9,12 +10,14 @@ import binascii
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
 from mrsfi_bridge.definitions import (
     FLOATS,
     INTEGER_BITS,
     SCALAR,
+    TEXTS,
     VARIABLE,
     Definition,
     Field,
@@ -29,6 +32,10 @@ Default: TypeAlias = Callable[[], Any]
 """Returns the value of a field that is missing."""
 
 HEADER = "std_msgs/Header"
+_MOMENTS = ("builtin_interfaces/Time", "builtin_interfaces/Duration")
+_PARTS = {"secs": "sec", "nsecs": "nanosec"}
+"""How ROS 2 names what ROS 1 named otherwise; it takes either."""
+
 BYTE_ARRAYS = ("uint8", "char")
 """Element types of the arrays that JSON carries as base64 text."""
 
@@ -69,10 +76,13 @@ class Ready(dict[str, Any]):
 class Structure:
     """The checks of one message type; ``find`` returns those of a message type in a field."""
 
-    __slots__ = ("_defaults", "_fields", "definition", "has_header", "nested")
+    __slots__ = ("_defaults", "_fields", "_is_moment", "definition", "is_numbered", "nested", "ros")
 
-    def __init__(self, definition: Definition, find: Callable[[str], "Structure"]) -> None:
+    def __init__(
+        self, definition: Definition, find: Callable[[str], "Structure"], ros: int = 1
+    ) -> None:
         self.definition = definition
+        self.ros = ros
         self.nested: dict[str, Structure] = {}
         fields = []
         for field in definition.fields:
@@ -82,11 +92,21 @@ class Structure:
             convert, default = element.convert, element.default
             if field.length != SCALAR:
                 convert, default = _array(field, convert, default)
+            if field.bound:
+                convert = _bounded(field, convert)
+            if field.default is not None:
+                default = partial(convert, field.default)
+                default()  # or say now that it does not fit
             fields.append((field.name, convert, default))
-        self.has_header = any((f.name, f.type) == ("header", HEADER) for f in definition.fields)
+        self._is_moment = ros != 1 and definition.name in _MOMENTS
+        self.is_numbered = ros == 1 and any(
+            (field.name, field.type) == ("header", HEADER) for field in definition.fields
+        )
         self._defaults = tuple((name, default) for name, _, default in fields)
         if definition.name == HEADER:  # one that is there has the time, one left out has none
-            fields = [(name, c, now if name == "stamp" else d) for name, c, d in fields]
+            fields = [
+                (name, c, partial(c, "now") if name == "stamp" else d) for name, c, d in fields
+            ]
         self._fields: tuple[tuple[str, Convert, Default], ...] = tuple(fields)
 
     @property
@@ -100,6 +120,8 @@ class Structure:
 
     def convert(self, value: Any) -> dict[str, Any]:
         """Return the normal form of a message; ``FieldError`` if it is not of this type."""
+        if self._is_moment:
+            value = _of_ros_2(value)
         if not isinstance(value, dict):
             raise mismatch(value, f"the fields of {self.name}")
         if type(value) is Ready and value.structure is self:
@@ -126,6 +148,14 @@ class Structure:
         unknown = next(name for name in value if name not in known)
         names = ", ".join(known) or "none"
         return FieldError(f"{self.name} has no field '{str(unknown)[:_MAX_SHOWN]}', only {names}")
+
+
+def _of_ros_2(moment: Any) -> Any:
+    """Return a time with its parts named as in ROS 2."""
+    moment = now() if moment == "now" else moment
+    if isinstance(moment, dict):
+        return {_PARTS.get(name, name): part for name, part in moment.items()}
+    return moment
 
 
 def now() -> dict[str, int]:
@@ -230,6 +260,18 @@ def _bytes(length: int, convert: Convert) -> Convert:
     return convert_bytes
 
 
+def _bounded(field: Field, convert: Convert) -> Convert:
+    """Return the check of an array, or of a text, that is no longer than its bound."""
+
+    def convert_bounded(value: Any) -> Any:
+        kind = str if field.length == SCALAR else list
+        if isinstance(value, kind) and len(value) > field.bound:
+            raise FieldError(f"found a length of {len(value)}, expected at most {field.bound}")
+        return convert(value)
+
+    return convert_bounded
+
+
 def _check_length(found: int, length: int) -> None:
     if length not in (VARIABLE, found):
         raise FieldError(f"found {found} elements, expected {length}")
@@ -244,7 +286,7 @@ _PRIMITIVES = {
     **{name: _Primitive(_integer(name), int) for name in INTEGER_BITS},
     **dict.fromkeys(FLOATS, _Primitive(_number, float)),
     "bool": _Primitive(_boolean, bool),
-    "string": _Primitive(_text, str),
+    **dict.fromkeys(TEXTS, _Primitive(_text, str)),
     "time": _Primitive(_moment("uint32"), lambda: {"secs": 0, "nsecs": 0}),
     "duration": _Primitive(_moment("int32"), lambda: {"secs": 0, "nsecs": 0}),
 }

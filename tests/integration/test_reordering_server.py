@@ -40,7 +40,7 @@ def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(tmp_pat
 @slow
 def test_the_own_simulation_flies_as_in_process():
     with EmbeddedBridge() as server, Relay(server.url, scatter=SCATTER) as relay:
-        simulation = SimulationProcess(CODE, relay.url, "asyncio", PATIENCE)
+        simulation = SimulationProcess(CODE, EngineSettings(url=relay.url, patience=PATIENCE))
         try:
             assert flown(server.url) == reference_digests(CODE, SEEDS)
         finally:

@@ -50,8 +50,12 @@ def server():
 @pytest.fixture
 def simulation(server):
     """A simulation that waits for somebody to fly it."""
-    with closing(SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)) as running:
+    with closing(simulation_on(server.url)) as running:
         yield running
+
+
+def simulation_on(url):
+    return SimulationProcess(SHORT, EngineSettings(url=url, client="asyncio", patience=PATIENCE))
 
 
 def engine(code, **options):
@@ -86,7 +90,7 @@ def test_the_ci_may_start_before_the_simulation(server):
     thread = threading.Thread(target=fly)
     thread.start()
     time.sleep(1.0)
-    simulation = SimulationProcess(SHORT, server.url, "asyncio", PATIENCE)
+    simulation = simulation_on(server.url)
     thread.join(60)
     simulation.close()
 
@@ -105,7 +109,7 @@ def test_engines_open_and_close_one_after_the_other_in_one_process():
 
 
 def test_strangers_cannot_join_an_embedded_server():
-    simulation = SimulationProcess(SHORT, None, "asyncio", PATIENCE)
+    simulation = simulation_on(None)
     url, _, token = simulation.url.partition("/?token=")
     try:
         with pytest.raises(TransportError, match=f"^{url} asks for a token, and got none"):

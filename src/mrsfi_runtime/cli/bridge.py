@@ -15,4 +15,10 @@ def _serve(settings: ServerSettings) -> None:
         raise as_ours(error) from error
 
 
-command = bridge_command("mrsfi bridge", _serve)
+def _ros_of_project() -> int:
+    from mrsfi.project import project
+
+    return project().ros
+
+
+command = bridge_command("mrsfi bridge", _serve, _ros_of_project)

@@ -9,11 +9,13 @@ from typing import Any, TypeVar, cast
 import click
 
 from mrsfi.engines import Workers
+from mrsfi.project import project
 from mrsfi_runtime.cli.console import tell
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.settings import AUTO, ENGINES, REFERENCE, ROSBRIDGE, EngineSettings
 from mrsfi_runtime.errors import UsageError, expected
 from mrsfi_runtime.record.manifest import BOTH, CI, EngineRecord
+from mrsfi_runtime.transport.dialect import ROS_VERSIONS
 from mrsfi_runtime.transport.server_address import CLIENTS, Client
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -58,7 +60,7 @@ def tell_of_metamodels() -> None:
 
 
 SIMULATION = "simulation"
-BUS_OPTIONS = ("url", "client", "side", "bundle", "timeout")
+BUS_OPTIONS = ("url", "ros", "client", "side", "bundle", "timeout")
 
 
 class OneOf(click.Choice[str]):
@@ -98,6 +100,7 @@ class EngineOptions:
 
     engine: str | None = None
     url: str | None = None
+    ros: str | None = None
     client: str | None = None
     side: str | None = None
     timeout: float | None = None
@@ -126,6 +129,7 @@ class EngineOptions:
         return EngineSettings(
             name=name,
             url=url,
+            ros=int(self.ros or bus.ros or (project().ros if name == ROSBRIDGE else 1)),
             client=cast("Client", self.client or bus.client or CLIENTS[0]),
             has_simulation=side != CI,
             is_bundled=bus.is_bundled if self.bundle is None else self.bundle,
@@ -162,6 +166,11 @@ def engine_options(
             "--url",
             metavar="ws://…",
             help="With --engine rosbridge: the server [default: one is embedded].",
+        ),
+        click.option(
+            "--ros",
+            type=OneOf([str(version) for version in ROS_VERSIONS]),
+            help="With --engine rosbridge: version of ROS [default: the project's, or 1].",
         ),
         click.option(
             "--client",

@@ -119,4 +119,4 @@ def _serve(name: str, code: "MissionCode", settings: EngineSettings) -> None:
     def on_ready(url: str, _host: object) -> None:
         tell(f"simulation of {name} serves at {without_token(url)}; Ctrl-C ends it")
 
-    serve_simulation(code, settings.url, settings.client, settings.patience, on_ready)
+    serve_simulation(code, settings, on_ready)

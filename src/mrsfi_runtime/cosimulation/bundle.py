@@ -40,6 +40,7 @@ class BundlingTransport:
         self._transport = transport
         self.provide, self.call = transport.provide, transport.call
         self.watch, self.close = transport.watch, transport.close
+        self.ros = transport.ros
         self._closing = closing
         self._hears = hears
         self._is_first = self._is_bundling = is_first

@@ -38,6 +38,7 @@ from mrsfi_runtime.kernel.initial import initial_state
 from mrsfi_runtime.kernel.motion import reports_position
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import SEMANTICS
+from mrsfi_runtime.transport.dialect import seconds_of
 from mrsfi_runtime.transport.topics import Payload, Reply, Service, Topic, Transport
 
 _SESSIONS = 10**9  # so that a run's number fits into a double, as some clients keep numbers
@@ -116,6 +117,7 @@ class BusLockstep:
         self._n_runs += 1
         self._refusal = None
         deadline = monotonic() + self._patience.handshake
+        is_overtaken = False
         while True:
             self._setup({"data": [*Setup(self._run, seed, SEMANTICS)]})
             said = self._said_to_reset()
@@ -126,6 +128,9 @@ class BusLockstep:
                 raise ProtocolError(
                     f"the simulation refuses {SETUP.name} of semantics {SEMANTICS}: {refusal}"
                 )
+            if said.startswith("run ") and not is_overtaken:
+                is_overtaken = True  # reset came before setup, as on a server of ROS 2
+                continue
             if monotonic() > deadline:
                 raise TransportTimeout(
                     f"no simulation was ready within {self._patience.handshake:g} s: {said}; "
@@ -219,7 +224,7 @@ class BusLockstep:
         for index, told in enumerate(self._truth):
             take_true_values(world, index, told)
         world.mission.tick = tick
-        secs = self._clock.take()["clock"]["secs"]
+        secs = seconds_of(self._clock.take()["clock"])
         if secs != tick:
             raise ProtocolError(f"{CLOCK.name} said {secs} s; expected {tick}: a second is a tick")
         for index, robot in enumerate(self.interface.robots):

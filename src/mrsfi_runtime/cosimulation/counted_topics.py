@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from mrsfi_runtime.errors import MrsfiError, ProtocolError, TransportError, TransportTimeout
+from mrsfi_runtime.transport.dialect import seconds_of
 from mrsfi_runtime.transport.topics import Payload, Publisher, PubSub, Topic
 
 GRACE = 1.0
@@ -26,7 +27,7 @@ def _is_place(payload: Payload) -> bool:
 _FORMS: Final[Mapping[str, Callable[[Payload], bool]]] = {
     "geometry_msgs/Point": _is_place,
     "geometry_msgs/Vector3": _is_place,
-    "rosgraph_msgs/Clock": lambda payload: _is_integer(payload["clock"]["secs"]),
+    "rosgraph_msgs/Clock": lambda payload: _is_integer(seconds_of(payload["clock"])),
     "std_msgs/Bool": lambda payload: type(payload["data"]) is bool,
     "std_msgs/Float64": lambda payload: _is_number(payload["data"]),
     "std_msgs/Float64MultiArray": lambda payload: all(map(_is_number, payload["data"])),

@@ -25,6 +25,7 @@ from mrsfi_runtime.cosimulation.waiting import Completion, Patience
 from mrsfi_runtime.errors import MrsfiError, ProtocolError
 from mrsfi_runtime.model.mission import Mission
 from mrsfi_runtime.model.semantics import SEMANTICS, flown_by
+from mrsfi_runtime.transport.dialect import time_of
 from mrsfi_runtime.transport.topics import Payload, Transport
 
 
@@ -42,6 +43,7 @@ class SimulationHost:
         patience: Patience,
     ) -> None:
         self._patience = patience
+        self._ros = transport.ros
         self._completion = Completion()
         self._topics = CountedTopics(transport, "collective intelligence", self._fly)
         self._run = 0
@@ -126,7 +128,7 @@ class SimulationHost:
         self._topics.turn()
         self._simulation.step(tick)
         self._simulation.publish_truth()
-        self._clock({"clock": {"secs": tick, "nsecs": 0}})
+        self._clock({"clock": time_of(tick, self._ros)})
         self._tick({"data": [self._run, tick, self._topics.announce(), self._topics.n_before]})
         self._completion.advance()
 

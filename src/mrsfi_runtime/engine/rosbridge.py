@@ -20,7 +20,6 @@ from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
 from mrsfi_runtime.cosimulation.lockstep import Flight
 from mrsfi_runtime.cosimulation.lockstep_topics import GO_BUNDLE
-from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine import simulation_process
 from mrsfi_runtime.engine.flights import PlainEngine
 from mrsfi_runtime.engine.settings import EngineSettings
@@ -32,7 +31,6 @@ from mrsfi_runtime.errors import (
 )
 from mrsfi_runtime.generated_code import MissionCode
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.server_address import Client
 
 _GREATEST_SEED = 2**63 - 1
 _LAST_WORDS = 2.0
@@ -42,14 +40,13 @@ _LATER = 5.0
 class SimulationProcess:
     """The simulation of a mission in a process of its own, which dies with this one.
 
-    It joins the server at ``url``, or embeds one if that is left out; ``patience`` is how long to
-    wait for it, and how long it waits in mid-run. Afterwards ``url`` is the server on which it is
+    It joins the server that the settings name, or embeds one if they name none; their patience is
+    how long to wait for it, and how long it waits in mid-run. ``url`` is the server on which it is
     found, with its token if it asks for one. That it cannot serve is a TransportError.
     """
 
-    def __init__(
-        self, code: MissionCode, url: str | None, client: Client, patience: Patience
-    ) -> None:
+    def __init__(self, code: MissionCode, settings: EngineSettings) -> None:
+        patience = settings.patience
         self._connection, other_end = Pipe()
         with other_end:
             self._process = Popen(
@@ -60,9 +57,9 @@ class SimulationProcess:
                 start_new_session=True,  # Ctrl-C reaches this process only, which ends that one
             )
         # the CI, which knows more, is the first to tell; a URL may hold a token: no argument
-        patient = replace(patience, tick=patience.tick + _LATER)
+        patient = replace(settings, patience=replace(patience, tick=patience.tick + _LATER))
         with suppress(BrokenPipeError):  # what it says, or its end, tells why
-            self._connection.send((code.directory.resolve(), url, client, patient))
+            self._connection.send((code.directory.resolve(), patient))
         said = self._heard(patience.handshake)
         if "url" not in said:
             reason = said.get("error") or self._ending()
@@ -113,6 +110,7 @@ class RosbridgeEngine(PlainEngine):
     def __init__(self, code: MissionCode, seed: int, settings: EngineSettings) -> None:
         super().__init__(code, seed)
         url, client, patience = settings.url, settings.client, settings.patience
+        ros = settings.ros
         if not settings.has_simulation and url is None:
             raise UsageError("--side ci needs --url: the server on which the simulation is found")
         _require_seed(seed)
@@ -120,13 +118,13 @@ class RosbridgeEngine(PlainEngine):
         self.simulation: SimulationProcess | None = None
         with ExitStack() as opened:
             if url is not None:  # first: it tells best what is wrong with the URL
-                self._transport = RosbridgeTransport(url, client)
+                self._transport = RosbridgeTransport(url, client, ros)
                 opened.callback(self._transport.close)
             if settings.has_simulation:
-                self.simulation = SimulationProcess(code, url, client, patience)
+                self.simulation = SimulationProcess(code, settings)
                 opened.callback(self.simulation.close)
             if url is None and self.simulation is not None:
-                self._transport = RosbridgeTransport(self.simulation.url, client)
+                self._transport = RosbridgeTransport(self.simulation.url, client, ros)
                 opened.callback(self._transport.close)
             self._opened = opened.pop_all()
         is_bundled = settings.is_bundled

@@ -28,14 +28,15 @@ ON_REFERENCE = "the reference engine evaluates, about 100 times slower"
 class EngineSettings:
     """What makes an engine; all but the name, of ``ENGINES``, belongs to the engine over rosbridge.
 
-    ``url`` is that of the server, one is embedded without; ``client`` the kind of roslibpy's
-    connection. ``has_simulation`` says whether to start the simulation, which is somebody else's
-    otherwise, ``is_bundled`` whether the messages of a tick travel as one, ``patience`` how long
-    the other side may take.
+    ``url`` is that of the server, one is embedded without; ``ros`` the version of ROS that it
+    speaks, ``client`` the kind of connection. ``has_simulation`` says whether to start the
+    simulation, which is somebody else's otherwise, ``is_bundled`` whether the messages of a tick
+    travel as one, ``patience`` how long the other side may take.
     """
 
     name: str = REFERENCE
     url: str | None = None
+    ros: int = 1
     client: Client = CLIENTS[0]
     has_simulation: bool = True
     is_bundled: bool = False

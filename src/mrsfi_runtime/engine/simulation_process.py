@@ -15,33 +15,31 @@ from threading import Thread
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_bridge.errors import BridgeError
 from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.type_table import TypeTable
 from mrsfi_runtime.cosimulation.bundle import BundlingTransport
 from mrsfi_runtime.cosimulation.simulation_host import SimulationHost
-from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import MrsfiError, TransportError
 from mrsfi_runtime.generated_code import MissionCode, load_code
 from mrsfi_runtime.transport.bridge_errors import as_ours
 from mrsfi_runtime.transport.embedded import EmbeddedTransport
 from mrsfi_runtime.transport.rosbridge import RosbridgeTransport
-from mrsfi_runtime.transport.server_address import Client
 from mrsfi_runtime.transport.topics import Transport
 
 
 def serve_simulation(
     code: MissionCode,
-    url: str | None,
-    client: Client,
-    patience: Patience,
+    settings: EngineSettings,
     on_ready: Callable[[str, SimulationHost], None],
 ) -> None:
-    """Serve the simulation of a mission until it is stopped, on the server at ``url`` or its own.
+    """Serve the simulation of a mission until it is stopped, on the settings' server or its own.
 
-    ``patience`` is how long the collective intelligence may be silent in mid-run; ``on_ready`` is
+    Their patience is how long the collective intelligence may be silent in mid-run; ``on_ready`` is
     told the server's URL, and the host that it may stop. Lost messages are a TransportError.
     """
-    with _transport(url, client) as (transport, reached):
+    with _transport(settings) as (transport, reached):
         bundling = BundlingTransport.of_simulation(transport)
-        host = SimulationHost(bundling, code.simulation, code.mission, patience)
+        host = SimulationHost(bundling, code.simulation, code.mission, settings.patience)
         on_ready(reached, host)
         try:
             host.serve()
@@ -55,16 +53,17 @@ def serve_simulation(
 
 
 @contextmanager
-def _transport(url: str | None, client: Client) -> Iterator[tuple[Transport, str]]:
+def _transport(settings: EngineSettings) -> Iterator[tuple[Transport, str]]:
     """Yield a transport and the URL of its server."""
+    url, ros = settings.url, settings.ros
     if url is not None:
-        with closing(RosbridgeTransport(url, client)) as joined:
+        with closing(RosbridgeTransport(url, settings.client, ros)) as joined:
             yield joined, url
         return
     token = secrets.token_urlsafe()  # other users of this machine are no part of the mission
     try:
         with (
-            EmbeddedBridge(ServerSettings(token=token)) as bridge,
+            EmbeddedBridge(ServerSettings(token=token, types=TypeTable(ros=ros))) as bridge,
             closing(EmbeddedTransport(bridge)) as embedded,
         ):
             yield embedded, f"{bridge.url}/?token={token}"
@@ -75,14 +74,14 @@ def _transport(url: str | None, client: Client) -> Iterator[tuple[Transport, str
 def main(number: int) -> None:
     """Serve what the first message on a connection asks for; say there why that ended early."""
     connection = Connection(number)
-    directory, url, client, patience = connection.recv()
+    directory, settings = connection.recv()
 
     def on_ready(reached: str, host: SimulationHost) -> None:
         Thread(target=_stop_with_parent, args=(connection, host), daemon=True).start()
         _say(connection, url=reached)
 
     try:
-        serve_simulation(load_code(directory), url, client, patience, on_ready)
+        serve_simulation(load_code(directory), settings, on_ready)
     except MrsfiError as error:
         _say(connection, error=str(error))
     except BaseException as error:  # noqa: BLE001 - the parent tells it

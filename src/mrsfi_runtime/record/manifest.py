@@ -16,6 +16,7 @@ class EngineRecord:
 
     name: str = ""  # of a record that does not say
     url: str | None = None  # of the rosbridge server, without its token; embedded if none
+    ros: int | None = None  # version of ROS that it speaks; none without a bus
     client: str | None = None  # kind of roslibpy's connection; none without a bus
     side: str = BOTH
     is_bundled: bool = False  # whether all messages of a tick travelled as one
@@ -32,6 +33,8 @@ class EngineRecord:
         bus: dict[str, Any] = {"url": self.url, "client": self.client, "side": self.side}
         if self.is_bundled:
             bus["bundle"] = True
+        if self.ros not in {None, 1}:
+            bus["ros"] = self.ros
         return {"engine": self.name, "bus": bus}
 
     @classmethod
@@ -41,6 +44,7 @@ class EngineRecord:
         return cls(
             name=manifest.get("engine", ""),
             url=bus.get("url"),
+            ros=bus.get("ros", 1) if bus else None,
             client=bus.get("client"),
             side=bus.get("side", BOTH),
             is_bundled=bool(bus.get("bundle", False)),

@@ -35,6 +35,7 @@ class EmbeddedTransport(ListenedTransport):
     def __init__(self, bridge: EmbeddedBridge) -> None:
         super().__init__()
         self._bridge = bridge
+        self.ros = bridge.ros
         self._thread = 0
         self._thread = self._run(get_ident)
         self._client = self._run(bridge.local_client)

@@ -21,6 +21,8 @@ class LocalBus:
     callback stops the publisher, so nothing goes wrong unseen.
     """
 
+    ros = 1
+
     def __init__(self) -> None:
         self._types: dict[str, str] = {}
         self._subscribers: dict[str, list[Callable[[Payload], None]]] = {}

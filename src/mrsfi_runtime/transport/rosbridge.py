@@ -22,6 +22,7 @@ from urllib.parse import urlsplit
 import roslibpy
 
 from mrsfi_runtime.errors import TransportClosed, TransportTimeout, UsageError
+from mrsfi_runtime.transport.dialect import type_name
 from mrsfi_runtime.transport.listened import ListenedTransport
 from mrsfi_runtime.transport.server_address import CLIENTS, Client, without_token
 from mrsfi_runtime.transport.topics import (
@@ -45,13 +46,17 @@ class RosbridgeTransport(ListenedTransport):
     """One connection to a rosbridge server; ``url`` is kept without the token.
 
     It is ``ws://host:port`` or ``wss://host:port``, with ``/?token=…`` where the server asks for
-    one, which has ``timeout`` seconds to accept. A URL that makes no sense, or a process that
-    already uses the other kind of client, is a ``UsageError``; nobody who listens there, or no
-    rosbridge server, is ``TransportClosed``; no answer in time is ``TransportTimeout``.
+    one, which has ``timeout`` seconds to accept, and ``ros`` the version of ROS that it speaks. A
+    URL that makes no sense, or a process that already uses the other kind of client, is a
+    ``UsageError``; nobody who listens there, or no rosbridge server, is ``TransportClosed``; no
+    answer in time is ``TransportTimeout``.
     """
 
-    def __init__(self, url: str, client: Client = CLIENTS[0], timeout: float = 10.0) -> None:
+    def __init__(
+        self, url: str, client: Client = CLIENTS[0], ros: int = 1, timeout: float = 10.0
+    ) -> None:
         super().__init__()
+        self.ros = ros
         self.url = without_token(url)
         self._client = client
         self._is_closing = False
@@ -118,10 +123,12 @@ class RosbridgeTransport(ListenedTransport):
             self.lost = TransportClosed(f"the connection to {self.url} was closed")
 
     def _topic(self, topic: Topic) -> Any:
-        return roslibpy.Topic(self._ros, topic.name, topic.type, reconnect_on_close=False)
+        kind = type_name(topic.type, "msg", self.ros)
+        return roslibpy.Topic(self._ros, topic.name, kind, reconnect_on_close=False)
 
     def _service(self, service: Service) -> Any:
-        return roslibpy.Service(self._ros, service.name, service.type, reconnect_on_close=False)
+        kind = type_name(service.type, "srv", self.ros)
+        return roslibpy.Service(self._ros, service.name, kind, reconnect_on_close=False)
 
     def _wait_open(self, timeout: float) -> None:
         is_open = self._opened.wait(timeout)

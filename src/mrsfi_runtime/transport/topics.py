@@ -16,7 +16,7 @@ Publisher: TypeAlias = Callable[[Payload], None]
 
 
 class Topic(NamedTuple):
-    """A topic and the ROS type of its messages."""
+    """A topic and the ROS type of its messages, ``PACKAGE/TYPE`` whatever version of ROS."""
 
     name: str
     type: str
@@ -58,7 +58,9 @@ class PubSub(Protocol):
 
 
 class Transport(PubSub, Protocol):
-    """Moves messages between the two sides of a mission."""
+    """Moves messages between the two sides of a mission, with the types of a version of ROS."""
+
+    ros: int
 
     def provide(self, service: Service, provider: Provider) -> None:
         """Answer the calls of a service."""

@@ -70,6 +70,8 @@ class QueuedBus:
 class QueuedTransport:
     """One side's connection to the bus; it can be cut."""
 
+    ros = 1
+
     def __init__(self, bus: QueuedBus) -> None:
         self._bus = bus
         self._listener: FailureListener = _raise
