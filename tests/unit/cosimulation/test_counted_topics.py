@@ -98,7 +98,11 @@ def test_between_runs_nothing_counts_and_nothing_is_overdue(count):
         ),
         ("geometry_msgs/Point", [], [{"x": 0.0, "y": math.nan, "z": 0.0}]),
         ("geometry_msgs/Vector3", [], [{"x": 0.0, "z": 0.0}]),
-        ("rosgraph_msgs/Clock", [], [{"clock": {"sec": 1, "nanosec": 0}}]),
+        (
+            "rosgraph_msgs/Clock",
+            [{"clock": {"secs": 1, "nsecs": 0}}, {"clock": {"sec": 1, "nanosec": 0}}],
+            [{"clock": {"sec": 1.0}}, {"clock": {"nanosec": 0}}],
+        ),
     ],
 )
 def test_a_message_of_another_form_names_its_topic(kind, sound, wrong):

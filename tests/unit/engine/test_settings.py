@@ -1,5 +1,7 @@
 """Which engine is chosen, from the command line and from a record."""
 
+from dataclasses import replace
+
 import pytest
 
 from mrsfi.engines import recorded_engine
@@ -17,17 +19,17 @@ def test_without_options_the_reference_flies():
 
 
 def test_options_become_settings():
-    options = EngineOptions("rosbridge", URL, "twisted", "ci", 3.0)
+    options = EngineOptions("rosbridge", URL, "2", "twisted", "ci", 3.0)
 
     settings = options.settings()
 
     assert settings == EngineSettings(
-        "rosbridge", URL, "twisted", has_simulation=False, patience=Patience(tick=3.0)
+        "rosbridge", URL, 2, "twisted", has_simulation=False, patience=Patience(tick=3.0)
     )
 
 
 def test_a_record_gives_back_the_settings_it_was_made_of():
-    for settings in (EngineSettings(), EngineSettings("rosbridge"), BUS):
+    for settings in (EngineSettings(), EngineSettings("rosbridge"), BUS, replace(BUS, ros=2)):
         assert EngineOptions().settings(recorded_engine(settings)) == settings
 
 
