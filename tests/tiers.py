@@ -44,9 +44,14 @@ N_TURNS = 3
 """Days after which every seed, value and law had its turn in ``make test-all``."""
 
 
+def turn(n_turns: int = N_TURNS) -> int:
+    """Return whose turn it is of so many: it follows from the day."""
+    return _day() % n_turns
+
+
 @cache
-def turn() -> int:
-    """Return whose turn it is: it follows from the date of the commit, today's without git."""
+def _day() -> int:
+    """Return the day of the commit, today's without git, as a number."""
     try:
         told = subprocess.run(
             ["git", "log", "-1", "--format=%cs"],
@@ -58,7 +63,7 @@ def turn() -> int:
         day = date.fromisoformat(told)
     except (OSError, subprocess.CalledProcessError, ValueError):
         day = date.today()
-    return day.toordinal() % N_TURNS
+    return day.toordinal()
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,10 +140,10 @@ def in_turn(values: Iterable[Any], first: int = 0) -> list[Any]:
     ]
 
 
-def is_due(place: int) -> bool:
+def is_due(place: int, n_turns: int = N_TURNS) -> bool:
     """Return whether a place among what has turns inside of a test is due in the tier that runs."""
     takes_turns = TIERS[settings.get_current_profile_name()].takes_turns
-    return not takes_turns or place % N_TURNS == turn()
+    return not takes_turns or place % n_turns == turn(n_turns)
 
 
 def n_examples(stated: int) -> int:

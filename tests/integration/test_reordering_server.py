@@ -4,11 +4,11 @@ import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
 from mrsfi_runtime.cosimulation.waiting import Patience
-from mrsfi_runtime.engine.rosbridge import RosbridgeEngine, SimulationProcess
+from mrsfi_runtime.engine.rosbridge import RosbridgeEngine
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import ProtocolError
 from tests.support.page_simulator import page_simulator
-from tests.support.rosbridge import FLIGHT_SEED, Relay, code_of, digests, reference_digests
+from tests.support.rosbridge import FLIGHT_SEED, Relay, code_of, digests
 from tests.tiers import slow
 
 CODE = code_of("uuv_sampling", 60)
@@ -35,16 +35,6 @@ def test_the_simulator_of_the_page_flies_as_on_a_server_that_keeps_order(tmp_pat
         page_simulator(tmp_path, relay.url),
     ):
         assert flown(server.url) == in_order
-
-
-@slow
-def test_the_own_simulation_flies_as_in_process():
-    with EmbeddedBridge() as server, Relay(server.url, scatter=SCATTER) as relay:
-        simulation = SimulationProcess(CODE, EngineSettings(url=relay.url, patience=PATIENCE))
-        try:
-            assert flown(server.url) == reference_digests(CODE, SEEDS)
-        finally:
-            simulation.close()
 
 
 def test_a_simulator_that_flies_with_what_it_happens_to_have_is_refused(tmp_path):

@@ -71,15 +71,6 @@ def test_random_specifications_of_the_paper_s_mission_fly_as_in_process(seeds, c
     assert flown == expected("uuv_sampling", 1000, seeds)
 
 
-@slow
-@pytest.mark.parametrize("client", FEW_CLIENTS)
-def test_jitter_changes_nothing(server, client):
-    with Relay(server.url, jitter=0.01) as relay:
-        flown = digests_apart(client, "tight_margins", 60, range(2), relay.url)
-
-    assert flown == reference_digests(SHORT, range(2))
-
-
 def test_the_ci_may_start_before_the_simulation(server):
     flown = []
 

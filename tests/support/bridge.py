@@ -49,6 +49,9 @@ class Clock:
         heapq.heappush(self._due, (self._now + delay, next(self._numbers), appointment))
         return appointment
 
+    def call_soon(self, callback: Callable[[], object], /) -> Appointment:
+        return self.call_later(0.0, callback)
+
     def advance(self, seconds: float) -> None:
         end = self._now + seconds
         while self._due and self._due[0][0] <= end:

@@ -1,7 +1,7 @@
 """Flights over rosbridge for tests, and a relay that delays and tampers with what passes.
 
-Run ``python -m tests.support.rosbridge CLIENT FORM MISSION DURATION SEED …`` to fly one random
-specification per seed in a process of its own: a process has one kind of client only.
+Run ``python -m tests.support.rosbridge CLIENT FORM MISSION DURATION URL SIDE ROS SEED …`` to fly
+one random specification per seed in a process of its own: a process has one kind of client only.
 """
 
 import asyncio
@@ -64,10 +64,12 @@ def digests_apart(
     url: str = "",
     *,
     is_bundled: bool = False,
+    side: str = "both",
+    ros: int = 1,
 ) -> list[list[str]]:
     """Return the digests of flights over rosbridge in a process of its own."""
     form = "bundles" if is_bundled else "messages"
-    words = [client, form, mission, str(duration), url, *map(str, seeds)]
+    words = [client, form, mission, str(duration), url, side, str(ros), *map(str, seeds)]
     done = subprocess.run(
         [sys.executable, "-W", "error", "-m", __name__, *words],
         check=False,
@@ -91,8 +93,6 @@ class Relay:
         The server behind it.
     to_server
         What becomes of the frames to the server.
-    jitter
-        Greatest delay of a frame in seconds; the delays are random.
     scatter
         Greatest delay of a message in seconds, with order kept within its topic only, as
         the genuine rosbridge server does.
@@ -103,12 +103,10 @@ class Relay:
         upstream: str,
         *,
         to_server: Tamper | None = None,
-        jitter: float = 0.0,
         scatter: float = 0.0,
     ) -> None:
         self._upstream = upstream
         self._to_server = to_server or (lambda frame: [frame])
-        self._jitter = jitter
         self._scatter = scatter
         self._random = Random(1)
         self._ready = threading.Event()
@@ -150,9 +148,7 @@ class Relay:
                     topic = _topic(passed) if self._scatter else ""
                     if topic not in lanes:
                         lanes[topic] = Lane(sink)
-                    lanes[topic].put(
-                        passed, self._random.uniform(0.0, self._scatter or self._jitter)
-                    )
+                    lanes[topic].put(passed, self._random.uniform(0.0, self._scatter))
         for lane in lanes.values():
             await lane.end()
         await sink.close()
@@ -213,9 +209,15 @@ def process(
 
 def main() -> None:
     """Print the digests of flights over rosbridge as JSON."""
-    client, form, mission, duration, url, *seeds = sys.argv[1:]
+    client, form, mission, duration, url, side, ros, *seeds = sys.argv[1:]
     code = code_of(mission, int(duration))
-    settings = EngineSettings(url=url or None, client=client, is_bundled=form == "bundles")
+    settings = EngineSettings(
+        url=url or None,
+        ros=int(ros),
+        client=client,
+        has_simulation=side == "both",
+        is_bundled=form == "bundles",
+    )
     with RosbridgeEngine(code, FLIGHT_SEED, settings) as engine:
         sys.stdout.write(json.dumps(digests(engine, [int(seed) for seed in seeds])))
 

@@ -167,3 +167,60 @@ def test_a_wrong_definition_is_refused_with_file_and_line(tmp_path, text, kind, 
 def test_a_folder_without_definitions_is_refused(tmp_path):
     with pytest.raises(SettingsError, match=r"no definitions; expected .*/PACKAGE/msg/TYPE\.msg"):
         TypeTable([tmp_path]).check()
+
+
+def test_a_definition_of_ros_2_may_have_bounds_and_defaults(tmp_path):
+    text = (
+        "int32 LIMIT=3\nstring<=3 name ab\nfloat64[<=2] speeds [1.5]\nbool is_on true\n"
+        'string text "a b"\ntime at\nuint8 n 7  # seven\n'
+    )
+    define(tmp_path, "a/T", text)
+    types = TypeTable([tmp_path], ros=2)
+    structure = types.message("a/msg/T")
+
+    assert types.check() == 1
+    assert structure.convert({"is_on": False}) == {
+        "name": "ab",
+        "speeds": [1.5],
+        "is_on": False,
+        "text": "a b",
+        "at": {"sec": 0, "nanosec": 0},
+        "n": 7,
+    }
+    for wrong in ({"name": "abcd"}, {"speeds": [1.0, 2.0, 3.0]}):
+        with pytest.raises(ProtocolError, match="expected at most"):
+            structure.convert(wrong)
+    with pytest.raises(SettingsError, match=r"T\.msg:2: 'string<=3 name ab', expected"):
+        TypeTable([tmp_path]).check()
+
+
+def test_a_default_that_does_not_fit_is_refused(tmp_path):
+    define(tmp_path, "a/T", "uint8 n 256\n")
+
+    with pytest.raises(SettingsError, match="a/T: .*expected uint8"):
+        TypeTable([tmp_path], ros=2).check()
+
+
+@pytest.mark.parametrize(("n_borders", "is_sound"), [(1, False), (2, True), (3, False)])
+def test_an_action_has_three_parts(tmp_path, n_borders, is_sound):
+    define(tmp_path, "a/T", "int32 n\n" + n_borders * "---\n", "action")
+    types = TypeTable([tmp_path], ros=2)
+
+    if is_sound:
+        assert types.check() == 1
+        assert types.action("a/action/T").request.convert({}) == {"n": 0}
+    else:
+        with pytest.raises(
+            SettingsError, match="expected two between goal and result and feedback"
+        ):
+            types.check()
+
+
+def test_every_message_of_ros_2_has_its_defaults():
+    names = get_typestore(Stores.ROS2_JAZZY).fielddefs
+    types = TypeTable(ros=2)
+
+    defaults = {name: types.message(name).default() for name in names}
+
+    assert len(defaults) > 150
+    assert defaults["std_msgs/msg/Header"] == {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}

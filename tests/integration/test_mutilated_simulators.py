@@ -1,15 +1,23 @@
 """The page's minimal simulator, mutilated: it counts honestly, but leaves out, or lies."""
 
+from contextlib import closing
+
 import pytest
 
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.type_table import TypeTable
 from mrsfi_runtime.cosimulation.bus_lockstep import BusLockstep
+from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.errors import ProtocolError
+from mrsfi_runtime.transport.dialect import ROS_VERSIONS
+from mrsfi_runtime.transport.embedded import EmbeddedTransport
 from tests.support.page_simulator import join_page_simulator
 from tests.support.two_sides import BusEngine
 from tests.support.world import paper_code
-from tests.unit.cosimulation.bus import PATIENCE, QueuedBus
 
 CODE = paper_code(40)
+PATIENCE = Patience(tick=3.0, handshake=10.0)
 POSITION = 'publish(f"/{robot}/position", x=at[0], y=at[1], z=0.0)'
 SPEED = 'publish(f"/{robot}/speed", data=speed)'
 ENERGY = 'publish(f"/{robot}/energy", data=90000.0)'
@@ -22,15 +30,21 @@ CLOCK = 'publish("/clock", clock={"secs": tick, "nsecs": 0})'
 AT_20 = "(tick == 20)"
 
 
-def flown(found="", replaced=""):
+@pytest.fixture(params=ROS_VERSIONS)
+def ros(request):
+    return request.param
+
+
+def flown(ros, found="", replaced=""):
     """Return the outcome of a flight on the page's simulator with a text in it replaced."""
-    bus = QueuedBus()
-    try:
-        join_page_simulator(bus.join(), found, replaced)
-        lockstep = BusLockstep(bus.join(), CODE.mission, CODE.interface, CODE.truth, PATIENCE)
+    with (
+        EmbeddedBridge(ServerSettings(types=TypeTable(ros=ros))) as server,
+        closing(EmbeddedTransport(server)) as theirs,
+        closing(EmbeddedTransport(server)) as ours,
+    ):
+        join_page_simulator(theirs, found, replaced)
+        lockstep = BusLockstep(ours, CODE.mission, CODE.interface, CODE.truth, PATIENCE)
         return BusEngine(CODE, 1, lockstep).evaluate(())
-    finally:
-        bus.close()
 
 
 MISSING = "the simulation has to publish it in this tick"
@@ -73,11 +87,11 @@ MISSING = "the simulation has to publish it in this tick"
         ),
     ],
 )
-def test_what_a_tick_has_to_bring_and_does_not_is_told_with_topic_and_tick(edit, problem):
+def test_what_a_tick_has_to_bring_and_does_not_is_told_with_topic_and_tick(ros, edit, problem):
     with pytest.raises(ProtocolError, match=f"^run 1, tick {problem}"):
-        flown(*edit)
+        flown(ros, *edit)
 
 
 @pytest.mark.parametrize("told_again", ["not tick", "tick % 3 == 0"])
-def test_what_need_not_be_said_again_changes_nothing(told_again):
-    assert flown(ACTIVE, f"if {told_again}: {ACTIVE}") == flown()
+def test_what_need_not_be_said_again_changes_nothing(ros, told_again):
+    assert flown(ros, ACTIVE, f"if {told_again}: {ACTIVE}") == flown(ros)

@@ -1,0 +1,72 @@
+"""Every client, server and ROS: the same flights, while messages of a tick overtake each other."""
+
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, closing
+from itertools import product
+from time import sleep
+
+from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.type_table import TypeTable
+from mrsfi_runtime.cosimulation.waiting import Patience
+from mrsfi_runtime.engine.rosbridge import SimulationProcess
+from mrsfi_runtime.engine.settings import EngineSettings
+from mrsfi_runtime.transport.dialect import ROS_VERSIONS
+from mrsfi_runtime.transport.server_address import CLIENTS
+from tests.support.rosbridge import Relay, code_of, digests_apart, reference_digests
+from tests.tiers import is_due, slow
+
+MISSION, DURATION = "uuv_sampling", 200
+CODE = code_of(MISSION, DURATION)
+SEEDS = range(20)
+SCATTER = 0.01
+N_TURNS = 10
+AT_A_TIME = 3
+PATIENCE = Patience(tick=20.0, handshake=30.0)
+WAYS = ("in the simulation", "simulation first", "ci first")
+"""Where the server is; if it is in a process of its own, who joins it first."""
+
+COMBINATIONS = [*product(WAYS, ROS_VERSIONS, CLIENTS)]
+
+
+def flown(way, ros, client, seeds):
+    """Return the digests of flights in one way, the ci's messages scattered by up to 10 ms."""
+    settings = EngineSettings("rosbridge", ros=ros, client=client, patience=PATIENCE)
+    with ExitStack() as opened, ThreadPoolExecutor(1) as beside:
+        if way == "in the simulation":
+            url = opened.enter_context(closing(SimulationProcess(CODE, settings))).url
+        else:
+            server = EmbeddedBridge(ServerSettings(types=TypeTable(ros=ros)))
+            url = opened.enter_context(server).url
+        relay = opened.enter_context(Relay(url, scatter=SCATTER))
+
+        def simulation():
+            joined = SimulationProcess(CODE, EngineSettings("rosbridge", url, ros, client))
+            opened.enter_context(closing(joined))
+
+        def fly():
+            return digests_apart(client, MISSION, DURATION, seeds, relay.url, side="ci", ros=ros)
+
+        if way == "simulation first":
+            simulation()
+        flying = beside.submit(fly)
+        if way == "ci first":
+            sleep(1.5)
+            simulation()
+        return flying.result()
+
+
+@slow
+def test_every_bus_flies_as_the_reference_does():
+    due = [
+        (way, [seed for seed in SEEDS if is_due(len(SEEDS) * place + seed, N_TURNS)])
+        for place, way in enumerate(COMBINATIONS)
+    ]
+    expected = dict(zip(SEEDS, reference_digests(CODE, SEEDS), strict=True))
+
+    with ThreadPoolExecutor(AT_A_TIME) as pool:  # a flight waits most of its time
+        found = [*pool.map(lambda each: flown(*each[0], each[1]), due)]
+
+    assert {way: digests for (way, _), digests in zip(due, found, strict=True)} == {
+        way: [expected[seed] for seed in seeds] for way, seeds in due
+    }

@@ -1,0 +1,150 @@
+"""Actions: every goal gets one result, whoever leaves, and nothing is silent."""
+
+import pytest
+
+from mrsfi_bridge.type_table import TypeTable
+from tests.support.bridge import Peer, new_hub
+
+NAME, KIND = "/fibonacci", "example_interfaces/action/Fibonacci"
+DEFINITION = "int32 order\n---\nint32[] sequence\n---\nint32[] sequence\n"
+
+
+@pytest.fixture(params=[1, 2])
+def hub(request, fibonacci):
+    return new_hub(types=TypeTable((fibonacci,), request.param))[0]
+
+
+@pytest.fixture(scope="module")
+def fibonacci(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("types")
+    (folder / "example_interfaces" / "action").mkdir(parents=True)
+    file = folder / "example_interfaces" / "action" / "Fibonacci.action"
+    file.write_text(DEFINITION, encoding="ascii")
+    return folder
+
+
+@pytest.fixture
+def provider(hub):
+    peer = Peer(hub, "warning")
+    peer.tell(op="advertise_action", action=NAME, type=KIND)
+    return peer
+
+
+@pytest.fixture
+def caller(hub):
+    return Peer(hub, "warning")
+
+
+def send(caller, goal_id="g", feedback=True, **goal):
+    caller.tell(
+        op="send_action_goal",
+        id=goal_id,
+        action=NAME,
+        action_type=KIND,
+        args=goal,
+        feedback=feedback,
+    )
+
+
+def asked(provider):
+    """Return the identifier of the goal that a provider is asked for."""
+    (goal,) = provider.take()
+    assert (goal["op"], goal["action"], goal["args"]) == ("send_action_goal", NAME, {"order": 3})
+    return goal["id"]
+
+
+def result(caller):
+    (told,) = caller.take()
+    assert (told["op"], told["action"], told["id"]) == ("action_result", NAME, "g")
+    return told["result"], told["status"], told["values"]
+
+
+def test_a_goal_has_feedback_and_a_result(provider, caller):
+    send(caller, order=3)
+    goal = asked(provider)
+    provider.tell(op="action_feedback", action=NAME, id=goal, values={"sequence": [0, 1]})
+
+    (feedback,) = caller.take()
+    assert feedback == {
+        "op": "action_feedback",
+        "id": "g",
+        "action": NAME,
+        "values": {"sequence": [0, 1]},
+    }
+    provider.tell(
+        op="action_result", action=NAME, id=goal, values={"sequence": [0, 1, 1]}, status=4
+    )
+    assert result(caller) == (True, 4, {"sequence": [0, 1, 1]})
+    provider.tell(op="action_result", action=NAME, id=goal, values={})
+    assert "no call" in provider.take()[0]["msg"]
+
+
+def test_feedback_comes_to_who_asked_for_it(provider, caller):
+    send(caller, feedback=False, order=3)
+    provider.tell(op="action_feedback", action=NAME, id=asked(provider), values={"sequence": [0]})
+
+    assert caller.take() == []
+
+
+def test_a_goal_is_cancelled_by_its_caller_only(hub, provider, caller):
+    send(caller, order=3)
+    goal = asked(provider)
+    stranger = Peer(hub, "warning")
+    stranger.tell(op="cancel_action_goal", action=NAME, id="g")
+    assert "no such goal of yours" in stranger.take()[0]["msg"]
+    assert provider.take() == []
+
+    caller.tell(op="cancel_action_goal", action=NAME, id="g")
+
+    assert provider.take() == [{"op": "cancel_action_goal", "id": goal, "action": NAME}]
+    provider.tell(op="action_result", action=NAME, id=goal, values={}, status=5)
+    assert result(caller) == (True, 5, {"sequence": []})
+
+
+def test_a_provider_may_fail(provider, caller):
+    send(caller, order=3)
+    provider.tell(
+        op="action_result", action=NAME, id=asked(provider), values="no", result=False, status=6
+    )
+
+    assert result(caller) == (False, 6, "no")
+
+
+def test_nobody_who_provides_is_told(hub, caller):
+    send(caller, order=3)
+
+    assert result(caller) == (False, 6, f"Action {NAME} does not exist")
+
+
+@pytest.mark.parametrize("op", ["leave", "unadvertise"])
+def test_a_provider_that_goes_is_told(provider, caller, op):
+    send(caller, order=3)
+    if op == "leave":
+        provider.session.leave()
+    else:
+        provider.tell(op="unadvertise_action", action=NAME)
+
+    is_ok, status, reason = result(caller)
+    assert (is_ok, status) == (False, 6)
+    assert "its provider" in reason
+
+
+def test_what_does_not_fit_the_type_is_told_to_both(provider, caller):
+    send(caller, orders=3)
+    assert "has no field 'orders'" in result(caller)[2]
+    assert provider.take() == []
+
+    send(caller, order=3)
+    goal = asked(provider)
+    provider.tell(op="action_feedback", action=NAME, id=goal, values={"sequence": 1})
+    assert "expected a list" in provider.take()[0]["msg"]
+    provider.tell(op="action_result", action=NAME, id=goal, values={"sequence": 1})
+    assert "expected a list" in result(caller)[2]
+    assert "expected a list" in provider.take()[0]["msg"]
+
+
+def test_an_unknown_type_of_action_is_refused_with_the_file_to_add(hub):
+    peer = Peer(hub, "warning")
+    peer.tell(op="advertise_action", action="/x", type="a_package/action/Walk")
+
+    assert "add a_package/action/Walk.action" in peer.take()[0]["msg"]
