@@ -197,7 +197,7 @@ def test_a_definition_of_ros_2_may_have_bounds_and_defaults(tmp_path):
 def test_a_default_that_does_not_fit_is_refused(tmp_path):
     define(tmp_path, "a/T", "uint8 n 256\n")
 
-    with pytest.raises(SettingsError, match="a/T: .*expected uint8"):
+    with pytest.raises(SettingsError, match=r"a/T: .*expected uint8"):
         TypeTable([tmp_path], ros=2).check()
 
 
