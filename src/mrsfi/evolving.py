@@ -1,6 +1,6 @@
 """Campaigns from the first evaluation to the last."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
@@ -19,11 +19,14 @@ from mrsfi_runtime.engine.region_sources import imported_files
 from mrsfi_runtime.engine.settings import EngineSettings
 from mrsfi_runtime.errors import EvaluationError, WorkerLost
 from mrsfi_runtime.generated_code import MissionCode
+from mrsfi_runtime.model.faults import Specification
 from mrsfi_runtime.model.mission import Mission
+from mrsfi_runtime.model.outcome import Evaluated, FailedFlight
 from mrsfi_runtime.record.folder import CampaignFolder, only_writer
 from mrsfi_runtime.record.measure import Measure
 from mrsfi_runtime.record.settings import CampaignSettings
 from mrsfi_runtime.record.store import CampaignStore
+from mrsfi_runtime.search.resumable_record import EvaluateMany
 from mrsfi_runtime.search.run import CampaignProgress, require_settings, run_campaign
 from mrsfi_runtime.search.space import SearchSpace
 
@@ -151,7 +154,7 @@ def evolve(
 
     with evaluating(campaign.code, seed, engine, workers, tell, tell_who) as many:
         with watched as progress:
-            search(campaign, many, progress)
+            search(campaign, many, progress, None if engine.has_simulation else tell)
         if explains and engine.has_simulation:
             try:
                 with own_engine(many, campaign.code, seed, engine) as own:
@@ -164,12 +167,23 @@ def evolve(
         tell("was finished already; its report is written anew")
 
 
-def search(campaign: FlyableCampaign, evaluator: Evaluator, progress: Progress) -> None:
-    """Run the search of a campaign to its end."""
+def search(
+    campaign: FlyableCampaign,
+    evaluator: Evaluator,
+    progress: Progress,
+    doubt: Tell | None = None,
+) -> None:
+    """Run the search of a campaign to its end.
+
+    With a ``doubt``, the first specification is flown twice, and what differs is told.
+    """
     settings = campaign.store.settings
+    evaluate_many: EvaluateMany
     evaluate_many, *replicas = (
         partial(evaluator.evaluate_many, seed=seed) for seed in settings.mission_seeds
     )
+    if doubt is not None:
+        evaluate_many = _first_flown_twice(evaluate_many, doubt)
     run_campaign(
         settings,
         campaign.mission,
@@ -180,3 +194,30 @@ def search(campaign: FlyableCampaign, evaluator: Evaluator, progress: Progress) 
         replicas=replicas,
         algorithms=ALGORITHMS,
     )
+
+
+def _first_flown_twice(evaluate_many: EvaluateMany, tell: Tell) -> EvaluateMany:
+    """Return what evaluates as before, and tells if the first specification flies in two ways."""
+    is_first = True
+
+    def evaluate(specifications: Sequence[Specification]) -> Iterator[Evaluated]:
+        nonlocal is_first
+        for found in evaluate_many(specifications):
+            if is_first:
+                is_first = False
+                (again,) = evaluate_many(specifications[:1])
+                if again != found:
+                    tell(
+                        "warning: the simulation does not repeat itself: the first specification, "
+                        f"flown twice, gave {_shown(found)} and {_shown(again)}; what replay and "
+                        "explain say of this campaign may be chance"
+                    )
+            yield found
+
+    return evaluate
+
+
+def _shown(found: Evaluated) -> str:
+    if isinstance(found, FailedFlight):
+        return "an error"
+    return f"{sum(found.believed)} believed violations (digest {found.digest[:8]}…)"

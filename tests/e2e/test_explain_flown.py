@@ -93,6 +93,7 @@ def test_on_somebody_elses_simulation_nothing_is_explained_unasked_nor_what_flie
 
     assert found["weaknesses"] is None
     assert "cause " not in printed.stderr
+    assert "warning: the simulation does not repeat itself: the first spec" in printed.stderr
     assert printed.stdout.startswith("The 4 most critical of 4 fault specifications\n")
     assert ": flown twice, it had violations " in refused.stderr
     assert "expected a simulation that repeats itself" in refused.stderr
@@ -112,11 +113,12 @@ def evolved_elsewhere(small, url):
 def test_somebody_elses_simulation_that_repeats_itself_is_explained_when_asked(ended, small, url):
     one = ("--evaluation", "0", "--json")
     with simulation(url, small):
-        evolved_elsewhere(small, url)
+        printed, _ = evolved_elsewhere(small, url)
         found = mrsfi_process("explain", "out", *one, cwd=small, timeout=240)
 
     expected = mrsfi("explain", "runs/it", *one, *ONE, cwd=ended)
     (told,), (same,) = (json.loads(each.stdout)["explanations"] for each in (found, expected))
     assert told["is_violated"]
+    assert "does not repeat itself" not in printed.stderr
     assert told["columns"] == same["columns"]
     assert told["faults"] == same["faults"]
