@@ -76,6 +76,8 @@ def test_what_settings_leave_out_is_what_the_page_says(place, monkeypatch):
     [
         ("[project]\nmodel = 'x'\n", "found 'model'; expected one of metamodels, models"),
         ("[project]\nmodels = 3\n", "found models = 3; expected the name of a folder"),
+        ("[project]\nros = 3\n", "found ros = 3; expected 1 or 2"),
+        ("[project]\nros = true\n", "found ros = True; expected 1 or 2"),
         ("[other]\n", "found 'other'; expected one table, [project]"),
         ("[project\n", "cannot be read"),
         ("[project]\nmetamodels = 'none'\n", "expected a folder that has mission.ecore"),

@@ -106,6 +106,18 @@ def test_a_campaign_over_rosbridge_finds_what_the_reference_finds_and_records_ho
 
 
 @slow
+def test_a_project_of_ros_2_flies_the_same_and_records_it(quick):
+    local = mrsfi_json("evolve", QUICK, *TINY, *REFERENCE, "--out", "runs/local", cwd=quick)
+    (quick / "mrsfi.toml").write_text("[project]\nros = 2\n", encoding="utf-8")
+
+    found = bus_json("evolve", QUICK, *TINY, *ROSBRIDGE, "--out", "runs/bus", cwd=quick)
+
+    with CampaignStore.open(quick / "runs" / "bus") as store:
+        assert store.manifest.as_json()["bus"]["ros"] == 2
+    assert found["digest"] == local["digest"]
+
+
+@slow
 def test_replications_share_one_server(quick, url):
     file = quick / "models" / QUICK / "case_a.toml"
     edit(file, "mission_seed = 1", "mission_seed = 1\nreplications = 2")

@@ -49,6 +49,30 @@ def test_it_prints_its_url_serves_and_ends_when_told(tmp_path, command, sign, co
     assert "Traceback" not in log
 
 
+@pytest.mark.parametrize(
+    ("command", "words", "setting", "seconds"),
+    [
+        (TOGETHER, (), "", "secs"),
+        (TOGETHER, (), "ros = 2", "sec"),
+        (TOGETHER, ("--ros", "1"), "ros = 2", "secs"),
+        (ALONE, ("--ros", "2"), "", "sec"),
+    ],
+)
+def test_it_is_of_the_ros_of_its_command_line_or_project(
+    tmp_path, command, words, setting, seconds
+):
+    (tmp_path / "mrsfi.toml").write_text(f"[project]\n{setting}\n", encoding="utf-8")
+
+    with (
+        process(*words, cwd=tmp_path, program=command) as server,
+        connect(url_of(server)) as connection,
+    ):
+        connection.send(json.dumps({"op": "call_service", "service": "/rosapi/get_time"}))
+        answer = json.loads(connection.recv(PATIENCE_S))
+
+    assert seconds in answer["values"]["time"]
+
+
 def test_definitions_of_the_user_are_known(tmp_path):
     folder = tmp_path / "defs" / "my" / "msg"
     folder.mkdir(parents=True)
