@@ -9,7 +9,6 @@ References
 Source paper, section III-F.
 """
 
-import asyncio
 import logging
 import socket
 from collections.abc import Callable
@@ -35,7 +34,6 @@ from mrsfi_runtime.transport.topics import (
 )
 
 _PORTS = {"ws": 80, "wss": 443}
-_QUICKACK = getattr(socket, "TCP_QUICKACK", None)  # Linux
 _CLOSING = 6.0  # roslibpy gives the server 5 s to agree
 
 for _name in ("autobahn", "roslibpy", "twisted"):  # the listener hears of what matters
@@ -147,16 +145,8 @@ class RosbridgeTransport(ListenedTransport):
             f"{self.url} did not answer within {timeout:g} s; expected a rosbridge server"
         )
 
-    def _on_open(self, protocol: Any) -> None:
+    def _on_open(self, _protocol: Any) -> None:
         self._stop_reconnecting()
-        if self._client == "twisted":
-            protocol.transport.setTcpNoDelay(True)  # asyncio sets it itself
-            _acknowledge_at_once(protocol, "dataReceived", protocol.transport.socket)
-        elif self._client == "asyncio":
-            connection = protocol.transport.get_extra_info("socket")
-            _acknowledge_at_once(protocol, "data_received", connection)
-            protocol.transport = _JoinedWrites(protocol.transport, self._ros.factory.manager.loop)
-        protocol.utf8validateIncoming = False  # the JSON decoder checks it again
         self._opened.set()
 
     def _on_close(self, _protocol: Any) -> None:
@@ -181,55 +171,6 @@ def _ros(url: str, client: Client) -> Any:
     from mrsfi_runtime.transport.wire import WireRos  # noqa: PLC0415 - binds asyncio, as roslibpy's
 
     return WireRos(url)
-
-
-class _JoinedWrites:
-    """An asyncio transport that sends what one callback writes in one system call.
-
-    Twisted does so by itself; asyncio makes a call for each message.
-    """
-
-    def __init__(self, transport: asyncio.Transport, loop: asyncio.AbstractEventLoop) -> None:
-        self._transport = transport
-        self._loop = loop
-        self._waiting: list[bytes] = []
-
-    def write(self, data: bytes) -> None:
-        """Send data when the running callback has ended."""
-        if not self._waiting:
-            self._loop.call_soon(self._flush)
-        self._waiting.append(data)
-
-    def close(self) -> None:
-        """Send what waits, and close."""
-        self._flush()
-        self._transport.close()
-
-    def _flush(self) -> None:
-        data, self._waiting = b"".join(self._waiting), []
-        if data and not self._transport.is_closing():
-            self._transport.write(data)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._transport, name)
-
-
-def _acknowledge_at_once(protocol: Any, receiver: str, connection: Any) -> None:
-    """Have what a protocol receives acknowledged at once.
-
-    A server that leaves Nagle's algorithm on, as the genuine rosbridge_server does, keeps what
-    it has to say back until its last message is acknowledged; Linux takes 40 ms for that, and
-    forgets after each acknowledgement that it was told not to.
-    """
-    receive = getattr(protocol, receiver)
-
-    def receive_and_acknowledge(data: bytes) -> None:
-        with suppress(OSError):  # the connection ended just now
-            connection.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
-        receive(data)
-
-    if _QUICKACK is not None:
-        setattr(protocol, receiver, receive_and_acknowledge)
 
 
 def _require_listener(url: str, timeout: float) -> None:
