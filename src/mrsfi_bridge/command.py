@@ -4,8 +4,8 @@
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -34,6 +34,15 @@ It binds 127.0.0.1. Any other address needs --public and a token, which clients 
 URL, ws://HOST:9090/?token=…, or as header `Authorization: Bearer …`. The connection is not
 encrypted.
 """
+
+_LIMITS = (
+    ("--max-clients", "clients", 1, 10_000, "Clients at a time."),
+    ("--max-frame", "frame_bytes", _MEBI, 1024, "Longest message in MiB."),
+    ("--max-queue", "queue_bytes", _MEBI, 4096, "What may wait for a slow client, in MiB."),
+    ("--max-memory", "total_bytes", _MEBI, 65536, "What may wait for all clients, in MiB."),
+    ("--max-topics", "topics", 1, 1_000_000, "Topics at a time."),
+)
+"""Options, the limit that each sets, in which unit, the greatest value, and what it says."""
 
 _OPTIONS = (
     click.option("--host", default="127.0.0.1", show_default=True, help="Address to bind."),
@@ -65,43 +74,20 @@ _OPTIONS = (
         type=click.Path(path_type=Path, exists=True, file_okay=False),
         help="Folder with message and service definitions of your own.",
     ),
-    click.option(
-        "--max-clients",
-        type=click.IntRange(1, 10_000),
-        default=_DEFAULT.clients,
-        show_default=True,
-        help="Clients at a time.",
-    ),
-    click.option(
-        "--max-frame",
-        type=click.IntRange(1, 1024),
-        default=_DEFAULT.frame_bytes // _MEBI,
-        show_default=True,
-        help="Longest message in MiB.",
-    ),
-    click.option(
-        "--max-queue",
-        type=click.IntRange(1, 4096),
-        default=_DEFAULT.queue_bytes // _MEBI,
-        show_default=True,
-        help="What may wait for a slow client, in MiB.",
-    ),
-    click.option(
-        "--max-memory",
-        type=click.IntRange(1, 65536),
-        default=_DEFAULT.total_bytes // _MEBI,
-        show_default=True,
-        help="What may wait for all clients, in MiB.",
-    ),
-    click.option(
-        "--max-topics",
-        type=click.IntRange(1, 1_000_000),
-        default=_DEFAULT.topics,
-        show_default=True,
-        help="Topics at a time.",
+    *(
+        click.option(
+            option,
+            limit,
+            type=click.IntRange(1, most),
+            default=getattr(_DEFAULT, limit) // unit,
+            show_default=True,
+            help=text,
+        )
+        for option, limit, unit, most, text in _LIMITS
     ),
     click.option(
         "--service-timeout",
+        "service_s",
         type=click.FloatRange(0, min_open=True),
         default=_DEFAULT.service_s,
         show_default=True,
@@ -118,33 +104,12 @@ def bridge_command(
     ``ros_unasked`` says of which version of ROS it is, unless the command line does.
     """
 
-    def callback(  # noqa: PLR0913 - one parameter per option
-        host: str,
-        port: int,
-        *,
-        ros: str | None,
-        is_public: bool,
-        token: str | None,
-        origins: tuple[str, ...],
-        folders: tuple[Path, ...],
-        max_clients: int,
-        max_frame: int,
-        max_queue: int,
-        max_memory: int,
-        max_topics: int,
-        service_timeout: float,
+    def callback(
+        ros: str | None, folders: tuple[Path, ...], service_s: float, **given: Any
     ) -> None:
-        limits = replace(
-            _DEFAULT,
-            clients=max_clients,
-            frame_bytes=max_frame * _MEBI,
-            queue_bytes=max_queue * _MEBI,
-            total_bytes=max_memory * _MEBI,
-            topics=max_topics,
-            service_s=service_timeout,
-        )
+        limits = {limit: given.pop(limit) * unit for _, limit, unit, _, _ in _LIMITS}
         types = TypeTable(folders, int(ros or ros_unasked()))
-        run(ServerSettings(host, port, is_public, token, origins, types, limits))
+        run(ServerSettings(**given, types=types, limits=Limits(**limits, service_s=service_s)))
 
     for option in reversed(_OPTIONS):
         callback = option(callback)

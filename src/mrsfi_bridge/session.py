@@ -104,25 +104,6 @@ class Session:
         self._goals: dict[str | int, str] = {}
         self.fragments = Fragments(2 * hub.limits.frame_bytes)
         self._n_dropped = 0
-        self._operations: dict[str, Callable[[Operation], None]] = {
-            "publish": self._publish,
-            "advertise": self._advertise,
-            "unadvertise": self._unadvertise,
-            "subscribe": self._subscribe,
-            "unsubscribe": self._unsubscribe,
-            "call_service": self._call_service,
-            "service_response": self._service_response,
-            "advertise_service": self._advertise_service,
-            "unadvertise_service": self._unadvertise_service,
-            "advertise_action": self._advertise_action,
-            "unadvertise_action": self._unadvertise_action,
-            "send_action_goal": self._send_action_goal,
-            "cancel_action_goal": self._cancel_action_goal,
-            "action_feedback": self._action_feedback,
-            "action_result": self._action_result,
-            "set_level": self._set_level,
-            "fragment": self._fragment,
-        }
 
     def receive(self, text: str) -> None:
         """Carry out the operations of a text; what is wrong is dropped, counted and logged."""
@@ -159,11 +140,14 @@ class Session:
         for reason in refused:
             self._drop(reason)
 
+    def _obey(self, operation: Operation) -> None:
+        getattr(self, f"_{operation['op']}")(operation)  # one for each of the protocol
+
     def _carry_out(self, value: Any) -> None:
         self._hub.counts.received += 1
         try:
             operation = check_operation(value)
-            self._operations[operation["op"]](operation)
+            self._obey(operation)
         except ProtocolError as error:
             self._drop(str(error), value.get("id") if isinstance(value, dict) else None)
 
@@ -194,7 +178,7 @@ class Session:
                 operation[name] = yield work
             except ProtocolError as error:
                 operation[name] = error  # for the caller to hear of
-        self._operations[operation["op"]](operation)
+        self._obey(operation)
 
     def leave(self) -> None:
         """End everything that the client does."""
