@@ -12,8 +12,8 @@ from mrsfi_bridge.errors import ProtocolError
 from mrsfi_bridge.services import Services
 from mrsfi_bridge.type_table import ServiceType
 
-SUCCEEDED, ABORTED = 4, 6
-"""How a goal ended, of its own or because its provider left; of ``action_msgs/GoalStatus``."""
+SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
+"""How a goal ended; of ``action_msgs/GoalStatus``. Whatever else a provider says is the last."""
 
 Answer: TypeAlias = Callable[[dict[str, Any]], None]
 """Takes what comes back of a goal: the fields of an operation, its result last."""
@@ -57,16 +57,20 @@ class Actions(Services):
     def finish(
         self, owner: Hashable, goal_id: Any, values: Any, status: int, *, is_ok: bool
     ) -> None:
-        """Tell a caller the result of a goal; as ``respond``."""
+        """Tell a caller the result of a goal; as ``respond``.
+
+        A goal that failed has a result, too, as with the genuine server: an empty one.
+        """
         call = self._asked(owner, goal_id)
         try:
-            result = call.type.response.convert(values) if is_ok else values
+            result = call.type.response.convert(values if is_ok else {})
         except ProtocolError as error:
             reason = f"result of action {call.service}: {error}"
             self.refuse(owner, goal_id, reason)
             raise ProtocolError(reason) from error
         self._forget(goal_id)
-        call.reply(True, {"values": result, "status": status, "result": is_ok})
+        ended = status if is_ok and status in (SUCCEEDED, CANCELED) else ABORTED
+        call.reply(True, {"values": result, "status": ended, "result": True})
 
     def _typed(self, type_name: str) -> ServiceType:
         return self._types.action(type_name)

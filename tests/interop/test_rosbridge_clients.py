@@ -1,19 +1,20 @@
-"""``mrsfi bridge`` against clients that others wrote: roslibpy's own test suite, and roslib."""
+"""``mrsfi bridge`` against clients that others wrote: roslibpy's own test suites, and roslib."""
 
 import json
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
 import tarfile
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -24,16 +25,64 @@ from tests.support.missing import skip
 _CLIENTS = Path(__file__).parent / "clients"
 _USUAL_PORT = 9090
 _TIMEOUT_S = 300
+_FIBONACCI = "int32 order\n---\nint32[] sequence\n---\nint32[] sequence\n"
+
+
+class Suite(NamedTuple):
+    """What roslibpy tests against a server of one version of ROS.
+
+    ``ends`` are the goals that it sets our action server, by order, and how each must end.
+    """
+
+    arguments: tuple[str, ...]
+    n_passed: int
+    ends: dict[int, int]
+
+
+_SUITES = {
+    1: Suite(
+        (
+            *("tests/ros1", "tests/test_ws_headers.py", "tests/test_transport.py"),
+            *("--deselect", "tests/ros1/test_tf.py"),
+        ),
+        29,
+        {},
+    ),
+    2: Suite(("tests/ros2",), 25, {4: 4, 10: 5}),
+}
+
+
+@pytest.fixture(scope="module", params=(1, 2), ids=("ros1", "ros2"))
+def ros(request: pytest.FixtureRequest) -> int:
+    """Return a version of ROS."""
+    version: int = request.param
+    return version
+
+
+def only(version: int) -> pytest.MarkDecorator:
+    """Have a test take one version of ROS only."""
+    return pytest.mark.parametrize(
+        "ros", [version], ids=[f"ros{version}"], indirect=True, scope="module"
+    )
+
+
+def definitions(folder: Path) -> Path:
+    """Write the type of the action that clients of ROS 2 use, and return where."""
+    path = folder / "types/example_interfaces/action/Fibonacci.action"
+    path.parent.mkdir(parents=True)
+    path.write_text(_FIBONACCI, encoding="utf-8")
+    return folder / "types"
 
 
 @contextmanager
-def bridge(folder: Path, port: int) -> Iterator[str]:
+def bridge(folder: Path, port: int, ros: int) -> Iterator[str]:
     """Run ``mrsfi bridge`` and yield its URL; its log must have no traceback."""
     log = folder / "bridge.log"
+    options = () if ros == 1 else ("--ros", ros, "--types", definitions(folder))
     with (
         log.open("w", encoding="utf-8") as file,
         subprocess.Popen(
-            command_line("bridge", "--port", port),
+            command_line("bridge", "--port", port, *options),
             cwd=folder,
             stdout=subprocess.PIPE,
             stderr=file,
@@ -49,6 +98,27 @@ def bridge(folder: Path, port: int) -> Iterator[str]:
     text = log.read_text(encoding="utf-8")
     assert code == 0, text
     assert "Traceback" not in text
+
+
+@contextmanager
+def fibonacci(url: str) -> Iterator[list[dict[str, int]]]:
+    """Run our action server; once it has ended, the list has what it did with each of its goals."""
+    with subprocess.Popen(
+        [sys.executable, _CLIENTS / "fibonacci.py", url],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+    ) as process:
+        goals: list[dict[str, int]] = []
+        try:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "advertised\n"
+            yield goals
+        finally:
+            process.terminate()
+            output, errors = process.communicate(timeout=30)
+    assert (process.returncode, errors) == (-signal.SIGTERM, "")
+    goals += map(json.loads, output.splitlines())
 
 
 @cache
@@ -87,16 +157,19 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("transport", CLIENTS)
-def test_roslibpys_own_suite_passes(suite, tmp_path, note, transport):
+def test_roslibpys_own_suite_passes(suite, tmp_path, note, transport, ros):
+    arguments, n_expected, ends = _SUITES[ros]
     report = tmp_path / "report.xml"
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
-    command += ["tests/ros1", "tests/test_ws_headers.py", "tests/test_transport.py"]
-    command += ["--deselect", "tests/ros1/test_tf.py", f"--junitxml={report}"]
+    command = [sys.executable, "-m", "pytest", "-qs", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    command += [*arguments, f"--junitxml={report}"]
     variables = {"ROSLIBPY_TRANSPORT": transport}
     if transport == "wire":
         command += ["-p", "wire_plugin"]
         variables = {"ROSLIBPY_TRANSPORT": "asyncio", "PYTHONPATH": str(_CLIENTS)}
-    with bridge(tmp_path, free_port()):
+    with (
+        bridge(tmp_path, free_port(), ros) as url,
+        fibonacci(url) if ends else nullcontext([]) as goals,
+    ):
         done = subprocess.run(
             command,
             cwd=suite.parent,
@@ -111,14 +184,17 @@ def test_roslibpys_own_suite_passes(suite, tmp_path, note, transport):
     totals = next(ET.parse(report).iter("testsuite")).attrib
     n_skipped = int(totals["skipped"])
     n_passed = int(totals["tests"]) - n_skipped
-    assert n_passed >= 29
-    note(f"roslibpy's own suite, {transport}", passed=n_passed, skipped=n_skipped)
+    assert n_passed >= n_expected
+    assert {goal["order"]: goal["status"] for goal in goals} == ends
+    assert done.stdout.count("Feedback: ") == sum(goal["n_feedback"] for goal in goals)
+    note(f"roslibpy's own suite, ROS {ros}, {transport}", passed=n_passed, skipped=n_skipped)
 
 
 @pytest.fixture(scope="module")
-def roslib(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """Return what roslib, the JavaScript client, reports of its steps against a bridge."""
-    node, npm = require_program("node"), require_program("npm")
+def node_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with roslib, the JavaScript client, and our program."""
+    require_program("node")
+    npm = require_program("npm")
     folder = tmp_path_factory.mktemp("roslib")
     for path in _CLIENTS.glob("*.*"):
         shutil.copy(path, folder)
@@ -128,10 +204,16 @@ def roslib(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     )
     if installed.returncode:
         skip(f"cannot install roslib: {installed.stderr.strip()[-300:]}")
-    with bridge(folder, 0) as url:
+    return folder
+
+
+@pytest.fixture(scope="module")
+def roslib(node_folder: Path, ros: int, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Return what roslib reports of its steps against a bridge."""
+    with bridge(tmp_path_factory.mktemp("bridge"), 0, ros) as url:
         done = subprocess.run(
-            [node, "roslib_client.mjs", url],
-            cwd=folder,
+            [require_program("node"), "roslib_client.mjs", url, str(ros)],
+            cwd=node_folder,
             capture_output=True,
             encoding="utf-8",
             timeout=_TIMEOUT_S,
@@ -142,26 +224,43 @@ def roslib(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return report
 
 
-def test_roslib_finishes_every_step(roslib, note):
+def test_roslib_finishes_every_step(roslib, note, ros):
     broken = {name: step for name, step in roslib.items() if "broken" in str(step)}
 
     assert broken == {}
-    note("roslib on Node", steps=len(roslib))
+    note(f"roslib on Node, ROS {ros}", steps=len(roslib))
 
 
 def test_roslib_receives_what_it_publishes_in_order_until_it_unsubscribes(roslib):
     assert roslib["topics"] == {"numbers": list(range(200)), "late": 0}
 
 
-def test_roslib_receives_latched_and_compressed_messages(roslib):
+def test_roslib_receives_latched_and_compressed_messages(roslib, ros):
     assert roslib["latched"] == {"x": 1.5, "y": 0, "z": 0}
     assert roslib["png"] == 1000
     assert roslib["cbor"] == {
         "name": ["a"],
         "kind": "Float64Array",
         "position": [1, 2.5],
-        "stamp": {"secs": 7, "nsecs": 8},
+        "stamp": {"secs": 7, "nsecs": 8} if ros == 1 else {"sec": 7, "nanosec": 8},
     }
+
+
+@only(1)
+def test_the_server_numbers_headers(roslib):
+    stamp = {"secs": 7, "nsecs": 8}
+
+    assert roslib["headers"] == [
+        [1, {"seq": 1, "stamp": stamp, "frame_id": ""}],
+        [2, {"seq": 2, "stamp": stamp, "frame_id": "map"}],
+    ]
+
+
+@only(2)
+def test_a_message_whose_header_has_a_number_is_dropped_by_ros_2(roslib):
+    stamp = {"sec": 7, "nanosec": 8}
+
+    assert roslib["headers"] == [[2, {"stamp": stamp, "frame_id": "map"}]]
 
 
 def test_roslib_calls_and_provides_services(roslib):
@@ -184,13 +283,12 @@ def test_roslib_keeps_parameters(roslib):
     }
 
 
-def test_roslib_sees_topics_services_types_and_nodes(roslib):
+def test_roslib_sees_topics_services_and_nodes(roslib):
     seen = roslib["introspection"]
 
     assert {"/rosout", "/js/pose"} <= set(seen["topics"])
     assert {"/rosapi/topics", "/rosapi/get_param"} <= set(seen["services"])
-    assert (seen["type"], seen["of_type"]) == ("geometry_msgs/Pose", ["/js/pose"])
-    assert seen["service_type"] == "rosapi/Topics"
+    assert seen["of_type"] == ["/js/pose"]
     assert (seen["request"], seen["response"]) == (["a", "b"], ["sum"])
     assert "/rosbridge_websocket" in seen["nodes"]
     assert seen["publishers"] == ["/rosbridge_websocket"]
@@ -198,5 +296,64 @@ def test_roslib_sees_topics_services_types_and_nodes(roslib):
     assert seen["raw"] == len(seen["topics"])
 
 
+@only(1)
+def test_roslib_reads_names_of_types_in_two_parts(roslib):
+    seen = roslib["introspection"]
+
+    assert (seen["type"], seen["of_short_type"]) == ("geometry_msgs/Pose", ["/js/pose"])
+    assert seen["service_type"] == "rosapi/Topics"
+
+
+@only(2)
+def test_roslib_reads_names_of_types_in_three_parts_and_asks_by_them(roslib):
+    seen = roslib["introspection"]
+
+    assert (seen["type"], seen["of_short_type"]) == ("geometry_msgs/msg/Pose", [])
+    assert seen["service_type"] == "rosapi_msgs/srv/Topics"
+
+
+@only(1)
 def test_an_action_of_roslib_gives_its_result(roslib):
     assert roslib["action"] == {"result": 42}
+
+
+@only(2)
+def test_actions_of_roslib_give_feedback_and_a_result(roslib):
+    actions = roslib["actions"]
+
+    assert actions["counted"] == [
+        {"result": {"sequence": [3, 3]}, "feedback": [[3]]},
+        {"result": {"sequence": [4, 4]}, "feedback": [[4]]},
+    ]
+    assert (actions["servers"], actions["servers_left"]) == (["/js/count"], [])
+
+
+@only(2)
+def test_a_provider_of_roslib_ends_a_goal_that_is_cancelled(roslib):
+    actions = roslib["actions"]
+
+    assert actions["given_up"] == {
+        "error": 'GoalError: Action was canceled: {"sequence":[5]}',
+        "feedback": [[5]],
+    }
+    assert actions["n_cancelled"] == 1
+
+
+@only(2)
+def test_roslib_is_told_of_every_goal_that_fails(roslib):
+    no_field = "action /js/count: example_interfaces/Fibonacci{} has no field '{}', only {}"
+    expected = {
+        "unknown": ("Action /js/count does not exist", []),
+        "failed": ('{"sequence":[]}', [[-1]]),
+        "vague": ('{"sequence":[2]}', [[-2]]),
+        "wrong": (f"request of {no_field.format('Goal', 'orders', 'order')}", []),
+        "misfit": (f"result of {no_field.format('Result', 'numbers', 'sequence')}", [[0]]),
+        "unadvertised": ("Action /js/count: its provider gave it up", [[6]]),
+        "gone": ("Action /js/count does not exist", []),
+        "left": ("Action /js/count: its provider left", [[7]]),
+    }
+
+    assert {name: roslib["actions"][name] for name in expected} == {
+        name: {"error": f"GoalError: Action was aborted: {told}", "feedback": feedback}
+        for name, (told, feedback) in expected.items()
+    }

@@ -1,10 +1,14 @@
-// What roslib, the JavaScript client, does against a rosbridge server: one JSON object on
-// standard output, one entry per step.
+// What roslib, the JavaScript client, does against a rosbridge server of ROS 1 or 2: one JSON object
+// on standard output, one entry per step. Run `node roslib_client.mjs URL ROS`.
 
 import * as ROSLIB from "roslib";
 
-const url = process.argv[2];
-const ADD = "rospy_tutorials/AddTwoInts";
+const [url, ros] = process.argv.slice(2);
+const isRos2 = ros === "2";
+const ADD = isRos2 ? "example_interfaces/srv/AddTwoInts" : "rospy_tutorials/AddTwoInts";
+const POSE = isRos2 ? "geometry_msgs/msg/Pose" : "geometry_msgs/Pose";
+const STAMP = isRos2 ? { sec: 7, nanosec: 8 } : { secs: 7, nsecs: 8 };
+const AT_ONCE = isRos2 ? 10 : 200; // messages of a topic under way; ROS 2 loses those beyond
 const PATIENCE_MS = 10_000;
 
 const within = (promise, what) =>
@@ -41,9 +45,8 @@ const called = (service, request) =>
     `answer of ${service.name}`,
   );
 
-const received = (topic, count) => {
-  const messages = [];
-  return within(
+const received = (topic, count, messages = []) =>
+  within(
     new Promise((done) =>
       topic.subscribe((message) => {
         messages.push(message);
@@ -52,7 +55,15 @@ const received = (topic, count) => {
     ),
     `${count} messages of ${topic.name}`,
   );
-};
+
+const grown = (messages, count) =>
+  within(
+    new Promise((done) => {
+      const look = () => (messages.length >= count ? done() : setTimeout(look, 1));
+      look();
+    }),
+    `${count} messages`,
+  );
 
 // A call that is answered was carried out after everything that was sent before it.
 const settled = (ros) => asked(ros, "getNodes");
@@ -61,9 +72,13 @@ async function topics(a, b) {
   const subscriber = new ROSLIB.Topic({ ros: b, name: "/js/n", messageType: "std_msgs/Int64" });
   const publisher = new ROSLIB.Topic({ ros: a, name: "/js/n", messageType: "std_msgs/msg/Int64" });
   publisher.advertise();
-  const arriving = received(subscriber, 200);
+  const messages = [];
+  const arriving = received(subscriber, 200, messages);
   await settled(b);
-  for (let data = 0; data < 200; data += 1) publisher.publish({ data });
+  for (let data = 0; data < 200; data += 1) {
+    if (data % AT_ONCE === 0) await grown(messages, data);
+    publisher.publish({ data });
+  }
   const numbers = (await arriving).map((message) => message.data);
   subscriber.unsubscribe();
   await settled(b);
@@ -98,10 +113,25 @@ async function cbor(a, b) {
   const options = { name: "/js/joints", messageType: "sensor_msgs/JointState" };
   const arriving = received(new ROSLIB.Topic({ ...options, ros: b, compression: "cbor" }), 1);
   await settled(b);
-  const message = { name: ["a"], position: [1, 2.5], header: { stamp: { secs: 7, nsecs: 8 } } };
+  const message = { name: ["a"], position: [1, 2.5], header: { stamp: STAMP } };
   new ROSLIB.Topic({ ...options, ros: a }).publish(message);
   const { name, position, header } = (await arriving)[0];
   return { name, kind: position.constructor.name, position: [...position], stamp: header.stamp };
+}
+
+// ROS 1 numbers headers, and ROS 2 knows no number: it drops the whole message.
+async function headers(a, b) {
+  const options = { name: "/js/stamped", messageType: "geometry_msgs/PointStamped" };
+  const messages = [];
+  const subscriber = new ROSLIB.Topic({ ...options, ros: b });
+  subscriber.subscribe((message) => messages.push(message));
+  await settled(b);
+  const publisher = new ROSLIB.Topic({ ...options, ros: a });
+  publisher.publish({ header: { seq: 5, stamp: STAMP }, point: { x: 1 } });
+  publisher.publish({ header: { frame_id: "map", stamp: STAMP }, point: { x: 2 } });
+  await settled(a);
+  await settled(b);
+  return messages.map((message) => [message.point.x, message.header]);
 }
 
 async function services(a, b) {
@@ -144,14 +174,15 @@ async function parameters(a, b) {
 }
 
 async function introspection(a, b) {
-  const topic = new ROSLIB.Topic({ ros: a, name: "/js/pose", messageType: "geometry_msgs/Pose" });
+  const topic = new ROSLIB.Topic({ ros: a, name: "/js/pose", messageType: POSE });
   topic.advertise();
   await settled(a);
-  const details = await asked(b, "getMessageDetails", "geometry_msgs/Pose");
+  const details = await asked(b, "getMessageDetails", POSE);
   return {
     topics: (await asked(b, "getTopics")).topics,
     type: await asked(b, "getTopicType", "/js/pose"),
-    of_type: await asked(b, "getTopicsForType", "geometry_msgs/Pose"),
+    of_type: await asked(b, "getTopicsForType", POSE),
+    of_short_type: await asked(b, "getTopicsForType", "geometry_msgs/Pose"),
     raw: (await asked(b, "getTopicsAndRawTypes")).typedefs_full_text.length,
     services: await asked(b, "getServices"),
     service_type: await asked(b, "getServiceType", "/rosapi/topics"),
@@ -177,7 +208,86 @@ async function action(a, b) {
   return within(result, "result of the action");
 }
 
-const steps = { topics, latched, png, cbor, services, parameters, introspection, action };
+// How a goal ended, and what was heard of it before; `begun` is told its id once there was feedback.
+const ended = (client, goal, begun = () => {}) => {
+  const feedback = [];
+  return within(
+    new Promise((done) => {
+      const id = client.sendGoal(
+        goal,
+        (result) => done({ result, feedback }),
+        (part) => {
+          feedback.push(part.sequence);
+          begun(id);
+        },
+        (error) => done({ error, feedback }),
+      );
+    }),
+    `end of a goal of ${client.name}`,
+  );
+};
+
+// The provider fails at order -1, ends -2 with a status that is no end, answers 0 with what is no
+// result and those below 5 with one, and works on the others until they are cancelled.
+const provide = (provider) => {
+  const cancelled = [];
+  provider.advertise(
+    ({ order }, id) => {
+      provider.sendFeedback(id, { sequence: [order] });
+      const { ros, name: action } = provider;
+      const vague = { op: "action_result", id, action, values: { sequence: [2] }, result: true };
+      if (order === -1) provider.setFailed(id);
+      else if (order === -2) ros.callOnConnection({ ...vague, status: 2 });
+      else if (order === 0) provider.setSucceeded(id, { numbers: [] });
+      else if (order < 5) provider.setSucceeded(id, { sequence: [order, order] });
+    },
+    (id) => {
+      cancelled.push(id);
+      provider.setCanceled(id, { sequence: [5] });
+    },
+  );
+  return cancelled;
+};
+
+async function actions(a, b) {
+  const options = { name: "/js/count", actionType: "example_interfaces/action/Fibonacci" };
+  const client = new ROSLIB.Action({ ...options, ros: b });
+  const unknown = await ended(client, { order: 1 });
+  const provider = new ROSLIB.Action({ ...options, ros: a });
+  const cancelled = provide(provider);
+  await settled(a);
+  const servers = await asked(b, "getActionServers");
+  const counted = await Promise.all([3, 4].map((order) => ended(client, { order })));
+  const failed = await ended(client, { order: -1 });
+  const vague = await ended(client, { order: -2 });
+  const wrong = await ended(client, { orders: 1 });
+  const misfit = await ended(client, { order: 0 });
+  const given_up = await ended(client, { order: 5 }, (id) => client.cancelGoal(id));
+  const unadvertised = await ended(client, { order: 6 }, () => provider.unadvertise());
+  const gone = await ended(client, { order: 1 });
+  const c = await connected();
+  provide(new ROSLIB.Action({ ...options, ros: c }));
+  await settled(c);
+  const left = await ended(client, { order: 7 }, () => c.close());
+  return {
+    unknown,
+    servers,
+    counted,
+    failed,
+    vague,
+    wrong,
+    misfit,
+    given_up,
+    n_cancelled: cancelled.length,
+    unadvertised,
+    gone,
+    left,
+    servers_left: await asked(b, "getActionServers"),
+  };
+}
+
+const common = { topics, latched, png, cbor, headers, services, parameters, introspection };
+const steps = { ...common, ...(isRos2 ? { actions } : { action }) };
 const [a, b] = [await connected(), await connected()];
 const report = {};
 for (const [name, step] of Object.entries(steps)) {
