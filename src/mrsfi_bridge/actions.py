@@ -28,13 +28,19 @@ class Actions(Services):
     noun = "action"
     _id = "send_action_goal"
 
-    def send_goal(self, caller: Hashable, name: str, goal: Any, answer: Answer) -> str:
-        """Pass a goal to its provider; as ``call``."""
+    def send_goal(
+        self, caller: Hashable, name: str, type_name: str, goal: Any, answer: Answer
+    ) -> str:
+        """Pass a goal to its provider; as ``call``. It fails if the action is of another type."""
 
         def reply(is_ok: bool, told: Any) -> None:
             failed = {"values": told, "status": ABORTED, "result": False}
             answer({"op": "action_result", **(told if is_ok else failed)})
 
+        known = self.services.get(name)
+        if known is not None and type_name.replace("/action/", "/") != known.type.name:
+            reply(False, f"action '{name}' is of type {known.type.name}, not {type_name:.80}")
+            return ""
         return self.call(caller, name, goal, reply)
 
     def cancel(self, caller: Hashable, goal_id: str | None) -> None:

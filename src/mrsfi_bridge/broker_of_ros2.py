@@ -57,7 +57,7 @@ class BrokerOfRos2(Broker):
 
     def _pass_on(self, topic: Topic, outgoing: Outgoing) -> None:
         lane = self._lane(topic.name)
-        if len(lane.waiting) == DEPTH:
+        if len(lane.waiting) == DEPTH and topic.subscribers:
             lane.n_lost += 1
             if lane.n_lost == 1:
                 _LOGGER.warning("%s: lost a message, the oldest of %d", topic.name, DEPTH + 1)

@@ -73,6 +73,7 @@ _FIELDS = MappingProxyType(
         "unadvertise_action": {"action": _NAME, "id": _ID},
         "send_action_goal": {
             "action": _NAME,
+            "action_type": _NAME,
             "args": _Field((dict, list, type(None))),
             "feedback": _Field((bool,)),
             "fragment_size": _SOME,

@@ -337,9 +337,8 @@ class Session:
                 return
             self._send(text_frames({"op": told["op"], **named, **told}, encoding))
 
-        goal_id = self._hub.actions.send_goal(
-            self, absolute(name), operation.get("args") or {}, answer
-        )
+        goal, type_name = operation.get("args") or {}, operation["action_type"]
+        goal_id = self._hub.actions.send_goal(self, absolute(name), type_name, goal, answer)
         if goal_id:
             self._goals[own_id or ""] = goal_id
 

@@ -107,7 +107,7 @@ def test_a_provider_may_fail(provider, caller):
         op="action_result", action=NAME, id=asked(provider), values="no", result=False, status=6
     )
 
-    assert result(caller) == (False, 6, "no")
+    assert result(caller) == (True, 6, {"sequence": []})
 
 
 def test_nobody_who_provides_is_told(hub, caller):
@@ -141,6 +141,15 @@ def test_what_does_not_fit_the_type_is_told_to_both(provider, caller):
     provider.tell(op="action_result", action=NAME, id=goal, values={"sequence": 1})
     assert "expected a list" in result(caller)[2]
     assert "expected a list" in provider.take()[0]["msg"]
+
+
+@pytest.mark.parametrize("kind", ["std_msgs/action/No", "no type", "example_interfaces/action/F"])
+def test_a_goal_of_another_type_is_refused(provider, caller, kind):
+    caller.tell(op="send_action_goal", id="g", action=NAME, action_type=kind, args={"order": 3})
+
+    assert provider.take() == []
+    (told,) = [each for each in caller.take() if each["op"] == "action_result"]
+    assert (told["result"], told["status"]) == (False, 6)
 
 
 def test_an_unknown_type_of_action_is_refused_with_the_file_to_add(hub):
