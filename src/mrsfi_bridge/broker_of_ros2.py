@@ -68,12 +68,14 @@ class BrokerOfRos2(Broker):
 
     def _kept(self, topic: Topic) -> list[Outgoing]:
         since = self._scheduler.time() - LIFESPAN_S
+        lane = self._lane(topic.name)
         recent = [
             outgoing
-            for moment, outgoing in self._lane(topic.name).recent
+            for moment, outgoing in lane.recent
             if moment >= since and outgoing.structure is topic.structure
         ]
-        return [*(each for each in super()._kept(topic) if each not in recent), *recent]
+        come = (*recent, *lane.waiting)
+        return [*(each for each in super()._kept(topic) if each not in come), *recent]
 
     def _lane(self, name: str) -> _Lane:
         lane = self._lanes.get(name)

@@ -75,8 +75,10 @@ def test_who_comes_late_hears_the_last_second_once_also_of_who_has_left(hub, clo
 
 def test_what_is_latched_is_heard_later_and_once(hub, clock):
     publish(joined(hub, "advertise", "/t", latch=True), [1, 2])
+    early = joined(hub, "subscribe", "/t")
     clock.advance(0.0)
 
+    assert heard(early) == [("/t", 1), ("/t", 2)]
     assert heard(joined(hub, "subscribe", "/t")) == [("/t", 1), ("/t", 2)]
     clock.advance(2 * LIFESPAN_S)
     assert heard(joined(hub, "subscribe", "/t")) == [("/t", 2)]
