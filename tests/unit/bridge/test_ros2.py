@@ -45,6 +45,9 @@ def test_of_a_burst_the_last_ten_arrive_in_order(hub, clock, n):
 
 def test_topics_speak_in_the_order_in_which_they_were_subscribed_to(hub, clock):
     publisher = joined(hub, "advertise", "/a", "/b")
+    publish(publisher, [-1], "/a")
+    publish(publisher, [-1], "/b")
+    clock.advance(2 * LIFESPAN_S)
     listener = joined(hub, "subscribe", "/b", "/a")
 
     for value in range(3):
@@ -71,6 +74,47 @@ def test_who_comes_late_hears_the_last_second_once_also_of_who_has_left(hub, clo
     late.session.leave()
     clock.advance(LIFESPAN_S)
     assert heard(joined(hub, "subscribe", "/t")) == []
+
+
+def test_nothing_is_heard_that_is_older_than_a_second(hub, clock):
+    publisher = joined(hub, "advertise", "/t")
+    publish(publisher, [1])
+    clock.advance(0.9 * LIFESPAN_S)
+    publish(publisher, [2])
+    clock.advance(1.05 * LIFESPAN_S)
+
+    assert heard(joined(hub, "subscribe", "/t")) == []
+
+
+def test_a_topic_of_another_type_has_no_past(hub, clock):
+    publisher = joined(hub, "advertise", "/t")
+    publish(publisher, [1, 2])
+    publisher.session.leave()
+    other = joined(hub, "subscribe", "/t", kind="std_msgs/msg/String")
+    clock.advance(0.0)
+
+    assert heard(other) == []
+    assert heard(joined(hub, "subscribe", "/t", kind="std_msgs/msg/String")) == []
+
+
+def test_of_a_topic_that_nobody_uses_nothing_is_kept(hub, clock):
+    publisher = joined(hub, "advertise", "/t")
+    publish(publisher, [1])
+    publisher.session.leave()
+    clock.advance(3 * LIFESPAN_S)
+
+    assert "/t" not in hub.broker._lanes
+
+
+@pytest.mark.parametrize("n_listeners", [0, 1])
+def test_a_loss_is_logged_once_where_somebody_listens(hub, caplog, n_listeners):
+    publisher = joined(hub, "advertise", "/t")
+    for _ in range(n_listeners):
+        joined(hub, "subscribe", "/t")
+    publish(publisher, range(DEPTH + 5))
+
+    told = [record.getMessage() for record in caplog.records]
+    assert told == n_listeners * [f"/t: lost a message, the oldest of {DEPTH + 1}"]
 
 
 def test_what_is_latched_is_heard_later_and_once(hub, clock):
