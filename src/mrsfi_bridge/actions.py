@@ -43,10 +43,10 @@ class Actions(Services):
             return ""
         return self.call(caller, name, goal, reply)
 
-    def cancel(self, caller: Hashable, goal_id: str | None) -> None:
-        """Ask a provider to give up a goal of a caller; its result says what came of that."""
-        call = self._calls.get(goal_id or "")
-        if goal_id is None or call is None or call.caller != caller:
+    def cancel(self, goal_id: str) -> None:
+        """Ask a provider to give up a goal; its result says what came of that."""
+        call = self._calls.get(goal_id)
+        if call is None:
             raise ProtocolError("no such goal of yours is under way")
         self.services[call.service].ask(goal_id, None)
 

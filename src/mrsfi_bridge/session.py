@@ -343,7 +343,7 @@ class Session:
             self._goals[own_id or ""] = goal_id
 
     def _cancel_action_goal(self, operation: Operation) -> None:
-        self._hub.actions.cancel(self, self._goals.get(operation["id"]))
+        self._hub.actions.cancel(self._goals.get(operation["id"], ""))
 
     def _action_feedback(self, operation: Operation) -> None:
         self._hub.actions.feed_back(self, operation["id"], operation.get("values", {}))

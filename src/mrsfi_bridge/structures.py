@@ -98,7 +98,7 @@ class Structure:
                 default = partial(convert, field.default)
                 default()  # or say now that it does not fit
             fields.append((field.name, convert, default))
-        self._is_moment = ros != 1 and definition.name in _MOMENTS
+        self._is_moment = definition.name in _MOMENTS
         self.is_numbered = ros == 1 and any(
             (field.name, field.type) == ("header", HEADER) for field in definition.fields
         )

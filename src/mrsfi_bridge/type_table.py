@@ -89,7 +89,7 @@ class TypeTable:
         """Return the name of a type as ROS spells it: ROS 2 in three parts."""
         if self.ros == 1:
             return name
-        return _MESSAGES.get(name, name).replace("/", f"/{kind}/")
+        return name.replace("/", f"/{kind}/")
 
     def check(self) -> int:
         """Read every definition of the user's folders and return their number.

@@ -1,5 +1,6 @@
 """Simulation and CI on a rosbridge server: same results, and no message lost unseen."""
 
+import json
 import os
 import signal
 import threading
@@ -11,6 +12,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from mrsfi_bridge.embedded import EmbeddedBridge
+from mrsfi_bridge.settings import ServerSettings
+from mrsfi_bridge.type_table import TypeTable
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.pools import WorkerPool
 from mrsfi_runtime.engine.reference import ReferenceEngine
@@ -86,6 +89,29 @@ def test_the_ci_may_start_before_the_simulation(server):
     simulation.close()
 
     assert flown == reference_digests(SHORT, range(2))
+
+
+def test_on_ros_2_types_and_times_are_named_as_there():
+    said = []
+
+    def heard(frame):
+        said.append(json.loads(frame))
+        return [frame]
+
+    with (
+        EmbeddedBridge(ServerSettings(types=TypeTable(ros=2))) as server,
+        Relay(server.url, to_server=heard) as relay,
+        engine(SHORT, url=relay.url, ros=2) as opened,
+    ):
+        opened.evaluate(())
+
+    types = {each["type"] for each in said if "type" in each}
+    clocks = [
+        each["msg"]["clock"] for each in said if each.get("topic") == "/clock" and "msg" in each
+    ]
+    assert {"geometry_msgs/msg/Point", "std_srvs/srv/Trigger"} < types
+    assert {len(name.split("/")) for name in types} == {3}
+    assert clocks[:2] == [{"sec": 0, "nanosec": 0}, {"sec": 1, "nanosec": 0}]
 
 
 @slow

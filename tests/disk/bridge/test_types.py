@@ -171,7 +171,8 @@ def test_a_folder_without_definitions_is_refused(tmp_path):
 
 def test_a_definition_of_ros_2_may_have_bounds_and_defaults(tmp_path):
     text = (
-        "int32 LIMIT=3\nstring<=3 name ab\nfloat64[<=2] speeds [1.5]\nbool is_on true\n"
+        "int32 LIMIT=3\nstring<=3 name ab\nfloat64[<=2] speeds [1.5]\n"
+        "bool is_on true\nbool is_off false\n"
         'string text "a b"\ntime at\nuint8 n 7  # seven\n'
     )
     define(tmp_path, "a/T", text)
@@ -183,10 +184,12 @@ def test_a_definition_of_ros_2_may_have_bounds_and_defaults(tmp_path):
         "name": "ab",
         "speeds": [1.5],
         "is_on": False,
+        "is_off": False,
         "text": "a b",
         "at": {"sec": 0, "nanosec": 0},
         "n": 7,
     }
+    structure.convert({"name": "abc", "speeds": [1.0, 2.0]})
     for wrong in ({"name": "abcd"}, {"speeds": [1.0, 2.0, 3.0]}):
         with pytest.raises(ProtocolError, match="expected at most"):
             structure.convert(wrong)

@@ -110,6 +110,10 @@ def test_a_provider_may_fail(provider, caller):
     assert result(caller) == (True, 6, {"sequence": []})
 
 
+def test_rosapi_names_actions(provider, caller):
+    assert caller.call("/rosapi/action_servers") == {"action_servers": [NAME]}
+
+
 def test_nobody_who_provides_is_told(hub, caller):
     send(caller, order=3)
 

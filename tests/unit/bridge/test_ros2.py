@@ -161,6 +161,15 @@ def test_times_are_told_as_in_ros_2_and_taken_in_either_form(stamp):
     assert TYPES.message("rosgraph_msgs/Clock").convert({})["clock"] == {"sec": 0, "nanosec": 0}
 
 
+def test_no_header_is_numbered(hub, clock):
+    listener = joined(hub, "subscribe", "/t", kind="geometry_msgs/msg/PoseStamped")
+    publisher = joined(hub, "advertise", "/t", kind="geometry_msgs/msg/PoseStamped")
+    publisher.tell(op="publish", topic="/t", msg={"header": {"frame_id": "map"}})
+    clock.advance(0.0)
+
+    assert listener.messages()[0]["header"].keys() == {"stamp", "frame_id"}
+
+
 def test_what_is_left_out_has_the_default_of_its_definition():
     assert TYPES.message("geometry_msgs/Pose").convert({})["orientation"]["w"] == 1.0
 
