@@ -6,6 +6,7 @@ from threading import Thread
 
 import pytest
 
+from mrsfi_runtime.cosimulation import bus_lockstep
 from mrsfi_runtime.cosimulation.waiting import Patience
 from mrsfi_runtime.engine.reference import ReferenceEngine
 from mrsfi_runtime.errors import (
@@ -251,6 +252,16 @@ def test_every_session_numbers_its_runs_from_a_random_number_on():
 
 def test_a_lost_reset_is_repeated():
     assert flown(nth("/mission/setup", 0, lose)) == flown_in_process()
+
+
+def test_a_reset_that_came_before_its_setup_is_repeated_at_once(monkeypatch):
+    slept = []
+    monkeypatch.setattr(bus_lockstep, "sleep", slept.append)
+    with sides(CODE, nth("/mission/setup", 1, lose)) as (_, lockstep, _):
+        engine = BusEngine(CODE, 1, lockstep)
+
+        assert [engine.evaluate(()) for _ in range(2)] == 2 * [flown_in_process()]
+    assert slept == []
 
 
 def every_setup(change):
