@@ -22,6 +22,9 @@ _PART = 1 << 14
 """Numbers of a list that are written in one go."""
 
 _PART_LETTERS = 1 << 17
+_scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
+"""Reads as ``json.loads`` does, which looks for an encoding and for blanks first."""
+
 _NUMBERS = re.compile(r"[-+0-9.eE,\s]*")
 if c_make_encoder is None:
     _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=dict).encode
@@ -51,7 +54,12 @@ def from_json(content: bytes | bytearray | str) -> Any:
     if orjson is not None:
         with suppress(ValueError):  # it says NaN, say
             return orjson.loads(content)
-    return json.loads(content)
+    text = content if isinstance(content, str) else content.decode()
+    with suppress(StopIteration):
+        value, end = _scan(text, 0)
+        if end == len(text):
+            return value
+    return json.loads(text)
 
 
 def to_large_json(value: Any) -> bytes:
