@@ -5,7 +5,7 @@ and truncates the file before it knows that it can write the new content.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from functools import cache
 from types import MappingProxyType
@@ -47,14 +47,9 @@ def dumps_file(
     roots: Sequence[Any], spelling: Spelling, hrefs: Mapping[Any, str], xmi_ids: Mapping[Any, str]
 ) -> bytes:
     """Return a file with any number of roots as ``dumps`` does; several stand in ``xmi:XMI``."""
-    writer = _Writer(roots, hrefs, xmi_ids, spelling.schema_location)
-    return document(writer.lines(), spelling.encoding, spelling.line_end)
-
-
-def document(lines: Iterable[str], encoding: str, line_end: str = "\n") -> bytes:
-    """Return the bytes of an XML file with the lines of its root element."""
-    whole = (f'<?xml version="1.0" encoding="{encoding}"?>', *lines, "")
-    return _encoded(line_end.join(whole), encoding)
+    lines = _Writer(roots, hrefs, xmi_ids, spelling.schema_location).lines()
+    whole = (f'<?xml version="1.0" encoding="{spelling.encoding}"?>', *lines, "")
+    return _encoded(spelling.line_end.join(whole), spelling.encoding)
 
 
 def _encoded(text: str, encoding: str) -> bytes:
@@ -118,9 +113,9 @@ class _Writer:
         elements = [(_tag(root), *self._content(root, indent)) for root in self._roots]
         if len(elements) == 1:
             ((tag, attributes, inner),) = elements
-            return element_lines("", tag, self._head() + attributes, inner)
-        lines = [line for element in elements for line in element_lines(indent, *element)]
-        return element_lines("", "xmi:XMI", self._head(), lines)
+            return _element_lines("", tag, self._head() + attributes, inner)
+        lines = [line for element in elements for line in _element_lines(indent, *element)]
+        return _element_lines("", "xmi:XMI", self._head(), lines)
 
     def _head(self) -> str:
         xsi = f' xmlns:xsi="{XSI}"' if self._uses_xsi else ""
@@ -128,13 +123,13 @@ class _Writer:
             f' xmlns:{prefix}="{uri}"' for prefix, uri in sorted(self._namespaces.items())
         )
         location = self._schema_location
-        schemas = "" if location is None else attribute("xsi:schemaLocation", location)
+        schemas = "" if location is None else _attribute("xsi:schemaLocation", location)
         return f' xmi:version="2.0" xmlns:xmi="{XMI}"{xsi}{namespaces}{schemas}'
 
     def _content(self, element: Any, indent: str) -> tuple[str, list[str]]:
         """Return the attributes of an element as one text, and the lines of its children."""
         identity = self._xmi_ids.get(element)
-        attributes = [] if identity is None else [attribute("xmi:id", identity)]
+        attributes = [] if identity is None else [_attribute("xmi:id", identity)]
         lines: list[str] = []
         indent += "  "
         for slot in slots(element.eClass).values():
@@ -151,7 +146,7 @@ class _Writer:
                 texts = (_escaped(_text(slot, value), _TEXT_ESCAPES) for value in held)
                 lines.extend(f"{indent}<{slot.name}>{text}</{slot.name}>" for text in texts)
             elif held and _is_written(feature, held[0]):
-                attributes.append(attribute(slot.name, _text(slot, held[0])))
+                attributes.append(_attribute(slot.name, _text(slot, held[0])))
         return "".join(attributes), lines
 
     def _contained(self, slot: Slot, held: list[Any], indent: str) -> Iterator[str]:
@@ -161,10 +156,10 @@ class _Writer:
                 yield self._reference(slot, value, kind, indent)
                 continue
             attributes, lines = self._content(value, indent)
-            yield from element_lines(indent, slot.name, kind + attributes, lines)
+            yield from _element_lines(indent, slot.name, kind + attributes, lines)
 
     def _reference(self, slot: Slot, value: Any, kind: str, indent: str) -> str:
-        href = attribute("href", f"{self._address(value)}#{self._fragment(value)}")
+        href = _attribute("href", f"{self._address(value)}#{self._fragment(value)}")
         return f"{indent}<{slot.name}{kind}{href}/>"
 
     def _refer(
@@ -180,7 +175,7 @@ class _Writer:
             lines += [self._reference(slot, each, self._type(slot, each), indent) for each in held]
         elif held:
             fragments = " ".join(self._fragment(value) for value in held)
-            attributes.append(attribute(slot.name, fragments))
+            attributes.append(_attribute(slot.name, fragments))
 
     def _type(self, slot: Slot, value: Any) -> str:
         """Return xsi:type where the declared class does not say it."""
@@ -247,7 +242,7 @@ def _starts(roots: Sequence[Any], hrefs: Mapping[Any, str]) -> Iterator[tuple[An
             yield root, f"/{number}" if len(entries) > 1 else "/"
 
 
-def attribute(name: str, value: str) -> str:
+def _attribute(name: str, value: str) -> str:
     """Return an attribute of an element, after a space."""
     return f' {name}="{_escaped(value, _ATTRIBUTE_ESCAPES)}"'
 
@@ -256,7 +251,7 @@ def _tag(root: Any) -> str:
     return f"{root.eClass.ePackage.nsPrefix}:{root.eClass.name}"
 
 
-def element_lines(indent: str, name: str, attributes: str, lines: list[str]) -> Iterator[str]:
+def _element_lines(indent: str, name: str, attributes: str, lines: list[str]) -> Iterator[str]:
     """Yield the lines of an element: its tags around those of what it holds."""
     if not lines:
         yield f"{indent}<{name}{attributes}/>"
