@@ -31,17 +31,15 @@ from m2t.visitors import (
 from mrsfi_runtime.errors import GenerationError, UsageError
 from mrsfi_runtime.files import changing
 
-VISITORS: Mapping[str, Callable[[LoadedModels], Mapping[str, Any]]] = MappingProxyType(
-    {
-        "mission_loader.py": mission_loader.visit,
-        "fault_loader.py": fault_loader.visit,
-        "fault_effects.py": fault_effects.visit,
-        "topics.py": topics.visit,
-        "sim_interface.py": lambda _: {},  # goes through the rows of topics.py, as the next does
-        "simulation.py": lambda _: {},
-        "collective_intelligence.py": collective_intelligence.visit,
-    }
-)
+VISITORS: Mapping[str, Callable[[LoadedModels], Mapping[str, Any]]] = {
+    "mission_loader.py": mission_loader.visit,
+    "fault_loader.py": fault_loader.visit,
+    "fault_effects.py": fault_effects.visit,
+    "topics.py": topics.visit,
+    "sim_interface.py": lambda _: {},  # goes through the rows of topics.py, as the next does
+    "simulation.py": lambda _: {},
+    "collective_intelligence.py": collective_intelligence.visit,
+}
 """The visitor of each generated file, whose template has the name of the file.
 
 It computes what the template needs, free of metamodel objects.

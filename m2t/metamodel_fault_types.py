@@ -6,7 +6,6 @@ its attributes the range of the parameter. A class that says nothing means what 
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from pyecore.ecore import EAnnotation, EClass
@@ -31,24 +30,22 @@ from mrsfi_runtime.model.fault_types import (
 
 Said: TypeAlias = Mapping[str, Any]
 
-_STRUCK = MappingProxyType({f"{struck.value.title()}Fault": struck for struck in Struck})
+_STRUCK = {f"{struck.value.title()}Fault": struck for struck in Struck}
 _OF_CLASS = ("mode", "property")
 _OF_PARAMETER = ("range", "role", "search")
-_WORDS: Mapping[str, Mapping[str, object]] = MappingProxyType(
-    {
-        "mode": Mode.__members__,
-        "property": Field.__members__,
-        "range": Range.__members__,
-        "role": {role.name: role for role in (Role.LOWEST, Role.HIGHEST)},
-        "search": {"true": True, "false": False},
-    }
-)
+_WORDS: Mapping[str, Mapping[str, object]] = {
+    "mode": Mode.__members__,
+    "property": Field.__members__,
+    "range": Range.__members__,
+    "role": {role.name: role for role in (Role.LOWEST, Role.HIGHEST)},
+    "search": {"true": True, "false": False},
+}
 """What annotations may say, by key: the words with their meanings."""
 
 _VALUES = (Role.VALUE, Role.LOWEST, Role.HIGHEST)
-_ROLE_OF_RANGE = MappingProxyType(
-    {of: Role[of.name] for of in (Range.TICKS, Range.PERCENT, Range.X, Range.Y, Range.Z)}
-)
+_ROLE_OF_RANGE = {
+    of: Role[of.name] for of in (Range.TICKS, Range.PERCENT, Range.X, Range.Y, Range.Z)
+}
 
 
 def read_fault_types(package: Any, report: Report) -> Mapping[str, FaultType]:
@@ -66,7 +63,7 @@ def read_fault_types(package: Any, report: Report) -> Mapping[str, FaultType]:
     numbered = (
         replace(kind, effect=own.index(kind.name)) if kind.name in own else kind for kind in types
     )
-    return MappingProxyType({kind.name: kind for kind in numbered})
+    return {kind.name: kind for kind in numbered}
 
 
 class _Reader:

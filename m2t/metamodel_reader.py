@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterable, Mapping
 from io import BytesIO
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from lxml import etree
@@ -22,9 +21,7 @@ from m2t.read.nodes import ECORE, XMI, XSI, Node, read_root
 from mrsfi_runtime.errors import ModelError
 
 _TAKEN_NAMES = frozenset(name for name in dir(EObject) if not name.startswith("_"))
-_STORED: Mapping[str, bool] = MappingProxyType(
-    {"volatile": False, "transient": False, "derived": False, "changeable": True}
-)
+_STORED = {"volatile": False, "transient": False, "derived": False, "changeable": True}
 
 
 class _Values(NamedTuple):
@@ -38,17 +35,15 @@ class _Values(NamedTuple):
         return re.fullmatch(self.pattern, text, re.ASCII | re.DOTALL) is not None
 
 
-_VALUES: Mapping[str, _Values] = MappingProxyType(
-    {
-        "Name": _Values("a letter, then letters, digits and _, all of ASCII", r"[A-Za-z]\w*"),
-        "Count": _Values("-1 or a whole number of at most 6 digits", r"-1|\d{1,6}"),
-        "Some": _Values("a text that is not empty", r".+"),
-        "EString": _Values("a text", r".*"),
-        "EInt": _Values("a whole number of at most 9 digits", r"-?\d{1,9}"),
-        "EDouble": _Values("a decimal number", r"-?\d{1,15}(\.\d{1,15})?"),
-        "EBoolean": _Values("true or false", r"true|false"),
-    }
-)
+_VALUES: Mapping[str, _Values] = {
+    "Name": _Values("a letter, then letters, digits and _, all of ASCII", r"[A-Za-z]\w*"),
+    "Count": _Values("-1 or a whole number of at most 6 digits", r"-1|\d{1,6}"),
+    "Some": _Values("a text that is not empty", r".+"),
+    "EString": _Values("a text", r".*"),
+    "EInt": _Values("a whole number of at most 9 digits", r"-?\d{1,9}"),
+    "EDouble": _Values("a decimal number", r"-?\d{1,15}(\.\d{1,15})?"),
+    "EBoolean": _Values("true or false", r"true|false"),
+}
 _VALUE_TYPES = {name: values for name, values in _VALUES.items() if name.startswith("E")}
 """Types of attributes beside enumerations, and what their defaults look like."""
 

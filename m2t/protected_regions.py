@@ -17,7 +17,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import zip_longest
-from types import MappingProxyType
 
 from mrsfi_runtime.errors import ProtectedRegionError
 from mrsfi_runtime.markers import MARKER
@@ -56,8 +55,7 @@ class GeneratedFile:
     @cached_property
     def regions(self) -> Mapping[str, Region]:
         """Regions by ID, in order."""
-        found = {part.id: part for part in self.parts if isinstance(part, Region)}
-        return MappingProxyType(found)
+        return {part.id: part for part in self.parts if isinstance(part, Region)}
 
     @property
     def text(self) -> str:

@@ -5,9 +5,8 @@ classes could not express: an incomplete class would write incomplete models.
 """
 
 import keyword
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from pyecore.ecore import EClass, EEnum, EObject
@@ -35,13 +34,11 @@ _MODULE_NAMES = _BODY_NAMES | _HELPERS | _PACKAGE_NAMES
 _OBJECT_NAMES = frozenset({"dyn_inst", "listeners"})
 
 _GENMODEL = "http://www.eclipse.org/emf/2002/GenModel"
-_PYTHON_TYPES: Mapping[str, str] = MappingProxyType(
-    {"EString": "str", "EInt": "int", "EDouble": "float", "EBoolean": "bool"}
-)
-_FLAGS: Mapping[str, bool] = MappingProxyType(
-    dict.fromkeys(("containment", "iD", "unsettable", "transient"), False)
-    | dict.fromkeys(("changeable", "ordered", "unique"), True)
-)
+_PYTHON_TYPES = {"EString": "str", "EInt": "int", "EDouble": "float", "EBoolean": "bool"}
+_FLAGS = {
+    **dict.fromkeys(("containment", "iD", "unsettable", "transient"), False),
+    **dict.fromkeys(("changeable", "ordered", "unique"), True),
+}
 """Properties of features, with the values that they have unless something else is said."""
 
 Details: TypeAlias = tuple[tuple[str, str], ...]

@@ -7,7 +7,6 @@ says nothing.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from types import MappingProxyType
 from typing import Any
 
 from m2t.check.attribute_values import require_value
@@ -22,18 +21,12 @@ SETUP_NAMESPACE = "acs_project_setup"
 NAMESPACES = frozenset({"", SETUP_NAMESPACE, "acs_project_mission", "acs_project_fault"})
 ROOT = "Setup"
 
-RENAMED: Mapping[str, Mapping[str, str]] = MappingProxyType(
-    {"Message": MappingProxyType({"from": "sender", "to": "receiver"})}
-)
+RENAMED: Mapping[str, Mapping[str, str]] = {"Message": {"from": "sender", "to": "receiver"}}
 """Old names of features by class, with ours."""
 
-WRAPPED: Mapping[str, Mapping[str, str]] = MappingProxyType(
-    {
-        "Goal": MappingProxyType(
-            {"members": "goalMembers", "dependentGoals": "dependencies", "area": "goalArea"}
-        )
-    }
-)
+WRAPPED: Mapping[str, Mapping[str, str]] = {
+    "Goal": {"members": "goalMembers", "dependentGoals": "dependencies", "area": "goalArea"}
+}
 """Features that the old format holds one level deeper, by class, with their name there."""
 
 BACK_REFERENCES = frozenset({"parentID", "goal_ID"})
@@ -45,19 +38,17 @@ ZERO_VALUES = frozenset({"VAL", "CAPACITY"})
 OPTIONAL = frozenset({"header", "name", "maxSpeed", "start", "finish", "likelihood"})
 """Attributes that stay unset if the file does not give them; bounds of search do as well."""
 
-USUAL: Mapping[str, str] = MappingProxyType({"EDouble": "0.0", "EInt": "0", "EString": ""})
+USUAL: Mapping[str, str] = {"EDouble": "0.0", "EInt": "0", "EString": ""}
 """What any other absent attribute means, by its type."""
 
-DEFAULTS: Mapping[tuple[str, str], Callable[[int], str]] = MappingProxyType(
-    {
-        ("Patrol", "period"): lambda duration: str(max(1, duration // 10)),
-        ("Visit", "deadline"): lambda duration: str(max(1, duration - 1)),
-        ("Visit", "tolerance"): lambda _: "1.0",
-        ("Track", "tolerance"): lambda _: "10.0",
-        ("FixedDistanceBetweenRobots", "tolerance"): lambda _: "1.0",
-        ("Sensor", "type"): lambda _: "GPS_POSITION",
-    }
-)
+DEFAULTS: Mapping[tuple[str, str], Callable[[int], str]] = {
+    ("Patrol", "period"): lambda duration: str(max(1, duration // 10)),
+    ("Visit", "deadline"): lambda duration: str(max(1, duration - 1)),
+    ("Visit", "tolerance"): lambda _: "1.0",
+    ("Track", "tolerance"): lambda _: "10.0",
+    ("FixedDistanceBetweenRobots", "tolerance"): lambda _: "1.0",
+    ("Sensor", "type"): lambda _: "GPS_POSITION",
+}
 """Values of attributes that the old format lacks or leaves out, given the mission's duration.
 
 Patrol: a tenth of the mission. Visit: by its last tick, within the radius of a robot. Track:

@@ -2,7 +2,6 @@
 
 import struct
 from collections.abc import Mapping
-from types import MappingProxyType
 
 from mrsfi_runtime.kernel.state import State
 from mrsfi_runtime.model.fault_types import Field
@@ -21,22 +20,20 @@ _COLUMNS = {
     "commands": "heading_x heading_y speed sent_speed heading_claimed speed_claimed",
     "switches": "active claimed",
 }
-COLUMNS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {name: tuple(columns.split()) for name, columns in _COLUMNS.items()}
-)
+COLUMNS: Mapping[str, tuple[str, ...]] = {
+    name: tuple(columns.split()) for name, columns in _COLUMNS.items()
+}
 """Columns of the lists of a state whose records change in a flight, list after list."""
 
-PROPERTIES: Mapping[Field, tuple[str, tuple[str, ...]]] = MappingProxyType(
-    {
-        Field.POSITION: ("robots", ("x", "y", "z")),
-        Field.SPEED: ("robots", ("speed",)),
-        Field.ENERGY: ("robots", ("energy",)),
-        Field.COUNT: ("sensors", ("count",)),
-        Field.RATE: ("sensors", ("rate",)),
-        Field.COST: ("sensors", ("cost",)),
-        Field.OBSTACLE: ("obstacles", ("x", "y")),
-    }
-)
+PROPERTIES: Mapping[Field, tuple[str, tuple[str, ...]]] = {
+    Field.POSITION: ("robots", ("x", "y", "z")),
+    Field.SPEED: ("robots", ("speed",)),
+    Field.ENERGY: ("robots", ("energy",)),
+    Field.COUNT: ("sensors", ("count",)),
+    Field.RATE: ("sensors", ("rate",)),
+    Field.COST: ("sensors", ("cost",)),
+    Field.OBSTACLE: ("obstacles", ("x", "y")),
+}
 """Where a state has what may be believed otherwise than it is: the list, and the columns there."""
 
 

@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError, expected
@@ -84,9 +83,10 @@ def fault_ticks(specification: Specification, duration: int) -> int:
     return sum(max(0, min(timed.finish + 1, duration) - timed.start) for timed in specification)
 
 
-COSTS: Mapping[str, Callable[[Specification, int], int]] = MappingProxyType(
-    {"faults": lambda specification, _: len(specification), "fault_ticks": fault_ticks}
-)
+COSTS: Mapping[str, Callable[[Specification, int], int]] = {
+    "faults": lambda specification, _: len(specification),
+    "fault_ticks": fault_ticks,
+}
 """What a search can keep few of, of a specification and the duration of its mission in ticks."""
 
 
