@@ -86,22 +86,13 @@ def diff(models: Path, target: Path) -> str:
     )
 
 
-def fault_loader_text(loaded: LoadedModels) -> str:
-    """Return the text of the fault loader for a fault pool or any written specification."""
-    return _render("fault_loader.py", loaded)
-
-
-def mission_loader_text(loaded: LoadedModels) -> str:
-    """Return the text of the mission loader."""
-    return _render("mission_loader.py", loaded)
-
-
 def rendered(loaded: LoadedModels) -> dict[str, str]:
     """Return the text of every generated file by name, as its template renders it."""
-    return {name: _render(name, loaded) for name in VISITORS}
+    return {name: rendered_file(name, loaded) for name in VISITORS}
 
 
-def _render(name: str, loaded: LoadedModels) -> str:
+def rendered_file(name: str, loaded: LoadedModels) -> str:
+    """Return the text of one; a fault loader is also that of any written specification."""
     template = template_environment().get_template(f"{name}.j2")
     mission = remark(loaded.mission_path.resolve().parent.name)
     header = f"# Generated from mission {mission} by {template.name}.\n"
