@@ -52,8 +52,8 @@ class Range(Enum):
     TICKS = "ticks"
     PERCENT = "percent"
     SHARE = "share"
-    SPEED = "speed"
-    ENERGY = "energy"
+    SPEED = "units per tick"
+    ENERGY = "energy units"
     COUNT = "samples"
     RATE = "samples per tick"
     COST = "energy per sample"
@@ -62,15 +62,8 @@ class Range(Enum):
     Z = "height"
 
 
-UNITS: Mapping[Range, str] = {
-    Range.TICKS: "ticks",
-    Range.PERCENT: "percent",
-    Range.SPEED: "units per tick",
-    Range.ENERGY: "energy units",
-    Range.COUNT: "samples",
-    Range.RATE: "samples per tick",
-    Range.COST: "energy per sample",
-}
+_PLAIN = (Range.SHARE, Range.X, Range.Y, Range.Z)
+UNITS: Mapping[Range, str] = {of: of.value for of in Range if of not in _PLAIN}
 """What the values of a parameter are told in; shares and coordinates are plain numbers."""
 
 
