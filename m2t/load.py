@@ -85,20 +85,12 @@ class Inspection:
     draft: LoadedModels | None = field(default=None, repr=False)
     remains: LoadedModels | None = field(default=None, repr=False)
 
-    @property
-    def models(self) -> LoadedModels | None:
-        """The models; ``None`` if an error stands in the way."""
-        return None if self._errors else self.draft
-
     def require_models(self) -> LoadedModels:
         """Return the models; raise a ``ModelError`` with all errors, if there are any."""
-        if self.models is None:
-            raise ModelError("\n".join(map(str, self._errors)))
-        return self.models
-
-    @property
-    def _errors(self) -> list[Diagnostic]:
-        return [found for found in self.diagnostics if found.severity == "error"]
+        errors = [found for found in self.diagnostics if found.severity == "error"]
+        if errors or self.draft is None:
+            raise ModelError("\n".join(map(str, errors)))
+        return self.draft
 
 
 def load_mission_folder(folder: Path) -> LoadedModels:
