@@ -5,15 +5,13 @@ defects of a file pass and stumbles over others, is not asked.
 """
 
 import gc
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from pyecore.resources import URI, ResourceSet
-from pyecore.resources.xmi import XMIResource
 
 from m2t.check.references import referred_files, resolve
 from m2t.check.structure import ModelTree, ReadModel, check_claims, check_structure
@@ -187,7 +185,6 @@ class _Loading:
         self._report = Report(self._nodes)
         self._files = ModelFiles(self._report)
         self._resources = ResourceSet()
-        self._resources.resource_factory["xmi"] = _CheckedResource
 
     @_uncollected()
     def inspect(self, mission_path: Path, faults_path: Path | None) -> Inspection:
@@ -250,7 +247,8 @@ class _Loading:
     def _object(self, tree: ModelTree) -> Any:
         """Return the root object of a sound model; what it refers to was made before it."""
         uri = URI(f"{tree.root.metaclass.ePackage.nsPrefix}.xmi")
-        self._resources.get_resource(uri, build=partial(self._built, tree.root))
+        resource = self._resources.create_resource(uri)
+        resource.append(self._built(tree.root, resource.uuid_dict))
         for reference, targets in tree.resolved:
             for target in targets:
                 put(self._objects[reference.source], reference.slot, self._objects[target])
@@ -277,16 +275,3 @@ class _Loading:
             if known[child.tag].is_contained:
                 put(built, known[child.tag], self._built(child, by_id))
         return built
-
-
-class _CheckedResource(XMIResource):  # type: ignore[misc] # pyecore has no types
-    """A resource that is built from nodes that were read and checked already."""
-
-    def __init__(self, uri: URI, build: Callable[[dict[str, Any]], Any]) -> None:
-        super().__init__(uri)
-        self._build = build
-
-    def load(self, options: Any = None) -> None:
-        """Build all objects of the resource."""
-        self.options = options or {}
-        self.append(self._build(self.uuid_dict))
