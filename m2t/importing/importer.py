@@ -196,20 +196,10 @@ def _campaign_files(mission: Any) -> dict[str, bytes]:
 
     Case b takes both a goal that avoids collisions and one about energy; it names the first each.
     """
-    files = {"case_a.toml": _case(_ABOUT_A, _FITNESS_A)}
-    firsts = [_first(mission, "AvoidCollision"), _first(mission, "SufficientEnergy")]
-    goals = [goal for goal in firsts if goal is not None]
-    if len(goals) == len(firsts):
-        listed = ", ".join(f'"{goal}"' for goal in goals)
-        files["case_b.toml"] = _case(_ABOUT_B, _FITNESS_B.format(goals=listed))
-    return files
-
-
-def _case(about: str, fitness: str) -> bytes:
-    return _CASE.format(about=about, fitness=fitness).encode("ascii")
-
-
-def _first(mission: Any, task: str) -> str | None:
-    """Return the ID of the first goal with a task; IDs need no quoting in TOML."""
-    found = (goal.ID for goal in mission.goals if goal.task.eClass.name == task)
-    return next(found, None)
+    files = {"case_a.toml": _CASE.format(about=_ABOUT_A, fitness=_FITNESS_A)}
+    firsts = {goal.task.eClass.name: goal.ID for goal in reversed(mission.goals)}
+    energy, collisions = map(firsts.get, ("SufficientEnergy", "AvoidCollision"))
+    if collisions and energy:
+        fitness = _FITNESS_B.format(goals=f'"{collisions}", "{energy}"')  # IDs need no quoting
+        files["case_b.toml"] = _CASE.format(about=_ABOUT_B, fitness=fitness)
+    return {name: text.encode("ascii") for name, text in files.items()}

@@ -5,10 +5,11 @@ References
 Source paper, sections III-B b) and III-E a).
 """
 
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import count
 from typing import NamedTuple, TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError, expected
@@ -70,12 +71,8 @@ Specification: TypeAlias = tuple[TimedFault, ...]
 
 def numbered(faults: Iterable[str]) -> tuple[str, ...]:
     """Return a name for each timed fault, by pool faults: ``f9.1``, ``f9.2`` for two of ``f9``."""
-    n_met: Counter[str] = Counter()
-    names = []
-    for fault in faults:
-        n_met[fault] += 1
-        names.append(f"{fault}.{n_met[fault]}")
-    return tuple(names)
+    numbers: dict[str, count[int]] = defaultdict(lambda: count(1))
+    return tuple(f"{fault}.{next(numbers[fault])}" for fault in faults)
 
 
 def fault_ticks(specification: Specification, duration: int) -> int:
