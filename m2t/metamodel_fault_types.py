@@ -156,12 +156,11 @@ class _Reader:
         said = (self._said(known, _OF_CLASS) for known in reversed(lineage(kind)))
         found = next(filter(None, said), {})
         if "mode" not in found:
-            self._add(
-                kind,
-                "RequiredFeature",
+            finding = (
                 f"says no mode; expected an annotation of source {MEANING} with a mode "
-                f"({', '.join(Mode.__members__)}) and the property that it acts on; add one",
+                f"({', '.join(Mode.__members__)}) and the property that it acts on; add one"
             )
+            self._add(kind, "RequiredFeature", finding)
         return found
 
     def _parameters(self, kind: Any) -> dict[Parameter, Role]:
@@ -183,14 +182,13 @@ class _Reader:
                 (role,) = said.get("role", (_ROLE_OF_RANGE.get(of, Role.VALUE),))
                 found[Parameter(feature.name, of, evolves, is_integer)] = role
             elif said or not is_bound:
-                self._add(
-                    feature,
-                    "RequiredFeature",
+                finding = (
                     f"of {kind.name} is a number without a range; every number of a fault type is "
                     f"a parameter; expected an annotation of source {MEANING} with a range "
                     f"({', '.join(Range.__members__)}); add one, or put what is no parameter into "
-                    "Fault",
+                    "Fault"
                 )
+                self._add(feature, "RequiredFeature", finding)
         return found
 
     def _require_reach(self, node: Any, kind: FaultType) -> None:
