@@ -91,7 +91,6 @@ def _round_ticks(kind: Any) -> None:
 
 
 def _exchanging(pairs: Callable[[Any], Pairs]) -> Remedy:
-    """Return the remedy that exchanges the values of pairs of features."""
 
     def exchange(element: Any) -> None:
         for one, other in pairs(element):
@@ -164,7 +163,6 @@ def _loses(element: Any, alive: Iterable[Any]) -> bool:
 
 
 def _take(holder: Any, name: str, element: Any) -> None:
-    """Take an element from a feature."""
     if slots(holder.eClass)[name].many:
         getattr(holder, name).remove(element)
     else:

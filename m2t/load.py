@@ -255,7 +255,6 @@ class _Loading:
         return self._objects[tree.root]
 
     def _built(self, node: Node, by_id: dict[str, Any]) -> Any:
-        """Return the object of a node with its attributes and all that it contains."""
         built = node.metaclass()
         self._nodes[built] = node
         self._objects[node] = built

@@ -164,7 +164,6 @@ class _Reader:
         return found
 
     def _parameters(self, kind: Any) -> dict[Parameter, Role]:
-        """Return the parameters of a class in the order of the metamodel, with their roles."""
         numbers = {feature.name: feature for feature in features(kind) if _is_number(feature)}
         found = {}
         for feature in features(kind):
@@ -227,7 +226,6 @@ class _Reader:
     def _in_order(
         self, node: Any, kind: FaultType, declared: Mapping[Parameter, Role]
     ) -> tuple[Parameter, ...]:
-        """Return the parameters in the order in which the mode takes them."""
         known, mode = ROLES[kind.mode], kind.mode.name
         affected = kind.properties[0] if kind.properties else None
         if len(kind.properties) > 1 or affected not in known:

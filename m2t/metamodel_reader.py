@@ -31,7 +31,6 @@ class _Values(NamedTuple):
     pattern: str
 
     def has(self, text: str) -> bool:
-        """Whether a text is a value of the type."""
         return re.fullmatch(self.pattern, text, re.ASCII | re.DOTALL) is not None
 
 
@@ -136,7 +135,6 @@ class MetamodelReader:
                 self._place(part, child)
 
     def _check(self, node: Node, kind: str) -> None:
-        """Check a node, and all below it, as an element of a kind."""
         self._kinds[node] = kind
         if node.text.strip():
             finding = f"holds the text {shown(node.text.strip())}; expected none; delete it"
@@ -241,7 +239,6 @@ class _CheckedFile(URI):  # type: ignore[misc] # pyecore has no types
     """A file that pyecore reads without comments, which it would take for elements."""
 
     def create_instream(self) -> BytesIO:
-        """Return the content."""
         parser = etree.XMLParser(remove_comments=True, remove_pis=True, resolve_entities=False)
         return BytesIO(etree.tostring(etree.parse(self.plain, parser)))
 

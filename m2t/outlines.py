@@ -186,7 +186,6 @@ class _Outliner:
 
 
 def _kind(node: Node) -> str:
-    """Return the name of an element's class; of an unknown one, what its xsi:type says."""
     if node.metaclass is not None:
         return str(node.metaclass.name)
     return (node.xsi_type or "").rpartition(":")[2]

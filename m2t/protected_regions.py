@@ -158,7 +158,6 @@ def _unexpected_end(end: re.Match[str], expected: str) -> str:
 
 
 def _line(marker: re.Match[str]) -> int:
-    """Return the number of the line that a marker stands in."""
     return marker.string.count("\n", 0, marker.start()) + 1
 
 

@@ -308,7 +308,6 @@ class _Checker:
         )
 
     def _named_class(self, kinds: Mapping[str, Any], node: Node) -> Any:
-        """Return the one of some classes that an xsi:type names; ``None`` if it names none."""
         prefix, _, name = (node.xsi_type or "").rpartition(":")
         return kinds.get(name) if node.prefixes.get(prefix) == self._package.nsURI else None
 
@@ -338,7 +337,6 @@ class _Checker:
         return metaclass
 
     def _unknown(self, node: Node, name: str, finding: str, element: Node, what: str) -> None:
-        """Report a feature that an element's class does not have, and name those it has."""
         known = slots(element.metaclass).items()
         names = [each for each, slot in known if slot.is_contained == (what == "element")]
         expected = listed(names, name) or f"no {what}s"

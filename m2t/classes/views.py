@@ -163,7 +163,6 @@ def _bases_first(metaclasses: Iterable[Any]) -> tuple[Any, ...]:
 
 
 def _other_packages(package: Any, metaclasses: tuple[Any, ...]) -> Imports:
-    """Return the classes of other packages that this one refers to, by module."""
     own = {entry.name for entry in package.eClassifiers}
     types = [slot.type for metaclass in metaclasses for slot in slots(metaclass).values()]
     types += [known for metaclass in metaclasses for known in lineage(metaclass)]
@@ -191,7 +190,6 @@ def _class(metaclass: Any) -> ClassView:
 
 
 def _own(metaclass: Any) -> Iterator[Slot]:
-    """Yield the features that a class declares itself."""
     return (slots(metaclass)[feature.name] for feature in metaclass.eStructuralFeatures)
 
 
@@ -266,7 +264,6 @@ def _links(metaclasses: Iterable[Any]) -> Iterator[str]:
 
 
 def _annotated(element: Any) -> tuple[str, str | None, tuple[tuple[str, Details], ...]]:
-    """Return the name and annotations of an element."""
     documentation = None
     others = []
     for annotation in element.eAnnotations:
@@ -285,7 +282,6 @@ def _python_name(name: str) -> str:
 
 
 def _global_name(element: Any) -> str:
-    """Return the name of a class, an enumeration or a package, which becomes a global name."""
     name = str(element.name)
     if name in _MODULE_NAMES or keyword.iskeyword(name):
         raise _reserved(f"'{name}'")
@@ -293,7 +289,6 @@ def _global_name(element: Any) -> str:
 
 
 def _reserved(what: str) -> ModelError:
-    """Return the error that says that a name is taken."""
     return ModelError(f"{what} is a name that Python or another element uses; rename it")
 
 

@@ -87,7 +87,6 @@ def areas(mission: Any) -> Iterator[Any]:
 
 
 def _ids(elements: Any) -> str:
-    """Return the IDs of elements, for messages."""
     return listed([str(element.ID) for element in elements]) or "none"
 
 
@@ -132,7 +131,6 @@ def _check_area(mission: Any, area: Any, report: Report) -> None:
 
 
 def _check_starts(mission: Any, report: Report) -> None:
-    """Check that no robot starts in contact with an obstacle or with a robot before it."""
     others: Discs[Any] = Discs(distance)
     for obstacle in mission.obstacles:
         reach = obstacle.area.radius + ROBOT_RADIUS

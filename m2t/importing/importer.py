@@ -128,7 +128,6 @@ def _require_free(folder: Path, *, is_forced: bool) -> None:
 
 
 def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, list[Any]]:
-    """Read the mission and all fault specifications."""
     missions = setup.tagged("mission")
     if len(missions) != 1:
         finding = f"has {len(missions) or 'no'} mission; expected one; import one file a mission"
@@ -143,7 +142,6 @@ def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, l
 
 
 def _models(mission: Any, specifications: list[Any]) -> dict[str, Any]:
-    """Return the root objects of the models by file name."""
     models = {MISSION_XMI: mission}
     for number, root in enumerate(specifications, 1):
         name = FAULTS_XMI if number == 1 else f"faults_{root.ID}.xmi"

@@ -44,5 +44,4 @@ class Notes:
         self._notes.append(note)
 
     def __iter__(self) -> Iterator[Note]:
-        """Return the notes in the order of the file, by kind."""
         return iter(sorted(self._notes, key=lambda note: (KINDS.index(note.kind), note.line)))

@@ -127,7 +127,6 @@ class _Writer:
         return f' xmi:version="2.0" xmlns:xmi="{XMI}"{xsi}{namespaces}{schemas}'
 
     def _content(self, element: Any, indent: str) -> tuple[str, list[str]]:
-        """Return the attributes of an element as one text, and the lines of its children."""
         identity = self._xmi_ids.get(element)
         attributes = [] if identity is None else [_attribute("xmi:id", identity)]
         lines: list[str] = []
@@ -200,11 +199,9 @@ class _Writer:
                 )
 
     def _address(self, value: Any) -> str:
-        """Return the address of the file that an object stands in, empty for this one."""
         return self._addresses[self._top(value)]
 
     def _top(self, value: Any) -> Any:
-        """Return the root, in its file, of an object."""
         if value not in self._tops:
             container = value.eContainer()
             self._tops[value] = value if container is None else self._top(container)
@@ -228,7 +225,6 @@ class _Writer:
 
 
 def _positions(container: Any, feature: Any) -> dict[Any, int]:
-    """Return where each element stands among those that one contains as a feature."""
     return {element: index for index, element in enumerate(container.eGet(feature))}
 
 

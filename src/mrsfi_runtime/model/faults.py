@@ -101,7 +101,6 @@ class FaultPool:
         return {fault.id: fault for fault in self.faults}
 
     def __getitem__(self, fault_id: str) -> Fault:
-        """Return one fault; refuse an ID that none has."""
         try:
             return self.by_id[fault_id]
         except (KeyError, TypeError):

@@ -75,7 +75,6 @@ def _found(mission: Mission, fault: Fault) -> tuple[Target, ...]:
 
 
 def _of_robot(mission: Mission, robot: int, properties: Iterable[Field]) -> Iterator[Target]:
-    """Yield properties of a robot, and of all its sensors."""
     sensors = [mission.sensor_index[sensor.id] for sensor in mission.robots[robot].sensors]
     for affected in properties:
         if affected in OF_SENSOR:
