@@ -9,7 +9,7 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from itertools import chain, product
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 from pyecore.ecore import EObject
 
@@ -28,7 +28,6 @@ _LENGTHS = {
 }
 
 Point: TypeAlias = tuple[float, float]
-T = TypeVar("T")
 
 
 def check_mission(mission: Any, report: Report) -> None:
@@ -44,12 +43,12 @@ def check_mission(mission: Any, report: Report) -> None:
         _check_goal(mission, goal, report)
 
 
-def point(coordinates: Any) -> tuple[float, float]:
+def point(coordinates: Any) -> Point:
     """Return a point in the plane; the origin stands for an absent one."""
     return (0.0, 0.0) if coordinates is None else (coordinates.x, coordinates.y)
 
 
-def distance(one: tuple[float, float], other: tuple[float, float]) -> float:
+def distance(one: Point, other: Point) -> float:
     """Return the distance of two points, rounded as ``mission.evl`` rounds it."""
     dx, dy = one[0] - other[0], one[1] - other[1]
     return math.sqrt(dx * dx + dy * dy)
@@ -131,7 +130,7 @@ def _check_area(mission: Any, area: Any, report: Report) -> None:
 
 
 def _check_starts(mission: Any, report: Report) -> None:
-    others: Discs[Any] = Discs(distance)
+    others = Discs()
     for obstacle in mission.obstacles:
         reach = obstacle.area.radius + ROBOT_RADIUS
         others.add(obstacle, point(obstacle.area.center), reach)
@@ -267,28 +266,27 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
         report.add(entry, "MessageFieldType", finding)
 
 
-class Discs(Generic[T]):
-    """Discs in the plane, in order, each for an element; ``distance`` is that of two points.
+class Discs:
+    """Discs in the plane, in order, each for an element.
 
     A disc lies in one cell of a grid whose cells are as wide as its radius or wider, up to twice,
     so that whatever it holds is in that cell or one beside it. Discs of like radius share a
     grid; there are as many grids as there are magnitudes of radii.
     """
 
-    def __init__(self, distance: Callable[[Point, Point], float]) -> None:
-        self._distance = distance
-        self._discs: list[tuple[T, Point, float]] = []
+    def __init__(self) -> None:
+        self._discs: list[tuple[Any, Point, float]] = []
         self._grids: dict[float, dict[tuple[int, int], list[int]]] = {}
 
-    def add(self, element: T, center: Point, radius: float) -> None:
+    def add(self, element: Any, center: Point, radius: float) -> None:
         """Add a disc after all others."""
         width = 2.0 ** math.frexp(radius)[1]
         cells = self._grids.setdefault(width, defaultdict(list))
         cells[_cell(center, width)].append(len(self._discs))
         self._discs.append((element, center, radius))
 
-    def first_around(self, point: Point) -> T | None:
-        """Return the element of the first disc that a point lies in, not on its edge."""
+    def first_around(self, point: Point) -> Any:
+        """Return the element of the first disc that a point lies inside of; ``None`` if none."""
         found = []
         for width, cells in self._grids.items():
             x, y = _cell(point, width)
@@ -299,7 +297,7 @@ class Discs(Generic[T]):
 
     def _holds(self, number: int, point: Point) -> bool:
         _, center, radius = self._discs[number]
-        return self._distance(point, center) < radius
+        return distance(point, center) < radius
 
 
 def _cell(point: Point, width: float) -> tuple[int, int]:
