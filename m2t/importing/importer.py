@@ -13,7 +13,7 @@ from m2t.constraints.fault_rules import check_faults
 from m2t.constraints.mission_rules import check_mission
 from m2t.diagnostics import Report, shown
 from m2t.importing.identities import give_ids
-from m2t.importing.notes import Note, Notes
+from m2t.importing.notes import KINDS, Note, Notes
 from m2t.importing.reading import ROOT, SETUP_NAMESPACE, PublishedReader
 from m2t.load import FAULTS_XMI, MISSION_XMI
 from m2t.metaclasses import contained
@@ -104,15 +104,17 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
         said = f"is absent; {FAULTS_XMI} is an empty pool: it flies, a search needs faults in it"
         notes.add("default", setup, "specification", said)
     _require_sound(mission, specifications, reader, report)
-    for found in report:
-        notes.add_found(found)
+    notes += [
+        Note("inconsistent", found.line, found.element, found.constraint, found.message)
+        for found in report
+    ]
     files = _write(_models(mission, specifications), folder)
     return Imported(
         folder=folder,
         files=files,
         n_xmi_ids=reader.n_xmi_ids,
         counts=_counts(mission, specifications),
-        notes=tuple(notes),
+        notes=tuple(sorted(notes, key=lambda note: (KINDS.index(note.kind), note.line))),
     )
 
 
