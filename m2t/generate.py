@@ -119,17 +119,11 @@ def sources(
 
     ``contents`` are those that files are going to have in place of what stands in them.
     """
-    metamodels = metamodel_folder()
-    folder = loaded.mission_path.parent
-    paths = {_source_name(file.path, folder): file.path for file in loaded.files}
+    folder, metamodels = loaded.mission_path.parent, metamodel_folder()
+    paths = {file.seen_from(folder): file.path for file in loaded.files}
     paths |= {name: metamodels / name for name in (MISSION_FILE, FAULTS_FILE)}
     return {
         name: hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
         for name, path in paths.items()
         for content in (contents.get(path) or path.read_bytes(),)
     }
-
-
-def _source_name(path: Path, folder: Path) -> str:
-    """Return the name of a model's file, relative to its folder; parts may lie elsewhere."""
-    return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()

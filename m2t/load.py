@@ -5,6 +5,7 @@ defects of a file pass and stumbles over others, is not asked.
 """
 
 import gc
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -40,6 +41,10 @@ class LoadedFile:
     path: Path
     spelling: Spelling
     roots: tuple[Any, ...]
+
+    def seen_from(self, folder: Path) -> str:
+        """Return the relative path of the file from a folder, with slashes."""
+        return Path(os.path.relpath(self.path.resolve(), folder.resolve())).as_posix()
 
 
 @dataclass(frozen=True, slots=True)
