@@ -136,7 +136,9 @@ class _Checker:
             if child.namespace == self._package.nsURI:
                 child.namespace = ""  # a feature, as Eclipse takes it
         given = Counter(child.tag for child in node.children if not child.namespace)
-        self._require_no_text(node)
+        if text := node.text.strip():
+            finding = f"holds the text {shown(text)}; expected attributes and elements; delete it"
+            self._report.add(node, "NoText", finding)
         for name, text in node.attributes.items():
             given[name] += self._attribute(node, name, text)
         self._qualified(node)
@@ -342,8 +344,3 @@ class _Checker:
         expected = listed(names, name) or f"no {what}s"
         finding = f"{finding}; expected {expected}; correct or delete it"
         self._report.add(node, "KnownFeature", finding)
-
-    def _require_no_text(self, node: Node) -> None:
-        if text := node.text.strip():
-            finding = f"holds the text {shown(text)}; expected attributes and elements; delete it"
-            self._report.add(node, "NoText", finding)

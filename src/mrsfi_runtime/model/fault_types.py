@@ -127,16 +127,13 @@ class FaultType:
 
     def named(self, values: Sequence[float]) -> dict[str, float]:
         """Return values by the names of the parameters."""
-        names = (parameter.name for parameter in self.parameters)
-        return dict(zip(names, values, strict=True))
+        return dict(zip((each.name for each in self.parameters), values, strict=True))
 
     def in_words(self, values: Sequence[float]) -> str:
         """Return values with names and units, of six digits: ``DELAY 200 ticks``."""
-        units = (UNITS.get(parameter.range, "") for parameter in self.parameters)
-        named = self.named(values).items()
         return ", ".join(
-            f"{name} {value:.6g} {unit}".rstrip()
-            for (name, value), unit in zip(named, units, strict=True)
+            f"{each.name} {value:.6g} {UNITS.get(each.range, '')}".rstrip()
+            for each, value in zip(self.parameters, values, strict=True)
         )
 
 
