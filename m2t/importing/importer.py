@@ -112,7 +112,7 @@ def import_published(path: Path, folder: Path, *, is_forced: bool = False) -> Im
     return Imported(
         folder=folder,
         files=files,
-        n_xmi_ids=reader.n_xmi_ids,
+        n_xmi_ids=len(reader.by_xmi_id),
         counts=_counts(mission, specifications),
         notes=tuple(sorted(notes, key=lambda note: (KINDS.index(note.kind), note.line))),
     )
@@ -139,7 +139,7 @@ def _roots(setup: Node, reader: PublishedReader, report: Report) -> tuple[Any, l
     mission = reader.element(missions[0], known.mission_class)
     found = setup.tagged("specification")
     specifications = [reader.element(child, known.faults_class) for child in found]
-    reader.drop_rest(setup, ("mission", "specification"))
+    reader.drop_rest()
     return mission, specifications
 
 

@@ -6,7 +6,7 @@ says nothing.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from m2t.check.attribute_values import require_value
@@ -107,7 +107,7 @@ class _Given:
 
 
 class PublishedReader:
-    """Reads the elements of one published file, of which ``n_xmi_ids`` have an xmi:id.
+    """Reads the elements of one published file, of which those with an xmi:id are ``by_xmi_id``.
 
     ``origins`` gets the node of every object that is made, ``own_ids`` the ID that the file gives
     it, if any. What cannot be carried over is reported as it is read, what is missing by
@@ -122,25 +122,20 @@ class PublishedReader:
         self._notes = notes
         self._objects: dict[Node, Any] = {}
         self._references: list[Reference] = []
-        self._by_xmi_id: dict[str, Node] = {}
+        self.by_xmi_id: dict[str, Node] = {}
         self._by_id: dict[str, list[Node]] = {}
         for node in root.walk():
             if "ID" in node.attributes:
                 self._by_id.setdefault(node.attributes["ID"], []).append(node)
             if (identity := node.xmi_id) is None:
                 continue
-            first = self._by_xmi_id.setdefault(identity, node)
+            first = self.by_xmi_id.setdefault(identity, node)
             if first is not node:
                 finding = (
                     f"has xmi:id {shown(identity)}, as has an element in line {first.line}; "
                     "expected different ones, because references use them; change one"
                 )
                 report.add(node, "UniqueId", finding)
-
-    @property
-    def n_xmi_ids(self) -> int:
-        """Number of elements with an xmi:id."""
-        return len(self._by_xmi_id)
 
     def element(self, node: Node, metaclass: Any) -> Any:
         """Return an object with all that it contains; references stay open."""
@@ -188,10 +183,10 @@ class PublishedReader:
             if count < slot.lower_bound:
                 report_count(element, slot, count, self._report)
 
-    def drop_rest(self, node: Node, used: Iterable[str]) -> None:
+    def drop_rest(self) -> None:
         """Note what of the root is not carried over."""
-        given = _Given(node)
-        for name in used:
+        given = _Given(self._root)
+        for name in ("mission", "specification"):
             given.take_children(name)
         self._drop(given, "")
 
@@ -290,8 +285,8 @@ class PublishedReader:
 
     def _find(self, fragment: str) -> Node | None:
         """Return a node by xmi:id, by path of Eclipse, or by an ID that only one element has."""
-        if fragment in self._by_xmi_id:
-            return self._by_xmi_id[fragment]
+        if fragment in self.by_xmi_id:
+            return self.by_xmi_id[fragment]
         if fragment.startswith("/"):
             return follow(self._root, fragment.partition("/")[2].partition("/")[2])
         known = self._by_id.get(fragment, [])
