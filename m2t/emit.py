@@ -12,13 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path, PurePath
 from typing import Any
 
-from m2t.protected_regions import (
-    FileRecord,
-    is_hand_written,
-    merge,
-    parse,
-    record_of,
-)
+from m2t.protected_regions import FileRecord, is_hand_written, merge, parse, record_of
 from mrsfi_runtime.errors import GenerationError, ProtectedRegionError
 from mrsfi_runtime.model.semantics import SEMANTICS
 

@@ -246,11 +246,9 @@ def _check_field(sender: Any, entry: Any, report: Report) -> None:
     carried = [sensor.type.name for sensor in getattr(sender, "sensors", ())]
     enumeration = sender.eClass.ePackage.getEClassifier("SensorType")
     sensor_types = [literal.name for literal in enumeration.eLiterals]
-    if entry.name not in (*ROBOT_FIELDS, *sensor_types):
-        finding = (
-            f"is no field of a message; expected one of "
-            f"{', '.join((*ROBOT_FIELDS, *sensor_types))}; correct the name"
-        )
+    known = (*ROBOT_FIELDS, *sensor_types)
+    if entry.name not in known:
+        finding = f"is no field of a message; expected one of {', '.join(known)}; correct the name"
         report.add(entry, "MessageFieldName", finding)
     elif entry.name in sensor_types and entry.name not in carried:
         finding = (

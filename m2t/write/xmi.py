@@ -183,7 +183,7 @@ class _Writer:
         package = value.eClass.ePackage
         self._uses_xsi = True
         self._namespaces[package.nsPrefix] = package.nsURI
-        return f' xsi:type="{package.nsPrefix}:{value.eClass.name}"'
+        return f' xsi:type="{_tag(value)}"'
 
     def _require_addresses(self, element: Any, slot: Slot, held: list[Any]) -> None:
         """Refuse a reference to an object that stands in no known file, as a deleted one does."""

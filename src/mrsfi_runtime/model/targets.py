@@ -4,13 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from mrsfi_runtime.errors import SpecificationError
-from mrsfi_runtime.model.fault_types import (
-    IN_NO_MESSAGE,
-    OF_ROBOT,
-    OF_SENSOR,
-    Field,
-    Struck,
-)
+from mrsfi_runtime.model.fault_types import IN_NO_MESSAGE, OF_ROBOT, OF_SENSOR, Field, Struck
 from mrsfi_runtime.model.faults import Fault
 from mrsfi_runtime.model.mission import Message, Mission, Obstacle, Robot, Sensor
 
