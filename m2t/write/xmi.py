@@ -69,20 +69,12 @@ def java_double(value: float) -> str:
     >>> java_double(250.0), java_double(1e-5), java_double(12345678.9)
     ('250.0', '1.0E-5', '1.23456789E7')
     """
-    if value == 0:
-        return "-0.0" if str(value).startswith("-") else "0.0"
-    shortest = repr(value)
-    if float(f"{value:.1e}") == value:  # Java never shows fewer than two digits
-        shortest = f"{value:.1e}"
-    sign, digits, exponent = Decimal(shortest).as_tuple()
-    text = "".join(map(str, digits)).rstrip("0") or "0"
-    point = len(digits) + int(exponent)
-    minus = "-" if sign else ""
-    if 1e-3 <= abs(value) < 1e7:
-        if point <= 0:
-            return f"{minus}0.{'0' * -point}{text}"
-        return f"{minus}{text[:point].ljust(point, '0')}.{text[point:] or '0'}"
-    return f"{minus}{text[0]}.{text[1:] or '0'}E{point - 1}"
+    if value == 0 or 1e-3 <= abs(value) < 1e7:
+        return repr(value)
+    two_digits = f"{value:.1e}"  # Java never shows fewer
+    shortest = Decimal(two_digits if float(two_digits) == value else repr(value))
+    mantissa, _, exponent = f"{shortest.normalize():e}".partition("e")
+    return f"{mantissa}{'' if '.' in mantissa else '.0'}E{int(exponent)}"
 
 
 class _Writer:
