@@ -16,6 +16,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from io import StringIO
 from itertools import zip_longest
 
 from mrsfi_runtime.errors import ProtectedRegionError
@@ -163,9 +164,7 @@ def _line(marker: re.Match[str]) -> int:
 
 def text_lines(text: str) -> list[str]:
     r"""Return the lines with their ends; unlike ``splitlines``, only ``\n`` ends a line."""
-    lines = [f"{line}\n" for line in text.split("\n")]
-    lines[-1] = lines[-1].removesuffix("\n")
-    return lines if lines[-1] else lines[:-1]
+    return StringIO(text).readlines()
 
 
 def merge(
