@@ -197,7 +197,7 @@ class MetamodelReader:
             self.report.add(node, "ReferenceType", f"{finding}; choose one")
         elif kind == "EAnnotation" and node.attributes.get("source") == MEANING:
             keys = [entry.attributes.get("key", "") for entry in node.tagged("details")]
-            for key in {key for key in keys if keys.count(key) > 1}:
+            for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
                 finding = f"has the key {shown(key)} again; expected each once; delete one"
                 self.report.add(node, "KnownFeature", finding)
 
