@@ -14,14 +14,29 @@ TOLD = (*COUNTED, "missed_since")
 class Outcome:
     """Violations per goal, each of shape ``(n_goals,)`` in model order, and what faults did.
 
-    The collective intelligence ``believed`` a goal violated at so many ticks, the paper's measure;
-    at so many it was ``true``. ``phantom`` ticks were believed and not true, ``masked`` ones true
-    and not believed. ``missed`` are those from the one on at which it was certain, from the truth
-    alone, that the goal's purpose is not met, 0 where it was met; ``None`` in a record of semantics
-    1, which does not say. ``samples`` were counted towards each goal, in truth, 0 for goals that
-    gather none. Each timed fault was active at ``applied`` ticks, and at ``changed`` ones changed
-    at least one value. ``digest`` is the SHA-256 over all of this and the final true and believed
-    states, as IEEE-754 bits.
+    Attributes
+    ----------
+    believed
+        Ticks at which the collective intelligence believed the goal violated: the paper's
+        measure.
+    true
+        Ticks at which it truly was.
+    phantom
+        Believed, not true.
+    masked
+        True, not believed.
+    missed
+        Ticks from the one on at which it was certain, from the truth alone, that the goal's
+        purpose is not met; 0 where it was met. ``None`` in a record of semantics 1, which does not
+        say.
+    samples
+        Samples counted towards each goal, in truth; 0 for goals that gather none.
+    applied
+        For each timed fault, at how many ticks it was active.
+    changed
+        For each timed fault, at how many ticks it changed at least one value.
+    digest
+        SHA-256 over all of the above and the final true and believed states, as IEEE-754 bits.
     """
 
     believed: tuple[int, ...]
