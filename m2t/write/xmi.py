@@ -132,7 +132,9 @@ class _Writer:
                 lines.extend(self._contained(slot, held, indent))
             elif slot.is_reference:
                 self._require_addresses(element, slot, held)
-                self._refer(slot, held, indent, attributes, lines)
+                own, inner = self._references(slot, held, indent)
+                attributes += own
+                lines += inner
             elif slot.many:
                 texts = (_escaped(_text(slot, value), _TEXT_ESCAPES) for value in held)
                 lines.extend(f"{indent}<{slot.name}>{text}</{slot.name}>" for text in texts)
@@ -142,31 +144,23 @@ class _Writer:
 
     def _contained(self, slot: Slot, held: list[Any], indent: str) -> Iterator[str]:
         for value in held:
-            kind = self._type(slot, value)
             if value in self._starts:  # the root of another file
-                yield self._reference(slot, value, kind, indent)
+                yield self._reference(slot, value, indent)
                 continue
+            kind = self._type(slot, value)
             attributes, lines = self._content(value, indent)
             yield from _element_lines(indent, slot.name, kind + attributes, lines)
 
-    def _reference(self, slot: Slot, value: Any, kind: str, indent: str) -> str:
+    def _reference(self, slot: Slot, value: Any, indent: str) -> str:
         href = _attribute("href", f"{self._address(value)}#{self._fragment(value)}")
-        return f"{indent}<{slot.name}{kind}{href}/>"
+        return f"{indent}<{slot.name}{self._type(slot, value)}{href}/>"
 
-    def _refer(
-        self,
-        slot: Slot,
-        held: list[Any],
-        indent: str,
-        attributes: list[str],
-        lines: list[str],
-    ) -> None:
-        """Refer by attribute within the file, by elements as soon as one value is outside."""
+    def _references(self, slot: Slot, held: list[Any], indent: str) -> tuple[list[str], list[str]]:
+        """Return an attribute within the file, elements as soon as one value is outside."""
         if any(self._address(value) for value in held):
-            lines += [self._reference(slot, each, self._type(slot, each), indent) for each in held]
-        elif held:
-            fragments = " ".join(self._fragment(value) for value in held)
-            attributes.append(_attribute(slot.name, fragments))
+            return [], [self._reference(slot, each, indent) for each in held]
+        fragments = " ".join(self._fragment(value) for value in held)
+        return [_attribute(slot.name, fragments)] if held else [], []
 
     def _type(self, slot: Slot, value: Any) -> str:
         """Return xsi:type where the declared class does not say it."""
